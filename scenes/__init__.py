@@ -1,0 +1,22 @@
+"""What every model shares: the scene, what a model must return, and the scene files."""
+
+from .engine import Engine, Failure, Sampling, Settings, Simulation, Status
+from .errors import InputError
+from .motion import Motion
+from .reader import LIBRARY, load, shipped
+from .scene import Scene
+
+__all__ = [
+    "LIBRARY",
+    "Engine",
+    "Failure",
+    "InputError",
+    "Motion",
+    "Sampling",
+    "Scene",
+    "Settings",
+    "Simulation",
+    "Status",
+    "load",
+    "shipped",
+]

@@ -1,0 +1,117 @@
+"""What every engine offers: a module with `version`, `DEFAULT`, `LADDER` and `build`; failures are data.
+
+The three stages are apart so that a clock can wrap `solve` alone:
+
+    simulation = engine.build(scene, settings, sampling)   # model, start pose, buffers
+    simulation.solve()                                     # the work itself
+    motion = simulation.read()                             # channels, in the sign rules of `motion.py`
+
+Any stage may raise `Failure`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from math import copysign, pi
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from .motion import Motion, Samples
+from .scene import Scene
+
+
+class Status(Enum):
+    """How a run ended. The value is the sentence that users see."""
+
+    ok = "Solved; every check that the engine makes of itself passed."
+    unsupported = "The engine cannot model what this scene asks for."
+    cannot_assemble = "The bodies cannot be put together at some crank angle."
+    wrong_branch = "The linkage ended up assembled the other way round."
+    diverged = "The solution ran away or the engine gave up on a step."
+    not_converged = "The engine's own residual stayed above its limit."
+    nonfinite = "The result holds values that are not finite."
+    timed_out = "The time limit was reached before the end."
+    crashed = "The engine stopped with an error of its own."
+
+
+class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
+    """A run that ended with a status other than ok, and the particular reason in one sentence."""
+
+    def __init__(self, status: Status, reason: str) -> None:
+        super().__init__(reason)
+        self.status = status
+        self.reason = reason
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Base of every engine's settings; `label` is what tables and plots call them."""
+
+    label: str
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """When the result is wanted: `samples` equal steps a turn over `turns` turns, both ends included."""
+
+    samples: int = 360
+    turns: int = 1
+
+    @property
+    def count(self) -> int:
+        """Return the number of rows, n."""
+        return self.samples * self.turns + 1
+
+    def times(self, scene: Scene) -> Samples:
+        """Return the instants, shape (n,), s."""
+        period = 2 * pi / abs(scene.drive.speed)
+        return np.arange(self.count, dtype=np.float64) / self.samples * period
+
+    def commanded(self, scene: Scene) -> Samples:
+        """Return the crank angles that the drive asks for at those instants, shape (n,), rad."""
+        turn = copysign(2 * pi, scene.drive.speed)
+        return scene.drive.start + np.arange(self.count, dtype=np.float64) / self.samples * turn
+
+
+class Simulation(Protocol):
+    """One prepared run."""
+
+    def solve(self) -> None:
+        """Do the work; this alone is timed as the solve."""
+
+    def read(self) -> Motion:
+        """Return every channel of the scene, each present or said to be unsupported with a reason."""
+
+    @property
+    def counters(self) -> Mapping[str, int]:
+        """Machine-free measures of the work done: steps, Newton iterations, constraint iterations."""
+
+    @property
+    def residuals(self) -> Mapping[str, float]:
+        """The engine's own convergence checks after `read`, relative, by name."""
+
+
+S = TypeVar("S", bound=Settings)
+
+
+class Engine(Protocol[S]):
+    """An engine, as its module offers it."""
+
+    @property
+    def DEFAULT(self) -> S:  # noqa: N802 - a module's constant
+        """The settings of a plain run."""
+
+    @property
+    def LADDER(self) -> tuple[S, ...]:  # noqa: N802
+        """Settings from cheap to accurate, for the picture of speed against error."""
+
+    def version(self) -> str:
+        """Return the versions of what does the work."""
+
+    def build(self, scene: Scene, settings: S, sampling: Sampling) -> Simulation:
+        """Prepare a run.
+
+        Raises:
+            Failure: the scene cannot be modelled or assembled.
+        """

@@ -1,0 +1,99 @@
+"""Motion: what a model returns. Named channels, their units and sign rules; nothing else.
+
+| channel | meaning |
+|---|---|
+| `time`, `crank_angle` | the sample's instant; the angle of the crank's x axis that the engine really has, continuous |
+| `P.x .y .vx .vy .ax .ay` | a moving point, ground frame |
+| `body.angle .omega .alpha` | a turning body's x axis, counter-clockwise positive; the angle counts modulo one turn |
+| `P.fx .fy` | the force that the pin's body named first in the file exerts on the later one; ground comes before all |
+| `P/body.fx .fy` | the same for a third body at one point: the force of the first body on it |
+| `body.guide_force` | from the ground on the slider, along `along` turned +90 degrees |
+| `body.guide_moment` | from the ground on the slider, about the slider's first point, counter-clockwise positive |
+| `drive.torque` | what the drive does on the driven body |
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import nearest
+from .scene import Scene
+
+Samples: TypeAlias = NDArray[np.float64]
+
+UNITS: Mapping[str, str] = {
+    "time": "s",
+    "crank_angle": "rad",
+    "x": "m",
+    "y": "m",
+    "vx": "m/s",
+    "vy": "m/s",
+    "ax": "m/s^2",
+    "ay": "m/s^2",
+    "angle": "rad",
+    "omega": "rad/s",
+    "alpha": "rad/s^2",
+    "fx": "N",
+    "fy": "N",
+    "guide_force": "N",
+    "guide_moment": "N*m",
+    "torque": "N*m",
+}
+
+
+def quantity(channel: str) -> str:
+    """Return what a channel measures, a key of `UNITS`: `P5.y` -> `y`, `time` -> `time`."""
+    return channel.rpartition(".")[2]
+
+
+def header(channel: str) -> str:
+    """Return the CSV header of a channel: `P5.y [m]`."""
+    return f"{channel} [{UNITS[quantity(channel)]}]"
+
+
+def kinematic_channels(scene: Scene) -> tuple[str, ...]:
+    """Return the names of the channels that describe the motion, in the order of the files."""
+    points = tuple(f"{point}.{q}" for point in scene.moving_points for q in ("x", "y", "vx", "vy", "ax", "ay"))
+    turning = (body.name for body in scene.bodies.values() if body.slide is None)
+    return ("time", "crank_angle", *points, *(f"{body}.{q}" for body in turning for q in ("angle", "omega", "alpha")))
+
+
+def force_channels(scene: Scene) -> tuple[str, ...]:
+    """Return the names of the channels that describe the forces; none in a kinematic scene."""
+    if not scene.has_masses:
+        return ()
+    pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
+    sliding = (body.name for body in scene.bodies.values() if body.slide is not None)
+    return (*pins, *(f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment")), "drive.torque")
+
+
+def channels(scene: Scene) -> tuple[str, ...]:
+    """Return the names of all channels of a scene, in the order of the files."""
+    return kinematic_channels(scene) + force_channels(scene)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One model's answer: channel name -> samples of shape (n,), SI; and why any channel is missing."""
+
+    samples: Mapping[str, Samples]
+    unsupported: Mapping[str, str] = field(default_factory=dict)  # channel -> reason
+
+    def __getitem__(self, channel: str) -> Samples:
+        """Return the samples of a channel, shape (n,), in the unit of `UNITS`.
+
+        Raises:
+            KeyError: the motion has no such channel; the message says why, or names the nearest one.
+        """
+        if channel in self.samples:
+            return self.samples[channel]
+        if channel in self.unsupported:
+            raise KeyError(f"{channel}: unsupported, {self.unsupported[channel]}")
+        raise KeyError(f"{channel}: no such channel{nearest(channel, self.samples)}")
+
+    def __contains__(self, channel: str) -> bool:
+        """Whether the channel was computed."""
+        return channel in self.samples

@@ -1,0 +1,1 @@
+"""One module an engine: each sees the scene and its engine, never another model."""
