@@ -1,0 +1,89 @@
+"""The mathematics of one dyad: equation-sized functions of arrays of shape (n,).
+
+Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b = a . b + i (a x b). Equations (1) to
+(3) of Yang (2023), doi:10.56578/jisc020103, are the loops that RRR and RRP close. His half-angle arctangents (8), (10),
+(14) lose their quadrant and divide by A - C; the triangle's area, by Kahan's formula, does neither and keeps its digits
+near the folded pose.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.motion import Samples
+
+Vectors: TypeAlias = NDArray[np.complex128]  # shape (n,)
+
+
+def as_vectors(x: Samples, y: Samples) -> Vectors:
+    """Return x + iy; twice as fast as writing it so."""
+    v = np.empty(np.shape(x), complex)
+    v.real, v.imag = x, y
+    return v
+
+
+def dot(a: Vectors | complex, b: Vectors) -> Samples:
+    """Return a . b."""
+    return (a.conjugate() * b).real
+
+
+def cross(a: Vectors | complex, b: Vectors) -> Samples:
+    """Return the z component of a x b."""
+    return (a.conjugate() * b).imag
+
+
+def rrr_reach(r1: float, r2: float, d: Samples) -> Samples:
+    """Return 16 K^2, K the area of the triangle with sides r1, r2, d; negative where they cannot close.
+
+    Kahan, "Miscalculating area and angles of a needle-like triangle" (2014). He sorts the three sides; here only d
+    varies, so the two factors that cancel, near d = r1 + r2 and near d = |r1 - r2|, are each bracketed as his sorted
+    sides would be at that very pose. Elsewhere nothing cancels and any order will do.
+    """
+    long, short = max(r1, r2), min(r1, r2)
+    stretched = short - (d - long)
+    folded = d - (long - short) if long <= 2 * short else short - (long - d)
+    return (d + (long + short)) * stretched * (d + (long - short)) * folded
+
+
+def rrr_position(d: Vectors, r1: float, r2: float, branch: int) -> tuple[Vectors, Vectors, Samples]:
+    """Return p = P - A, q = P - B and p x q, twice the signed area, given d = B - A and the bars' lengths.
+
+    p = d (d . p + i d x p) / |d|^2, where d . p follows from the three sides, and d x p = p x q is twice the area K
+    with the sign of the branch. NaN where the bars do not reach.
+    """
+    distance = np.abs(d)
+    area = 0.5 * branch * np.sqrt(rrr_reach(r1, r2, distance))
+    square = distance * distance
+    p = as_vectors(0.5 * (square + (r1 - r2) * (r1 + r2)) / square, area / square) * d
+    return p, p - d, area
+
+
+def rrr_rates(e: Vectors, p: Vectors, q: Vectors, area: Samples) -> tuple[Samples, Samples]:
+    """Return the real x1, x2 that solve i x1 p - i x2 q = e: both bars give P the same velocity, or acceleration.
+
+    Dotting with q, then with p, leaves one unknown each, and (i p) . q = p x q.
+    """
+    return dot(e, q) / area, dot(e, p) / area
+
+
+def rrr_force(M1: Samples, M2: Samples, p: Vectors, q: Vectors, area: Samples) -> Vectors:
+    """Return the force of bar 2 on bar 1 at P, given the other forces' moments, M1 on bar 1 about A, M2 on 2 about B.
+
+    p x R = -M1 and q x R = M2; R is written in the basis p, q.
+    """
+    return (M2 / -area) * p - (M1 / area) * q
+
+
+def rrp_position(e: Vectors, r: float, branch: int) -> tuple[Samples, Samples]:
+    """Return p . t and p . n, p = P - A, given e = C - A in guide axes: t real, n = i t imaginary; C is on P's line.
+
+    NaN where the bar does not reach the line.
+    """
+    h = e.imag
+    return branch * np.sqrt((r - h) * (r + h)), h
+
+
+def turned(omega: Samples, alpha: Samples) -> Vectors:
+    """Return i alpha - omega^2, which makes the arm r of a turning body its acceleration relative to the arm's foot."""
+    return as_vectors(-(omega * omega), alpha)

@@ -1,0 +1,56 @@
+"""The vector-equation core as an engine of the comparison."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from scenes import Motion, Sampling, Scene, Settings
+
+from .decomposition import decompose
+from .solve import solve
+
+DEFAULT = Settings(label="closed form")
+LADDER = (DEFAULT,)
+
+
+def version() -> str:
+    """Return the versions of what does the work."""
+    return f"numpy {np.__version__}"
+
+
+@dataclass
+class AnalyticRun:
+    """One evaluation at the commanded angles."""
+
+    scene: Scene
+    sampling: Sampling
+    motion: Motion = field(init=False)
+
+    def solve(self) -> None:
+        """Evaluate every channel."""
+        self.motion = solve(self.scene, self.sampling.commanded(self.scene))
+
+    def read(self) -> Motion:
+        """Return the channels; nothing is left to do."""
+        return self.motion
+
+    @property
+    def counters(self) -> Mapping[str, int]:
+        """Return the number of angles times dyads."""
+        return {"dyad_solves": self.sampling.count * len(decompose(self.scene).dyads)}
+
+    @property
+    def residuals(self) -> Mapping[str, float]:
+        """Return nothing: a closed form has no residual of its own; its floor is certified from outside."""
+        return {}
+
+
+def build(scene: Scene, settings: Settings, sampling: Sampling) -> AnalyticRun:  # noqa: ARG001 - one form, no choices
+    """Prepare an evaluation.
+
+    Raises:
+        Failure: the linkage does not decompose.
+    """
+    decompose(scene)
+    return AnalyticRun(scene, sampling)

@@ -1,0 +1,108 @@
+"""Position, velocity and acceleration of the whole linkage, dyad after dyad, for many crank angles at once."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.motion import Samples
+
+from .decomposition import RRP, RRR, Decomposition
+from .dyads import Vectors, as_vectors, rrp_position, rrr_position, rrr_rates, turned
+from .geometry import as_complex
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Where everything is and how it moves. Arrays of shape (n,), or of shape () for what does not change."""
+
+    z: dict[str, Vectors] = field(default_factory=dict)  # points: position, m
+    v: dict[str, Vectors] = field(default_factory=dict)  # m/s
+    a: dict[str, Vectors] = field(default_factory=dict)  # m/s^2
+    u: dict[str, Vectors] = field(default_factory=dict)  # bodies: attitude exp(i angle)
+    omega: dict[str, Samples] = field(default_factory=dict)  # rad/s
+    alpha: dict[str, Samples] = field(default_factory=dict)  # rad/s^2
+    rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
+    arms: dict[str, tuple[Vectors, Vectors, Samples]] = field(default_factory=dict)  # RRR by inner pin: p, q, p x q
+    guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # RRP by inner pin: p . t, p . n
+
+
+def kinematics(scene: Scene, linkage: Decomposition, crank_angle: Samples) -> Kinematics:
+    """Solve position, velocity and acceleration at the crank angles, shape (n,), rad.
+
+    Raises:
+        Failure: `cannot_assemble` at the first crank angle where a dyad does not reach.
+    """
+    k = Kinematics()
+    for point, xy in scene.ground.items():
+        k.z[point], k.v[point], k.a[point] = np.array(as_complex(xy)), np.array(0j), np.array(0j)
+    _crank(scene, linkage, k, crank_angle)
+    for dyad in linkage.dyads:
+        if isinstance(dyad, RRR):
+            _rrr(dyad, linkage, k, crank_angle)
+        else:
+            _rrp(dyad, linkage, k, crank_angle)
+    return k
+
+
+def _crank(scene: Scene, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+    u = np.exp(1j * crank_angle)
+    _place(linkage, k, linkage.crank.body, linkage.crank.pivot, u, np.array(scene.drive.speed), np.array(0.0))
+
+
+def _rrr(dyad: RRR, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+    A, B, P = dyad.A, dyad.B, dyad.P
+    bar_1 = linkage.bodies[dyad.body_1].arm(A, P)
+    bar_2 = linkage.bodies[dyad.body_2].arm(B, P)
+    d = k.z[B] - k.z[A]
+    p, q, area = k.arms[P] = rrr_position(d, abs(bar_1), abs(bar_2), dyad.branch)
+    _check_reach(area, crank_angle, f"{dyad.body_1} and {dyad.body_2} do not meet in {P}")
+
+    w1, w2 = rrr_rates(k.v[B] - k.v[A], p, q, area)
+    centripetal = (k.a[B] - w2**2 * q) - (k.a[A] - w1**2 * p)
+    alpha_1, alpha_2 = rrr_rates(centripetal, p, q, area)
+    _place(linkage, k, dyad.body_1, A, p * (1 / bar_1), w1, alpha_1)
+    _place(linkage, k, dyad.body_2, B, q * (1 / bar_2), w2, alpha_2)
+
+
+def _rrp(dyad: RRP, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+    """Solve in guide axes: P = C + s t on the slider, A + p on the bar; only s and the bar's angle are unknown."""
+    A, P, t = dyad.A, dyad.P, dyad.t
+    bar, slider = linkage.bodies[dyad.bar].arm(A, P), linkage.bodies[dyad.slider]
+    C = dyad.through + slider.arm(dyad.first, P)
+    e = (C - k.z[A]) * t.conjugate()
+    p_t, p_n = k.guide[P] = rrp_position(e, abs(bar), dyad.branch)
+    _check_reach(p_t, crank_angle, f"{dyad.bar} does not reach the line of {P} on {dyad.slider}")
+
+    v = k.v[A] * t.conjugate()
+    omega = -v.imag / p_t
+    a = k.a[A] * t.conjugate()
+    alpha = (omega**2 * p_n - a.imag) / p_t
+
+    k.z[P] = np.asarray(C + t * (p_t - e.real))
+    k.v[P] = np.asarray(t * (v.real - omega * p_n))
+    k.a[P] = np.asarray(t * (a.real - alpha * p_n - omega**2 * p_t))
+    _place(linkage, k, dyad.slider, P, np.array(1 + 0j), np.array(0.0), np.array(0.0))
+    _place(linkage, k, dyad.bar, A, as_vectors(p_t, p_n) * (t / bar), omega, alpha)
+
+
+def _place(
+    linkage: Decomposition, k: Kinematics, body: str, foot: str, u: Vectors, omega: Samples, alpha: Samples
+) -> None:
+    """Carry the body's own points along with its placed point `foot`."""
+    rate = turned(omega, alpha)
+    k.u[body], k.omega[body], k.alpha[body], k.rate[body] = u, omega, alpha, rate
+    for point in linkage.carries[body]:
+        if point not in k.z:
+            r = u * linkage.bodies[body].arm(foot, point)
+            k.z[point] = k.z[foot] + r
+            k.v[point] = k.v[foot] + r * (1j * omega)
+            k.a[point] = k.a[foot] + r * rate
+
+
+def _check_reach(reach: Samples, crank_angle: Samples, what: str) -> None:
+    """Find the poses that do not exist: there the reach is NaN, the square root of a negative number."""
+    fails = np.isnan(reach)
+    if fails.any():
+        degrees = np.degrees(crank_angle[fails.argmax()])
+        raise Failure(Status.cannot_assemble, f"at crank angle {degrees:.4g} deg {what}")

@@ -1,0 +1,1 @@
+"""Measures, compares, reports. Reaches the models by name only, through `registry`."""

@@ -1,0 +1,46 @@
+"""What a CI run is stopped by: the scene's tolerances, engine by engine and group by group."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from scenes import Scene, Status
+
+from .measure import Measurement
+
+
+@dataclass(frozen=True)
+class Gate:
+    """One tolerance and whether it was met."""
+
+    engine: str
+    group: str
+    tolerance: float
+    error: float  # NaN where there is none
+    worst: str  # the channel, or why there is no error
+
+    @property
+    def missed(self) -> bool:
+        """Whether the error is not shown to be within the tolerance; NaN is not."""
+        return not (self.error <= self.tolerance)
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        return (
+            f"{self.engine} {self.group}: {self.error:.2e} against a tolerance of {self.tolerance:.0e} ({self.worst})"
+        )
+
+
+def gates(scene: Scene, measurements: Iterable[Measurement]) -> Iterator[Gate]:
+    """Yield every tolerance of the scene for the engines that were asked to run."""
+    for measurement in measurements:
+        run, errors = measurement.run, measurement.errors
+        for group, tolerance in scene.tolerances.get(run.engine, {}).items():
+            if run.status is not Status.ok:
+                yield Gate(run.engine, group, tolerance, float("nan"), f"{run.status.name}: {run.reason}")
+                continue
+            rows = errors[errors["group"] == group]
+            if rows.empty:
+                yield Gate(run.engine, group, tolerance, float("nan"), "no such channel was returned")
+                continue
+            worst = int(rows["max"].to_numpy().argmax())  # a NaN counts as the largest
+            yield Gate(run.engine, group, tolerance, rows["max"].iloc[worst], rows["channel"].iloc[worst])

@@ -1,0 +1,34 @@
+"""One engine, one setting: run it, compare it, check it, judge it."""
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from scenes import Sampling, Settings
+
+from .checks import Check, checks
+from .errors import Comparison, compare, error_table
+from .reference import Reference
+from .runner import Run, run
+from .verdict import judged
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A judged run and what is known about it; nothing but the run where it gave no motion."""
+
+    run: Run
+    comparison: Comparison | None
+    checks: list[Check]
+    errors: pd.DataFrame  # one row a channel
+
+
+def measure(reference: Reference, engine: str, sampling: Sampling, settings: Settings | None = None) -> Measurement:
+    """Run an engine, at its default settings unless told otherwise, and find out all about the result."""
+    outcome = run(engine, reference.scene, sampling, settings)
+    if outcome.motion is None:
+        return Measurement(outcome, None, [], pd.DataFrame())
+    comparison = compare(reference, sampling, outcome.motion)
+    found = checks(reference.scene, outcome.motion, reference.stroke)
+    verdict = judged(outcome, reference.scene, found, comparison)
+    return Measurement(verdict, comparison, found, error_table(engine, comparison, reference))

@@ -1,0 +1,81 @@
+"""The one place that knows the engines' names. A module is imported when its engine runs, not before."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import Any, TypeAlias, cast
+
+from scenes import Engine, InputError, Motion, Scene
+from scenes.errors import nearest
+from scenes.motion import Samples
+
+Solve: TypeAlias = Callable[[Scene, Samples], Motion]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where an engine lives and what must be installed for it."""
+
+    purpose: str
+    module: str
+    package: str  # what is imported
+    distribution: str  # what is installed
+    install: str
+
+    @property
+    def missing(self) -> str | None:
+        """Return what to do before the engine can run, or None when it can."""
+        return None if find_spec(self.package) else f"{self.distribution} is not installed: {self.install}"
+
+    @property
+    def version(self) -> str:
+        """Return the installed version of what does the work, without importing it."""
+        try:
+            return f"{self.distribution} {version(self.distribution)}"
+        except PackageNotFoundError:
+            return "not installed"
+
+
+ENTRIES = {
+    "analytic": Entry(
+        "vector equations in closed form; the reference", "analytic.engine", "numpy", "numpy", "pip install numpy"
+    ),
+    "exudyn": Entry(
+        "multibody DAE with Lagrange multipliers",
+        "sim_models.exudyn_model",
+        "exudyn",
+        "exudyn",
+        "pip install exudyn",
+    ),
+    "pymunk": Entry(
+        "impulses, block Gauss-Seidel", "sim_models.pymunk_model", "pymunk", "pymunk", "pip install pymunk"
+    ),
+    "multiprecision": Entry(
+        "50 digits, Newton on the constraints; certifies the reference's floor",
+        "sim_models.multiprecision_model",
+        "flint",
+        "python-flint",
+        "pip install '.[certify]'",
+    ),
+}
+DEFAULT_ENGINES = ("analytic", "exudyn", "pymunk")
+ORACLE = "multiprecision"
+
+
+def check_names(names: Iterable[str]) -> None:
+    """Raise InputError for the first name that is no engine's."""
+    for name in names:
+        if name not in ENTRIES:
+            raise InputError(f"--engines: no engine '{name}'{nearest(name, ENTRIES)}")
+
+
+def engine(name: str) -> Engine[Any]:
+    """Return an engine's module, imported now."""
+    return cast("Engine[Any]", import_module(ENTRIES[name].module))
+
+
+def reference() -> Solve:
+    """Return the analytic core's `solve(scene, crank_angle)`, against which every engine is measured."""
+    return cast("Solve", import_module("analytic").solve)

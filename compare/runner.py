@@ -1,0 +1,78 @@
+"""Runs one engine on one scene. However it ends, the outcome is a row of data."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from time import perf_counter
+
+import numpy as np
+
+from scenes import Failure, Motion, Sampling, Scene, Settings, Status
+from scenes.motion import channels
+
+from . import registry
+
+
+@dataclass(frozen=True)
+class Run:
+    """How one run ended and what it gave."""
+
+    engine: str
+    settings: Settings | None
+    status: Status
+    reason: str = ""
+    motion: Motion | None = None
+    build_s: float = float("nan")
+    solve_s: float = float("nan")
+    read_s: float = float("nan")
+    counters: Mapping[str, int] = field(default_factory=dict)
+    residuals: Mapping[str, float] = field(default_factory=dict)
+
+
+def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
+    """Build, solve and read, each timed apart; `settings` of None means the engine's default."""
+    if reason := registry.ENTRIES[name].missing:
+        return Run(name, settings, Status.unsupported, reason)
+    try:
+        engine = registry.engine(name)
+        settings = settings or engine.DEFAULT
+        started = perf_counter()
+        simulation = engine.build(scene, settings, sampling)
+        built = perf_counter()
+        simulation.solve()
+        solved = perf_counter()
+        motion = simulation.read()
+        read = perf_counter()
+        _check_complete(scene, sampling, motion)
+    except Failure as failure:
+        return Run(name, settings, failure.status, failure.reason)
+    except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
+        text = (str(error) or "no message").strip().splitlines()[0]
+        return Run(name, settings, Status.crashed, f"{type(error).__name__}: {text}")
+    return Run(
+        name,
+        settings,
+        Status.ok,
+        "",
+        motion,
+        built - started,
+        solved - built,
+        read - solved,
+        simulation.counters,
+        simulation.residuals,
+    )
+
+
+def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
+    """Refuse a result that is short, holds NaN, or drops a channel without a word."""
+    for channel in channels(scene):
+        if channel not in motion:
+            if channel not in motion.unsupported:
+                raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
+            continue
+        values = motion[channel]
+        if values.shape != (sampling.count,):
+            raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {sampling.count}")
+        bad = ~np.isfinite(values)
+        if bad.any():
+            degrees = np.degrees(sampling.commanded(scene)[bad.argmax()])
+            raise Failure(Status.nonfinite, f"{channel} is not finite at crank angle {degrees:.4g} deg")
