@@ -34,10 +34,10 @@ def page(study: Study) -> str:
         channels=_table(study.errors),
         checks=_table(tables.checks(study)),
         residuals=_table(tables.residuals(study)),
-        speed_figure=_figure(speed_against_error(study)),
+        speed_figure=_figure(speed_against_error(study)) if len(study.speed) else "",
         speed=_table(study.speed),
-        settings=_table(tables.settings(study)),
-        environment=_table(pd.DataFrame(environment().items(), columns=["environment", ""])),
+        settings=_table(tables.settings(study), "text"),
+        environment=_table(pd.DataFrame(environment().items(), columns=["environment", ""]), "text"),
         plotly=get_plotlyjs(),
     )
 
@@ -48,8 +48,8 @@ def _figure(figure: go.Figure) -> str:
     )
 
 
-def _table(table: pd.DataFrame) -> str:
+def _table(table: pd.DataFrame, kind: str = "") -> str:
     if table.empty:
         return "<p>None.</p>"
     html = table.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:.3g}", justify="right")
-    return f'<div class="scroll">{html}</div>'
+    return f'<div class="scroll {kind}">{html}</div>'

@@ -45,7 +45,7 @@ def study(
     for engine in engines:
         progress(f"running {engine}")
         measurements.append(measure(reference, engine, sampling))
-    solved = [m.run.engine for m in measurements if m.run.status is Status.ok]
-    speed = speed_table(reference, solved, budget, progress)
+    able = [m.run.engine for m in measurements if m.run.status is not Status.unsupported]
+    speed = speed_table(reference, able, budget, progress)
     motion = reference.at(sampling.commanded(scene))
     return Study(scene, sampling, reference, motion, measurements, list(gates(scene, measurements)), speed)

@@ -2,11 +2,12 @@
 
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from importlib.resources import files
 from math import hypot
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
@@ -14,6 +15,9 @@ from .consistency import check
 from .errors import InputError, nearest
 from .format import BodyTable, SceneFile, Units
 from .scene import Body, Drive, Load, Scene, Sketch, Slide, Vector
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
 
 LIBRARY = Path(str(files("scenes"))) / "library"
 
@@ -62,11 +66,16 @@ _UNIT_EXAMPLES = {
 }
 
 
+@cache
+def _unit_registry() -> "UnitRegistry[float]":
+    from pint import UnitRegistry  # late, and once: by far the slowest import here
+
+    return UnitRegistry()
+
+
 def _si_factors(units: Units) -> dict[str, float]:
     """Return what to multiply each quantity's number by to have it in SI."""
-    from pint import UnitRegistry  # late: by far the slowest import here
-
-    registry: UnitRegistry[float] = UnitRegistry()
+    registry = _unit_registry()
     factors = {}
     for name, (si, examples) in _UNIT_EXAMPLES.items():
         unit = getattr(units, name)
