@@ -12,6 +12,7 @@ from .solve import solve
 
 DEFAULT = Settings(label="closed form")
 LADDER = (DEFAULT,)
+LONG_LADDER: tuple[Settings, ...] = ()
 
 
 def version() -> str:

@@ -3,17 +3,18 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from scenes import Motion, Scene
 from scenes.motion import Samples, channels
+from scenes.scene import Body
 
 from .decomposition import decompose
 from .dyads import Vectors
 from .kinematics import Kinematics, kinematics
 from .kinetostatics import Reactions, kinetostatics
 
-BLOCK = 16384  # angles: measured best; temporaries stay in the shared cache, and the calls spread their cost thinly
+BLOCK = 8000  # angles: a complex temporary stays under 128 KiB, from where on the allocator maps fresh pages for each
 
 
 def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
@@ -32,41 +33,58 @@ def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
     """
     angle = np.array(crank_angle, dtype=np.float64)
     linkage = decompose(scene)
-    rows: dict[tuple[str, ...], NDArray[np.generic]] = {}
+    vector_names, scalar_names = _names(scene)
+    # Two large arrays: the system hands those out in huge pages, many small ones cost several times their writing.
+    vectors = np.empty((len(vector_names), len(angle)), complex)
+    scalars = np.empty((len(scalar_names), len(angle)))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # not finite is an outcome, told by its status
         for start in range(0, len(angle), BLOCK):
             block = slice(start, start + BLOCK)
             k = kinematics(scene, linkage, angle[block])
-            on = kinetostatics(scene, linkage, k) if scene.has_masses else None
-            for names, values in _answers(scene, k, on):
-                if names not in rows:
-                    rows[names] = np.empty(angle.shape, values.dtype)
-                rows[names][block] = values
-    samples: dict[str, Samples] = {
-        "time": (angle - scene.drive.start) / scene.drive.speed,
-        "crank_angle": angle,
-    }
-    for names, row in rows.items():
-        samples |= zip(names, (row.real, row.imag), strict=False)  # a real row has one name, a vector two
+            on = kinetostatics(scene, linkage, k) if scene.has_masses else Reactions()
+            for row, vector in zip(vectors, _vectors(scene, k, on), strict=True):
+                row[block] = vector
+            for row, scalar in zip(scalars, _scalars(scene, k, on), strict=True):
+                row[block] = scalar
+    samples = {"time": (angle - scene.drive.start) / scene.drive.speed, "crank_angle": angle}
+    for (x, y), row in zip(vector_names, vectors, strict=True):
+        samples |= {x: row.real, y: row.imag}
+    samples |= zip(scalar_names, scalars, strict=True)
     return Motion({channel: samples[channel] for channel in channels(scene)})
 
 
-def _answers(scene: Scene, k: Kinematics, on: Reactions | None) -> Iterator[tuple[tuple[str, ...], Vectors | Samples]]:
-    """Yield the channels' names and values: a vector's two channels as one complex array."""
+def _names(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return the channels' names, the vectors' by pairs, in the order of `_vectors` and `_scalars`."""
+    vectors = [(f"{p}.{q}x", f"{p}.{q}y") for p in scene.moving_points for q in ("", "v", "a")]
+    scalars = [f"{body.name}.{q}" for body in _turning(scene) for q in ("angle", "omega", "alpha")]
+    if scene.has_masses:
+        vectors += [(f"{pin.channel}.fx", f"{pin.channel}.fy") for pin in scene.pins]
+        scalars += [f"{body.name}.{q}" for body in _sliding(scene) for q in ("guide_force", "guide_moment")]
+        scalars += ["drive.torque"]
+    return vectors, scalars
+
+
+def _vectors(scene: Scene, k: Kinematics, on: Reactions) -> Iterator[Vectors]:
     for p in scene.moving_points:
-        yield (f"{p}.x", f"{p}.y"), k.z[p]
-        yield (f"{p}.vx", f"{p}.vy"), k.v[p]
-        yield (f"{p}.ax", f"{p}.ay"), k.a[p]
-    for name, body in scene.bodies.items():
-        if body.slide is None:
-            u = k.u[name]
-            yield (f"{name}.angle",), np.arctan2(u.imag, u.real)
-            yield (f"{name}.omega",), k.omega[name]
-            yield (f"{name}.alpha",), k.alpha[name]
-    if on is not None:
+        yield from (k.z[p], k.v[p], k.a[p])
+    if scene.has_masses:
         for pin in scene.pins:
-            yield (f"{pin.channel}.fx", f"{pin.channel}.fy"), on.pin[pin.point, pin.second]
-        for slider, (force, moment) in on.guide.items():
-            yield (f"{slider}.guide_force",), force
-            yield (f"{slider}.guide_moment",), moment
-        yield ("drive.torque",), on.torque
+            yield on.pin[pin.point, pin.second]
+
+
+def _scalars(scene: Scene, k: Kinematics, on: Reactions) -> Iterator[Samples]:
+    for body in _turning(scene):
+        u = k.u[body.name]
+        yield from (np.arctan2(u.imag, u.real), k.omega[body.name], k.alpha[body.name])
+    if scene.has_masses:
+        for body in _sliding(scene):
+            yield from on.guide[body.name]
+        yield on.torque
+
+
+def _turning(scene: Scene) -> list[Body]:
+    return [body for body in scene.bodies.values() if body.slide is None]
+
+
+def _sliding(scene: Scene) -> list[Body]:
+    return [body for body in scene.bodies.values() if body.slide is not None]

@@ -16,7 +16,6 @@ from scenes.motion import header
 
 from . import tables
 from .environment import environment
-from .registry import ENTRIES
 from .report import page
 from .study import Study
 
@@ -75,7 +74,7 @@ def _summary(study: Study) -> dict[str, Any]:
         "reference": {"stroke_m": study.reference.stroke, "floor": asdict(study.reference.floor)},
         "engines": {
             m.run.engine: {
-                "version": ENTRIES[m.run.engine].version,
+                "version": m.run.version,
                 "status": m.run.status.name,
                 "reason": m.run.reason,
                 "settings": asdict(m.run.settings) if m.run.settings else None,

@@ -20,10 +20,11 @@ LADDER_SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be as
 
 @dataclass(frozen=True)
 class Budget:
-    """How long the timing may take: `LEAST_ROUNDS` over all points at least, up to `rounds` while `seconds` last."""
+    """How much may be spent: `LEAST_ROUNDS` over all points at least, up to `rounds` while `seconds` last."""
 
     rounds: int
     seconds: float
+    long_ladders: bool = False
 
 
 def speed_table(
@@ -35,10 +36,11 @@ def speed_table(
     that a slow spell of the machine falls on all of them; the minimum is the headline.
     """
     measurements = []
-    for engine in engines:
-        for settings in registry.engine(engine).LADDER:
-            progress(f"measuring the error of {engine}, {settings.label}")
-            measurements.append(measure(reference, engine, LADDER_SAMPLING, settings))
+    for name in engines:
+        engine = registry.engine(name)
+        for settings in engine.LADDER + (engine.LONG_LADDER if budget.long_ladders else ()):
+            progress(f"measuring the error of {name}, {settings.label}")
+            measurements.append(measure(reference, name, LADDER_SAMPLING, settings))
     seconds = _time(reference.scene, [m.run for m in measurements], budget, progress)
     return pd.DataFrame(_row(m, times) for m, times in zip(measurements, seconds, strict=True))
 

@@ -7,7 +7,6 @@ import pandas as pd
 
 from scenes import Status
 
-from .registry import ENTRIES
 from .study import Study
 
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")
@@ -124,7 +123,7 @@ def verdict(study: Study) -> str:
 def settings(study: Study) -> pd.DataFrame:
     """Return every engine's version and settings."""
     rows = [
-        {"engine": m.run.engine, "version": ENTRIES[m.run.engine].version}
+        {"engine": m.run.engine, "version": m.run.version}
         | {"settings": ", ".join(f"{k}={v}" for k, v in asdict(m.run.settings).items()) if m.run.settings else ""}
         for m in study.measurements
     ]

@@ -1,4 +1,4 @@
-"""What every engine offers: a module with `version`, `DEFAULT`, `LADDER` and `build`; failures are data.
+"""What every engine offers: a module with `version`, `DEFAULT`, `LADDER`, `LONG_LADDER` and `build`; failures are data.
 
 The three stages are apart so that a clock can wrap `solve` alone:
 
@@ -104,7 +104,11 @@ class Engine(Protocol[S]):
 
     @property
     def LADDER(self) -> tuple[S, ...]:  # noqa: N802
-        """Settings from cheap to accurate, for the picture of speed against error."""
+        """Settings from cheap to accurate, for the picture of speed against error in every report."""
+
+    @property
+    def LONG_LADDER(self) -> tuple[S, ...]:  # noqa: N802
+        """Return the slower settings that only `--full` takes, besides those of `LADDER`."""
 
     def version(self) -> str:
         """Return the versions of what does the work."""

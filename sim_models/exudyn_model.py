@@ -51,13 +51,17 @@ DEFAULT: ExudynSettings = TimeStepping("generalised-alpha 720+1440", steps=720)
 LADDER: tuple[ExudynSettings, ...] = (
     TimeStepping("generalised-alpha 72", steps=72, richardson=False),
     TimeStepping("generalised-alpha 360", steps=360, richardson=False),
-    TimeStepping("generalised-alpha 2880", steps=2880, richardson=False),
     TimeStepping("trapezoidal 360", steps=360, richardson=False, solver="TrapezoidalIndex2"),
     TimeStepping("trapezoidal 72+144", steps=72, solver="TrapezoidalIndex2"),
     TimeStepping("generalised-alpha 72+144", steps=72),
     TimeStepping("generalised-alpha 360+720", steps=360),
-    TimeStepping("generalised-alpha 1440+2880", steps=1440),
     Pointwise("pointwise"),
+)
+
+LONG_LADDER: tuple[ExudynSettings, ...] = (
+    TimeStepping("generalised-alpha 2880", steps=2880, richardson=False),
+    TimeStepping("trapezoidal 2880", steps=2880, richardson=False, solver="TrapezoidalIndex2"),
+    TimeStepping("generalised-alpha 1440+2880", steps=1440),
 )
 
 

@@ -24,7 +24,8 @@ class MultiprecisionSettings(Settings):
 
 
 DEFAULT = MultiprecisionSettings("50 digits")
-LADDER = (DEFAULT,)  # more digits change no double
+LADDER = (DEFAULT,)
+LONG_LADDER: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
 
 
 def version() -> str:

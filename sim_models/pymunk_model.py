@@ -56,6 +56,9 @@ LADDER = (
     _settings(72, 2, 1000),
     _settings(72, 3, 1000),
     _settings(144, 3, 1000),
+)
+LONG_LADDER = (
+    _settings(1440, 1, 500),
     _settings(360, 3, 1000),
     _settings(360, 3, 2000),
 )

@@ -41,6 +41,7 @@ class Stub:
 
     DEFAULT = Settings("stub")
     LADDER = (DEFAULT,)
+    LONG_LADDER: tuple[Settings, ...] = ()
     counters: Mapping[str, int] = {}
     residuals: Mapping[str, float] = {}
 

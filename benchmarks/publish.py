@@ -1,0 +1,55 @@
+"""Remake `results/published/`: the summary and pictures that the README shows. Needs `pip install -e '.[publish]'`."""
+
+from pathlib import Path
+
+import pandas as pd
+
+import scenes
+from compare.drawing import linkage
+from compare.environment import environment
+from compare.figures import over_angle, panels, speed_against_error
+from compare.registry import DEFAULT_ENGINES
+from compare.speed import Budget
+from compare.study import study
+from compare.tables import by_group, checks, overview, setup
+
+FOLDER = Path(__file__).parents[1] / "results" / "published"
+PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on toggle": "pin_P3"}
+
+
+def main() -> None:
+    """Run the toggle press with its long ladders, and write tables and pictures."""
+    scene = scenes.load("toggle_press")
+    result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(20, 30.0, long_ladders=True), print)
+    FOLDER.mkdir(exist_ok=True)
+    for panel in panels(scene):
+        if panel.title in PICTURED:
+            figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
+            figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
+    speed_against_error(result).write_image(FOLDER / "speed.svg", width=1180, height=430)
+    linkage(result).write_image(FOLDER / "linkage.svg", width=1180, height=620)
+    speed = result.speed[
+        ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]
+    ]
+    groups = by_group(result).drop(columns=["last_turn_max"])
+    where = pd.DataFrame(environment().items(), columns=["environment", "version"])
+    text = [
+        f"# {scene.title}: published summary",
+        f"{setup(result)} Made by `python benchmarks/publish.py`. Floor of the reference: {result.reference.floor.by}.",
+        *(_section(title, table) for title, table in (
+            ("Engines at their default settings: largest relative errors", overview(result)),
+            ("Errors by group", groups),
+            ("Checks without a reference", checks(result)),
+            ("Speed against error: one turn, 72 samples", speed),
+            ("Made on", where),
+        )),
+    ]  # fmt: skip
+    (FOLDER / "README.md").write_text("\n\n".join(text) + "\n", encoding="utf-8")
+
+
+def _section(title: str, table: pd.DataFrame) -> str:
+    return f"## {title}\n\n{table.to_markdown(index=False, floatfmt='.3g')}"
+
+
+if __name__ == "__main__":
+    main()

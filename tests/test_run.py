@@ -1,0 +1,208 @@
+"""The command line: what it writes, what it says, how it exits."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from compare import registry
+from compare.run import main
+from scenes import Scene
+from scenes.motion import channels, header
+
+from .conftest import TOGGLE_PRESS
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run the main job once."""
+    folder = tmp_path_factory.mktemp("results")
+    assert main(["--check", "--out", str(folder)]) == 0
+    return folder / "toggle_press"
+
+
+def test_the_files_of_the_main_job(results: Path) -> None:
+    assert {path.name for path in results.iterdir()} == {
+        "report.html",
+        "summary.json",
+        "errors.csv",
+        "speed.csv",
+        "motion.analytic.csv",
+        "motion.exudyn.csv",
+        "motion.pymunk.csv",
+    }
+
+
+def test_motion_files(results: Path, toggle_press: Scene) -> None:
+    for engine in registry.DEFAULT_ENGINES:
+        table = pd.read_csv(results / f"motion.{engine}.csv")
+        assert sorted(table.columns) == sorted(header(channel) for channel in channels(toggle_press))
+        assert len(table) == 361
+        assert table.notna().all(axis=None)
+    assert list(table.columns[:2]) == ["time [s]", "crank_angle [rad]"]
+
+
+def test_summary(results: Path, toggle_press: Scene) -> None:
+    summary = json.loads((results / "summary.json").read_text(encoding="utf-8"))
+    assert set(summary["engines"]) == set(registry.DEFAULT_ENGINES)
+    for engine in summary["engines"].values():
+        assert engine["status"] == "ok"
+        assert engine["settings"]["label"]
+        assert 0 < engine["seconds"]["solve"] < 10
+        assert any(character.isdigit() for character in engine["version"])
+    assert len(summary["errors"]) == 3 * (len(channels(toggle_press)) - 1)
+    assert len(summary["gates"]) == 10
+    assert summary["environment"]["python"].startswith("3.")
+
+
+def test_errors_are_those_promised(results: Path) -> None:
+    """What each engine must reach at its default settings; pymunk's accelerations have their own gate in the scene."""
+    errors = pd.read_csv(results / "errors.csv")
+    for engine, group, promised in (
+        ("exudyn", "position", 1e-12),
+        ("exudyn", "reaction", 1e-6),
+        ("pymunk", "position", 1e-4),
+        ("pymunk", "reaction", 1e-4),
+    ):
+        rows = errors[(errors["engine"] == engine) & (errors["group"] == group)]
+        assert len(rows) >= 10
+        assert (rows["max"] <= promised).all(), (engine, group)
+        carried = rows[rows["channel"] != "slider.guide_moment"]  # zero in this scene, for every model
+        assert (carried["max"] > 0).all(), "an engine that agrees exactly was not run"
+
+
+def test_speed_file(results: Path) -> None:
+    speed = pd.read_csv(results / "speed.csv")
+    assert set(speed["engine"]) == set(registry.DEFAULT_ENGINES)
+    assert (speed["status"] == "ok").all()
+    assert (speed["solve_min_s"] > 0).all()
+    assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
+    assert (speed["timed_runs"] >= 3).all()
+    for engine in ("exudyn", "pymunk"):  # more work, less error: the ladder is one
+        rows = speed[speed["engine"] == engine]
+        assert rows["reaction_max"].max() > 1e4 * rows["reaction_max"].min()
+
+
+def test_the_report_needs_no_network(results: Path) -> None:
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert '<script src="' not in page
+    assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
+    assert page.count("plotly-graph-div") == 13  # linkage, 3 of the slider, 6 pins, guide, torque, speed
+
+
+def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> None:
+    target = tmp_path / "toggle_press"
+    target.mkdir()
+    for path in results.iterdir():
+        (target / path.name).write_bytes(path.read_bytes())
+    (target / "notes.txt").write_text("the user's own", encoding="utf-8")
+    assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 0
+    assert sorted(path.name for path in target.glob("motion.*")) == ["motion.analytic.csv"]
+    assert (target / "notes.txt").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"], "the folder aside must go"
+
+
+def test_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    said = capsys.readouterr().out
+    for name in ("toggle_press", *registry.ENTRIES):
+        assert name in said
+
+
+# --- bad input --------------------------------------------------------------------------------------------------------
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Run what must exit 2 with one line, and return the line."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--engines", "exudin"], ["exudin", "did you mean 'exudyn'"]),
+        (["--engines", ""], ["--engines", "analytic"]),
+        (["--samples", "ten"], ["--samples", "whole number", "'ten'"]),
+        (["--samples", "-5"], ["--samples"]),
+        (["--turns", "0"], ["--turns", "from 1"]),
+        (["--nonsense"], ["--nonsense", "usage"]),
+        (["toggle_pres"], ["toggle_pres", "did you mean 'toggle_press'"]),
+        (["no/such/scene.toml"], ["no/such/scene.toml", "no such"]),
+        (["toggle_press", "toggle_press"], ["two scenes"]),
+    ],
+)
+def test_bad_arguments(
+    arguments: list[str], expected: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = refused([*arguments, "--out", str(tmp_path / "out")], capsys)
+    for part in expected:
+        assert part in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rocker is too short to reach the toggle's pin all the way round."""
+    file = tmp_path / "short.toml"
+    file.write_text(TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 30'), encoding="utf-8")
+    line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
+    for part in ("short.toml", "bodies", "cannot_assemble", "rocker and toggle", "P3", "crank angle"):
+        assert part in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for out in (tmp_path / "file", tmp_path / "file" / "below"):
+        line = refused(["--engines", "analytic", "--out", str(out)], capsys)
+        assert "--out" in line
+        assert "is a file" in line
+
+
+def test_a_write_that_fails_leaves_the_old_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "toggle_press"
+    target.mkdir()
+    (target / "report.html").write_text("the old one", encoding="utf-8")
+
+    def disk_full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("compare.output.page", disk_full)
+    assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 2
+    assert (target / "report.html").read_text(encoding="utf-8") == "the old one"
+    assert [path.name for path in target.iterdir()] == ["report.html"]
+    assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"]
+
+
+# --- tolerances -------------------------------------------------------------------------------------------------------
+
+
+def test_check_names_what_is_missed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "strict.toml"
+    strict = TOGGLE_PRESS.replace("position = 1e-4", "position = 1e-9")
+    file.write_text(strict.replace('name = "toggle_press"', 'name = "strict"'), encoding="utf-8")
+    arguments = [str(file), "--engines", "pymunk", "--samples", "72", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    assert main([*arguments, "--check"]) == 1
+    said = capsys.readouterr().out
+    assert said.count("missed:") == 1
+    assert "missed: pymunk position" in said
+    assert "1e-09" in said
+
+
+def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = replace(registry.ENTRIES["exudyn"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "exudyn", entry)
+    assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "unsupported" in said
+    assert "pip install exudyn" in said
+    assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path), "--check"]) == 1
+    assert "unsupported" in (tmp_path / "toggle_press" / "report.html").read_text(encoding="utf-8")
