@@ -6,9 +6,9 @@ branch is read once from the sketch and stays a number: nothing is remembered fr
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
 from scenes import Failure, Scene, Status
-from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex, cross, rigid_body, sketched
 
@@ -97,9 +97,9 @@ def decompose(scene: Scene) -> Decomposition:
 def _dyads(scene: Scene, left: list[str], placed: set[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on the placed points by one outer joint each."""
     outer = {name: [p for p in scene.bodies[name].points if p in placed] for name in left}
-    for pin in scene.pins:
-        first, second, P = pin.first, pin.second, pin.point
-        if P in placed or first == GROUND or first not in outer or second not in outer:
+    joined = [(P, *pair) for P, owners in scene.owners.items() for pair in combinations(owners, 2) if P not in placed]
+    for P, first, second in joined:
+        if first not in outer or second not in outer:
             continue
         slides = [name for name in (first, second) if scene.bodies[name].slide is not None]
         if not slides and len(outer[first]) == len(outer[second]) == 1:

@@ -113,6 +113,7 @@ def test_scales(reference: Reference) -> None:
     assert reference.scale["P4.vx"] == pytest.approx(S * w, rel=1e-6)
     assert reference.scale["P5.ay"] == pytest.approx(S * w**2, rel=1e-6)
     assert reference.scale["drive.torque"] == pytest.approx(13888, abs=0.5)
+    assert reference.scale["slider.guide_moment"] == pytest.approx(S * reference.scale["slider.guide_force"], rel=1e-6)
     assert reference.scale["P3.fx"] == reference.scale["P3.fy"]
 
 
