@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
@@ -136,12 +137,14 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
 
 def speed_against_error(study: Study) -> go.Figure:
     """Draw every ladder point that solved: milliseconds a turn against the largest error, by channel group, log-log."""
-    solved = study.speed[study.speed["status"] == Status.ok.name]
-    groups = [g for g in ("position", "velocity", "acceleration", "reaction", "torque") if f"{g}_max" in solved]
+    solved = study.speed[study.speed["status"] == Status.ok.name] if len(study.speed) else pd.DataFrame({"engine": []})
+    groups = ["position", "velocity", "acceleration", *(["reaction", "torque"] if study.scene.has_masses else [])]
     figure = make_subplots(1, len(groups), shared_yaxes=True, subplot_titles=groups, horizontal_spacing=0.02)
     for column, group in enumerate(groups, start=1):
         for number, m in enumerate(study.measurements):
-            points = solved[solved["engine"] == m.run.engine].sort_values("solve_min_s")
+            points = solved[solved["engine"] == m.run.engine]
+            if points.empty:
+                continue
             figure.add_scatter(
                 x=1e3 * points["solve_min_s"],
                 y=points[f"{group}_max"],

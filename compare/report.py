@@ -34,7 +34,7 @@ def page(study: Study) -> str:
         channels=_table(study.errors),
         checks=_table(tables.checks(study)),
         residuals=_table(tables.residuals(study)),
-        speed_figure=_figure(speed_against_error(study)) if len(study.speed) else "",
+        speed_figure=_figure(speed_against_error(study)),
         speed=_table(study.speed),
         settings=_table(tables.settings(study), "text"),
         environment=_table(pd.DataFrame(environment().items(), columns=["environment", ""]), "text"),

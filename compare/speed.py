@@ -62,7 +62,7 @@ def _row(measurement: Measurement, seconds: list[float]) -> dict[str, object]:
         "read_s": run.read_s,
     }
     if not errors.empty:
-        for group, worst in errors.groupby("group")[["max", "rms"]].max().iterrows():
+        for group, worst in errors.groupby("group")[["max", "rms"]].max(skipna=False).iterrows():
             row |= {f"{group}_max": worst["max"], f"{group}_rms": worst["rms"]}
     return row | {"counters": " ".join(f"{name}={count}" for name, count in run.counters.items())}
 

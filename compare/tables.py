@@ -16,7 +16,7 @@ def overview(study: Study) -> pd.DataFrame:
     """Return one row an engine: status, largest error by group, times. Failed engines keep their row."""
     rows = []
     for m in study.measurements:
-        worst = {} if m.errors.empty else m.errors.groupby("group")["max"].max().to_dict()
+        worst = {} if m.errors.empty else m.errors.groupby("group")["max"].max(skipna=False).to_dict()
         rows.append(
             {
                 "engine": m.run.engine,
@@ -35,8 +35,9 @@ def by_group(study: Study) -> pd.DataFrame:
     errors = study.errors
     if errors.empty:
         return errors
-    worst = errors.loc[errors.groupby(["engine", "group"], sort=False)["max"].idxmax()]
-    table = errors.groupby(["engine", "group"], sort=False)[columns].max().reset_index()
+    groups = errors.groupby(["engine", "group"], sort=False)
+    worst = pd.DataFrame([rows.iloc[int(rows["max"].to_numpy().argmax())] for _, rows in groups])
+    table = groups[columns].max(skipna=False).reset_index()  # a NaN counts as the largest, here and above
     return table.assign(worst_channel=worst["channel"].to_numpy(), at_deg=worst["max_at_deg"].to_numpy())
 
 
@@ -114,7 +115,7 @@ def verdict(study: Study) -> str:
     for m in solved:
         rows = others[others["engine"] == m.run.engine]
         if not rows.empty:
-            worst = rows.groupby("group")["max"].max()
+            worst = rows.groupby("group")["max"].max(skipna=False)
             parts = [f"{worst[group]:.1e} in {group}" for group in SHOWN_GROUPS if group in worst]
             said += f" {m.run.engine} is within {', '.join(parts)} of the analytic core."
     return said

@@ -1,5 +1,6 @@
 """Whether a scene's parts fit together: names, joints, mobility. Counts and names only; no pose is computed."""
 
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 from .errors import InputError, nearest
@@ -12,6 +13,7 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
     """
+    _check_sizes(scene)
     for body in scene.bodies.values():
         _check_body(scene, body)
     _check_drive(scene)
@@ -20,6 +22,45 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     _check_loads(scene)
     _check_sketch(scene)
     _check_output(scene, output_slides)
+
+
+def _check_sizes(scene: Scene) -> None:
+    """Refuse numbers whose products leave what a double can hold, long before they do."""
+    for place, value, smallest, largest in _sizes(scene):
+        if value != 0 and not smallest <= abs(value) <= largest:
+            raise InputError(
+                f"{place}: expected a size from {smallest:.0e} to {largest:.0e} in SI units, found {value:g}"
+            )
+
+
+def _sizes(scene: Scene) -> Iterator[tuple[str, float, float, float]]:
+    """Yield place in the file, value, smallest and largest size; zero is for others to judge."""
+    for body in scene.bodies.values():
+        for pair, length in (body.lengths or {}).items():
+            yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", length, 1e-15, 1e15
+        yield f"bodies.{body.name}.mass", body.mass or 0.0, 1e-15, 1e15
+        yield f"bodies.{body.name}.inertia", body.inertia or 0.0, 1e-45, 1e45
+    yield "drive.speed", scene.drive.speed, 1e-15, 1e15
+    for place, values in _coordinates(scene):
+        yield from ((place, value, 0.0, 1e15) for value in values)
+
+
+def _coordinates(scene: Scene) -> Iterator[tuple[str, Iterable[float]]]:
+    """Yield the numbers that may be as near to zero as they like."""
+    for point, xy in scene.ground.items():
+        yield f"ground.points.{point}", xy
+    for body in scene.bodies.values():
+        for point, xy in (body.local or {}).items():
+            yield f"bodies.{body.name}.points.{point}", xy
+        yield f"bodies.{body.name}.com", body.com or ()
+        yield f"bodies.{body.name}.slides.through", body.slide.through if body.slide is not None else ()
+    yield "drive.start", (scene.drive.start,)
+    for number, load in enumerate(scene.loads):
+        yield f"loads.{number}.force", load.force
+    yield "gravity", scene.gravity or ()
+    yield "sketch.angle", (scene.sketch.angle,)
+    for point, xy in scene.sketch.points.items():
+        yield f"sketch.{point}", xy
 
 
 def _check_body(scene: Scene, body: Body) -> None:

@@ -21,7 +21,7 @@ import numpy as np
 from scenes import Motion, Sampling, Scene, Settings
 from scenes.motion import Samples
 
-from .pymunk_checks import check_convergence, check_path
+from .pymunk_checks import check_convergence, check_levels, check_path
 from .pymunk_linkage import Linkage, branch
 from .pymunk_reactions import motion_channels, reaction_channels
 from .pymunk_run import PREROLL, Run
@@ -91,7 +91,7 @@ class PymunkSimulation:
         self._iterations = settings.iterations
         stride = ceil(settings.steps / sampling.samples)
         self._runs = [Run(linkage, pose, sampling, stride * 2**n, settings.iterations) for n in range(settings.levels)]
-        self.residuals: Mapping[str, float] = {}
+        self.residuals: dict[str, float] = {}
 
     @property
     def counters(self) -> Mapping[str, int]:
@@ -115,6 +115,7 @@ class PymunkSimulation:
             levels, residuals = zip(*(self._read(run) for run in self._runs), strict=True)
         columns = {name: [level[name] for level in levels] for name in levels[0]}
         self.residuals = {name: max(run[name] for run in residuals) for name in residuals[0]}
+        self.residuals |= check_levels(self._linkage, levels)
         time = {"time": self._sampling.times(self._linkage.scene)}
         return Motion(time | {name: _richardson(values) for name, values in columns.items()})
 
@@ -124,11 +125,11 @@ class PymunkSimulation:
         after, before = run.record[1 :: run.stride], run.record[: -1 : run.stride]
         q, v = after[..., :3], (after[..., 3:] + before[..., 3:]) / 2
         a = (after[..., 3:] - before[..., 3:]) / run.dt
-        residuals, solver_error = check_path(linkage, run, self._branch)
+        residuals, unsolved = check_path(linkage, run, self._branch)
         channels = motion_channels(linkage, q, v, a)
         if linkage.scene.has_masses:
             channels |= reaction_channels(linkage, q, v, a)
-        return channels, residuals | check_convergence(linkage, run, channels, solver_error)
+        return channels, residuals | check_convergence(linkage, run, channels, unsolved)
 
 
 def _richardson(values: Sequence[Samples]) -> Samples:

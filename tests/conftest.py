@@ -1,6 +1,6 @@
 """What several tests need: the toggle press, and scene files made on the spot."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -28,3 +28,53 @@ def scene_from(tmp_path: Path) -> SceneFrom:
         return scenes.load(file)
 
     return load
+
+
+# --- a scene with something of everything; near 30 degrees rod and guide are almost square --------------------------
+
+_BUSY_HEAD = """
+format = 1
+name = "busy"
+units = { length = "mm", angle = "deg", speed = "rpm" }
+gravity = [0.5, -9.81]
+[ground.points]
+O = [10, 20]
+C = [400, 30]
+"""
+_BUSY_BODIES = {
+    "crank": 'lengths = { "A-O" = 100 }\nmass = 2',
+    "coupler": "points = { A = [5, 0], B = [300, 20], T = [150, 90], K = [80, -20] }\n"
+    "mass = 5\ncom = [140, 30]\ninertia = 9e4",
+    "rocker": 'lengths = { "C-B" = 250 }\nmass = 4',
+    "rod": 'lengths = { "B-D" = 500, "D-E" = 120, "B-E" = 450 }\nmass = 3',
+    "slider": "points = { G = [0, 0], D = [30, -15] }\nmass = 8\ncom = [10, 5]\ninertia = 1e4\n"
+    "slides = { through = [700, 500], along = [1, -0.3] }",
+}
+_BUSY_TAIL = """
+[drive]
+body = "crank"
+speed = -90
+start = 40
+[[loads]]
+body = "slider"
+at = "D"
+force = [-300, 100]
+[[loads]]
+body = "coupler"
+at = "T"
+force = [20, 50]
+[sketch]
+angle = 220
+A = [-60, -50]
+B = [230, 220]
+D = [700, 490]
+E = [650, 380]
+[output]
+point = "T"
+"""
+
+
+def busy_scene(order: Sequence[int] = (0, 1, 2, 3, 4)) -> str:
+    """Return the text of the scene, its bodies in any order."""
+    names = list(_BUSY_BODIES)
+    return "\n".join([_BUSY_HEAD, *(f"[bodies.{names[i]}]\n{_BUSY_BODIES[names[i]]}" for i in order), _BUSY_TAIL])

@@ -18,7 +18,7 @@ from compare.reference import establish, relative_errors
 from scenes import Failure, Sampling, Scene, Status
 from scenes.motion import channels, quantity
 
-from .conftest import TOGGLE_PRESS, SceneFrom
+from .conftest import TOGGLE_PRESS, SceneFrom, busy_scene
 
 TURN = np.linspace(0, 2 * pi, 3601)
 
@@ -208,52 +208,11 @@ def test_three_bodies_at_one_pin(scene_from: SceneFrom) -> None:
         assert check.worst <= 1e-13, check  # Newton's law of the crank sees both pins
 
 
-BUSY_HEAD = """
-format = 1
-name = "busy"
-units = { length = "mm", angle = "deg", speed = "rpm" }
-gravity = [0.5, -9.81]
-ground.points = { O = [10, 20], C = [400, 30] }
-"""
-BUSY_BODIES = {
-    "crank": 'lengths = { "A-O" = 100 }\nmass = 2',
-    "coupler": "points = { A = [5, 0], B = [300, 20], T = [150, 90], K = [80, -20] }\n"
-    "mass = 5\ncom = [140, 30]\ninertia = 9e4",
-    "rocker": 'lengths = { "C-B" = 250 }\nmass = 4',
-    "rod": 'lengths = { "B-D" = 500, "D-E" = 120, "B-E" = 450 }\nmass = 3',
-    "slider": "points = { G = [0, 0], D = [30, -15] }\nmass = 8\ncom = [10, 5]\ninertia = 1e4\n"
-    "slides = { through = [700, 500], along = [1, -0.3] }",
-}
-BUSY_TAIL = """
-[drive]
-body = "crank"
-speed = -90
-start = 40
-[[loads]]
-body = "slider"
-at = "D"
-force = [-300, 100]
-[[loads]]
-body = "coupler"
-at = "T"
-force = [20, 50]
-[sketch]
-angle = 220
-A = [-60, -50]
-B = [230, 220]
-D = [700, 490]
-E = [650, 380]
-[output]
-point = "T"
-"""
-
-
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (4, 3, 2, 1, 0), (3, 1, 0, 4, 2), (2, 3, 4, 0, 1)])
 def test_a_busy_scene_in_any_order(scene_from: SceneFrom, order: tuple[int, ...], mirrored: bool) -> None:
     """Three bodies at one pin, whichever comes first; given inertias, weights, loads; backwards, from 40 degrees."""
-    names = list(BUSY_BODIES)
-    text = "\n".join([BUSY_HEAD, *(f"[bodies.{names[i]}]\n{BUSY_BODIES[names[i]]}" for i in order), BUSY_TAIL])
+    text = busy_scene(order)
     if mirrored:  # the triangle B-D-E, given by lengths, lies on the other side of B-D
         text = text.replace("E = [650, 380]", "E = [560, 500]")
     scene = scene_from(text)
