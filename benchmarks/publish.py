@@ -11,7 +11,7 @@ from compare.figures import over_angle, panels, speed_against_error
 from compare.registry import DEFAULT_ENGINES
 from compare.speed import Budget
 from compare.study import study
-from compare.tables import by_group, checks, overview, setup
+from compare.tables import by_group, checks, notes, overview, setup
 
 FOLDER = Path(__file__).parents[1] / "results" / "published"
 PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on toggle": "pin_P3"}
@@ -22,7 +22,7 @@ def main() -> None:
     scene = scenes.load("toggle_press")
     result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(20, 30.0, long_ladders=True), print)
     FOLDER.mkdir(exist_ok=True)
-    for panel in panels(scene):
+    for panel in panels(result.reference):
         if panel.title in PICTURED:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
             figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
@@ -35,7 +35,7 @@ def main() -> None:
     where = pd.DataFrame(environment().items(), columns=["environment", "version"])
     text = [
         f"# {scene.title}: published summary",
-        f"{setup(result)} Made by `python benchmarks/publish.py`. Floor of the reference: {result.reference.floor.by}.",
+        f"{setup(result)} Made by `python benchmarks/publish.py`. {notes(result)[0]}",
         *(_section(title, table) for title, table in (
             ("Engines at their default settings: largest relative errors", overview(result)),
             ("Errors by group", groups),

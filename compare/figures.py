@@ -5,6 +5,7 @@ The reference is drawn as lines, the engines as sparse markers on them; below, e
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from scenes import Motion, Scene, Status
+from scenes import Motion, Status
 from scenes.motion import Samples
 
+from .reference import Reference
 from .study import Study
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito's, told apart with any colour vision
@@ -40,36 +42,47 @@ class Panel:
     judged: tuple[str, ...]
 
 
-def panels(scene: Scene) -> Iterator[Panel]:
+def panels(reference: Reference) -> Iterator[Panel]:
     """Yield the output's motion, then every joint's reaction, then the drive's torque."""
+    scene = reference.scene
     slide = next((b.slide for b in scene.bodies.values() if b.slide is not None and scene.output in b.points), None)
-    for title, unit, per_metre, q in (
-        ("displacement", "mm", 1e3, ""),
-        ("velocity", "m/s", 1.0, "v"),
-        ("acceleration", "m/s²", 1.0, "a"),
-    ):
+    for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
         x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
-        curves = {"x": _channel(x, per_metre), "y": _channel(y, per_metre)}
+        factor, unit = _prefixed(reference.scale[x], unit)
+        curves = {"x": _channel(x, factor), "y": _channel(y, factor)}
         if slide is not None:
             tx, ty = slide.along
-            curves = {"along the guide": _sum(_channel(x, tx * per_metre), _channel(y, ty * per_metre))}
+            curves = {"along the guide": _sum(_channel(x, tx * factor), _channel(y, ty * factor))}
         yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
     if scene.has_masses:
-        yield from _force_panels(scene)
+        yield from _force_panels(reference)
 
 
-def _force_panels(scene: Scene) -> Iterator[Panel]:
+def _force_panels(reference: Reference) -> Iterator[Panel]:
+    scene = reference.scene
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        curves = {"magnitude": _magnitude(x, y, 1e-3), "x": _channel(x, 1e-3), "y": _channel(y, 1e-3)}
-        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", "force [kN]", curves, (x, y))
+        factor, unit = _prefixed(reference.scale[x], "N")
+        curves = {"magnitude": _magnitude(x, y, factor), "x": _channel(x, factor), "y": _channel(y, factor)}
+        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{unit}]", curves, (x, y))
     for body in scene.bodies.values():
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
-            curves = {"force": _channel(force, 1e-3), "moment": _channel(moment, 1e-3)}
-            yield Panel(f"Guide: force and moment on {body.name}", "[kN], [kN m]", curves, (force, moment))
-    curves = {"torque": _channel("drive.torque", 1e-3)}
-    yield Panel(f"Drive: torque on {scene.drive.body}", "torque [kN m]", curves, ("drive.torque",))
+            per_force, newtons = _prefixed(reference.scale[force], "N")
+            per_moment, newton_metres = _prefixed(reference.scale[moment], "N m")
+            curves = {"force": _channel(force, per_force), "moment": _channel(moment, per_moment)}
+            axis = f"force [{newtons}], moment [{newton_metres}]"
+            yield Panel(f"Guide: force and moment on {body.name}", axis, curves, (force, moment))
+    factor, unit = _prefixed(reference.scale["drive.torque"], "N m")
+    curves = {"torque": _channel("drive.torque", factor)}
+    yield Panel(f"Drive: torque on {scene.drive.body}", f"torque [{unit}]", curves, ("drive.torque",))
+
+
+def _prefixed(scale: float, unit: str) -> tuple[float, str]:
+    """Return the factor from SI to the unit with the prefix that suits the scale, and that unit."""
+    prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+    power = min(max(3 * floor(log10(scale) / 3), min(prefixes)), max(prefixes))
+    return 10.0**-power, prefixes[power] + unit
 
 
 def _channel(channel: str, factor: float) -> Callable[[Motion], Samples]:

@@ -19,7 +19,7 @@ def page(study: Study) -> str:
     """Return the whole report as HTML."""
     template = Template((files("compare") / "report.html").read_text(encoding="utf-8"))
     scene = study.scene
-    curves = [(panel.title, over_angle(study, panel)) for panel in panels(scene)]
+    curves = [(panel.title, over_angle(study, panel)) for panel in panels(study.reference)]
     return template.substitute(
         title=escape(scene.title),
         source=escape(scene.source),

@@ -89,7 +89,10 @@ def gates(study: Study) -> pd.DataFrame:
 
 def notes(study: Study) -> list[str]:
     """Return what a reader must know: why runs failed, which channels are missing and why, how the floor was found."""
-    said = [f"Floor of the reference: {study.reference.floor.by}."]
+    floor = study.reference.floor
+    said = [f"Floor of the reference: {floor.by}."]
+    if floor.by_channel:
+        said = [f"Floor of the reference: {max(floor.by_channel.values()):.1e} at most, certified by {floor.by}."]
     for m in study.measurements:
         if m.run.status is not Status.ok:
             said.append(f"{m.run.engine}: {m.run.status.name}. {m.run.status.value} Here: {m.run.reason}.")

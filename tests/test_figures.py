@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compare.figures import Panel, over_angle, panels, speed_against_error
+from compare.figures import Panel, _prefixed, over_angle, panels, speed_against_error
 from compare.speed import Budget
 from compare.study import Study, study
 from scenes import Sampling, load
@@ -15,11 +15,11 @@ def result() -> Study:
 
 
 def panel_of(result: Study, title: str) -> Panel:
-    return next(panel for panel in panels(result.scene) if panel.title.startswith(title))
+    return next(panel for panel in panels(result.reference) if panel.title.startswith(title))
 
 
 def test_every_joint_has_a_panel(result: Study) -> None:
-    titles = [panel.title for panel in panels(result.scene)]
+    titles = [panel.title for panel in panels(result.reference)]
     for wanted in (
         "P5: displacement",
         "P5: velocity",
@@ -64,3 +64,13 @@ def test_speed_shows_every_solved_point(result: Study) -> None:
     drawn = [trace for trace in figure.data if trace.name == "pymunk"]
     assert len(drawn) == 5  # position, velocity, acceleration, reaction, torque
     assert {len(trace.x) for trace in drawn} == {int((result.speed["engine"] == "pymunk").sum())}
+
+
+@pytest.mark.parametrize(
+    ("scale", "factor", "unit"),
+    [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (2e6, 1e-6, "MN")],
+)
+def test_prefixes(scale: float, factor: float, unit: str) -> None:
+    found, named = _prefixed(scale, "N")
+    assert found == pytest.approx(factor)
+    assert named == unit
