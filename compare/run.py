@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
 
-from scenes import InputError, Sampling, Scene, load, shipped
+from scenes import InputError, Sampling, Scene, load, shipped, write_starter
 
 from . import registry
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--full] [--check] [--list]"
+    " [--full] [--check] [--list] [--new NAME]"
 )
 
 
@@ -25,7 +25,12 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a missed tolerance, 2 for bad input."""
     try:
         options = _parser().parse_args(arguments)
-        return _list() if options.list else _run(options)
+        if options.list:
+            return _list()
+        if options.new:
+            print("wrote", " and ".join(map(str, write_starter(options.new))))
+            return 0
+        return _run(options)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
@@ -55,6 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--full", action="store_true", help="take the long ladders, and time them for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
+    parser.add_argument("--new", type=Path, metavar="NAME", help="write NAME.toml, a commented scene to change")
     return parser
 
 

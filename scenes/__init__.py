@@ -5,6 +5,7 @@ from .errors import InputError
 from .motion import Motion
 from .reader import LIBRARY, load, shipped
 from .scene import Scene
+from .starter import write_starter
 
 __all__ = [
     "LIBRARY",
@@ -19,4 +20,5 @@ __all__ = [
     "Status",
     "load",
     "shipped",
+    "write_starter",
 ]

@@ -1,6 +1,7 @@
 """The command line: what it writes, what it says, how it exits."""
 
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -206,3 +207,34 @@ def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
     assert "pip install exudyn" in said
     assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path), "--check"]) == 1
     assert "unsupported" in (tmp_path / "toggle_press" / "report.html").read_text(encoding="utf-8")
+
+
+# --- a first scene of one's own ---------------------------------------------------------------------------------------
+
+
+def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--new", str(tmp_path / "mine")]) == 0
+    file = tmp_path / "mine.toml"
+    assert str(file) in capsys.readouterr().out
+    assert main([str(file), "--check", "--out", str(tmp_path)]) == 0
+    summary = json.loads((tmp_path / "mine" / "summary.json").read_text(encoding="utf-8"))
+    assert {engine["status"] for engine in summary["engines"].values()} == {"ok"}
+    capsys.readouterr()
+    file.write_text("changed by its user", encoding="utf-8")
+    assert "exists" in refused(["--new", str(tmp_path / "mine.toml")], capsys)
+    assert file.read_text(encoding="utf-8") == "changed by its user"
+
+
+@pytest.mark.parametrize("name", ["two words", "1st", "no/such/folder/mine"])
+def test_a_new_scene_that_cannot_be(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--new" in refused(["--new", str(tmp_path / name)], capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_schema_describes_the_format(tmp_path: Path) -> None:
+    """The schema that editors get knows the shipped scene's keys, and that there are no others."""
+    main(["--new", str(tmp_path / "mine")])
+    schema = json.loads((tmp_path / "scene.schema.json").read_text(encoding="utf-8"))
+    assert set(tomllib.loads(TOGGLE_PRESS)) <= set(schema["properties"])
+    assert schema["additionalProperties"] is False
+    assert "mass" in schema["$defs"]["BodyTable"]["properties"]
