@@ -46,14 +46,15 @@ def rrr_reach(r1: float, r2: float, d: Samples) -> Samples:
     return (d + (long + short)) * stretched * (d + (long - short)) * folded
 
 
-def rrr_position(d: Vectors, r1: float, r2: float, branch: int) -> tuple[Vectors, Vectors, Samples]:
-    """Return p = P - A, q = P - B and p x q, twice the signed area, given d = B - A and the bars' lengths.
+def rrr_position(
+    d: Vectors, distance: Samples, r1: float, r2: float, reach: Samples, branch: int
+) -> tuple[Vectors, Vectors, Samples]:
+    """Return p = P - A, q = P - B and p x q, twice the signed area, given d = B - A, |d| and the bars' lengths.
 
     p = d (d . p + i d x p) / |d|^2, where d . p follows from the three sides, and d x p = p x q is twice the area K
     with the sign of the branch. NaN where the bars do not reach.
     """
-    distance = np.abs(d)
-    area = 0.5 * branch * np.sqrt(rrr_reach(r1, r2, distance))
+    area = 0.5 * branch * np.sqrt(reach)
     square = distance * distance
     p = as_vectors(0.5 * (square + (r1 - r2) * (r1 + r2)) / square, area / square) * d
     return p, p - d, area
@@ -75,13 +76,9 @@ def rrr_force(M1: Samples, M2: Samples, p: Vectors, q: Vectors, area: Samples) -
     return (M2 / -area) * p - (M1 / area) * q
 
 
-def rrp_position(e: Vectors, r: float, branch: int) -> tuple[Samples, Samples]:
-    """Return p . t and p . n, p = P - A, given e = C - A in guide axes: t real, n = i t imaginary; C is on P's line.
-
-    NaN where the bar does not reach the line.
-    """
-    h = e.imag
-    return branch * np.sqrt((r - h) * (r + h)), h
+def rrp_reach(r: float, h: Samples) -> Samples:
+    """Return (p . t)^2 of a bar of length r whose tip is off its foot by h across the guide; negative where too far."""
+    return (r - h) * (r + h)
 
 
 def turned(omega: Samples, alpha: Samples) -> Vectors:

@@ -4,11 +4,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scenes import Failure, Scene, Status
+from scenes import Scene
 from scenes.motion import Samples
 
 from .decomposition import RRP, RRR, Decomposition
-from .dyads import Vectors, as_vectors, rrp_position, rrr_position, rrr_rates, turned
+from .dyads import Vectors, as_vectors, rrp_reach, rrr_position, rrr_rates, rrr_reach, turned
 from .geometry import as_complex
 
 
@@ -25,13 +25,13 @@ class Kinematics:
     rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
     arms: dict[str, tuple[Vectors, Vectors, Samples]] = field(default_factory=dict)  # RRR by inner pin: p, q, p x q
     guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # RRP by inner pin: p . t, p . n
+    reach: dict[str, Samples] = field(default_factory=dict)  # by inner pin: positive where the dyad can be assembled
 
 
 def kinematics(scene: Scene, linkage: Decomposition, crank_angle: Samples) -> Kinematics:
     """Solve position, velocity and acceleration at the crank angles, shape (n,), rad.
 
-    Raises:
-        Failure: `cannot_assemble` at the first crank angle where a dyad does not reach.
+    Where a dyad does not reach, its `reach` is negative and it and all that hangs on it are NaN.
     """
     k = Kinematics()
     for point, xy in scene.ground.items():
@@ -39,9 +39,9 @@ def kinematics(scene: Scene, linkage: Decomposition, crank_angle: Samples) -> Ki
     _crank(scene, linkage, k, crank_angle)
     for dyad in linkage.dyads:
         if isinstance(dyad, RRR):
-            _rrr(dyad, linkage, k, crank_angle)
+            _rrr(dyad, linkage, k)
         else:
-            _rrp(dyad, linkage, k, crank_angle)
+            _rrp(dyad, linkage, k)
     return k
 
 
@@ -50,13 +50,14 @@ def _crank(scene: Scene, linkage: Decomposition, k: Kinematics, crank_angle: Sam
     _place(linkage, k, linkage.crank.body, linkage.crank.pivot, u, np.array(scene.drive.speed), np.array(0.0))
 
 
-def _rrr(dyad: RRR, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+def _rrr(dyad: RRR, linkage: Decomposition, k: Kinematics) -> None:
     A, B, P = dyad.A, dyad.B, dyad.P
     bar_1 = linkage.bodies[dyad.body_1].arm(A, P)
     bar_2 = linkage.bodies[dyad.body_2].arm(B, P)
     d = k.z[B] - k.z[A]
-    p, q, area = k.arms[P] = rrr_position(d, abs(bar_1), abs(bar_2), dyad.branch)
-    _check_reach(area, crank_angle, f"{dyad.body_1} and {dyad.body_2} do not meet in {P}")
+    distance = np.abs(d)
+    k.reach[P] = rrr_reach(abs(bar_1), abs(bar_2), distance)
+    p, q, area = k.arms[P] = rrr_position(d, distance, abs(bar_1), abs(bar_2), k.reach[P], dyad.branch)
 
     w1, w2 = rrr_rates(k.v[B] - k.v[A], p, q, area)
     centripetal = (k.a[B] - w2**2 * q) - (k.a[A] - w1**2 * p)
@@ -65,14 +66,14 @@ def _rrr(dyad: RRR, linkage: Decomposition, k: Kinematics, crank_angle: Samples)
     _place(linkage, k, dyad.body_2, B, q * (1 / bar_2), w2, alpha_2)
 
 
-def _rrp(dyad: RRP, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+def _rrp(dyad: RRP, linkage: Decomposition, k: Kinematics) -> None:
     """Solve in guide axes: P = C + s t on the slider, A + p on the bar; only s and the bar's angle are unknown."""
     A, P, t = dyad.A, dyad.P, dyad.t
     bar, slider = linkage.bodies[dyad.bar].arm(A, P), linkage.bodies[dyad.slider]
     C = dyad.through + slider.arm(dyad.first, P)
     e = (C - k.z[A]) * t.conjugate()
-    p_t, p_n = k.guide[P] = rrp_position(e, abs(bar), dyad.branch)
-    _check_reach(p_t, crank_angle, f"{dyad.bar} does not reach the line of {P} on {dyad.slider}")
+    k.reach[P] = rrp_reach(abs(bar), e.imag)
+    p_t, p_n = k.guide[P] = dyad.branch * np.sqrt(k.reach[P]), e.imag
 
     v = k.v[A] * t.conjugate()
     omega = -v.imag / p_t
@@ -98,11 +99,3 @@ def _place(
             k.z[point] = k.z[foot] + r
             k.v[point] = k.v[foot] + r * (1j * omega)
             k.a[point] = k.a[foot] + r * rate
-
-
-def _check_reach(reach: Samples, crank_angle: Samples, what: str) -> None:
-    """Find the poses that do not exist: there the reach is NaN, the square root of a negative number."""
-    fails = np.isnan(reach)
-    if fails.any():
-        degrees = np.degrees(crank_angle[fails.argmax()])
-        raise Failure(Status.cannot_assemble, f"at crank angle {degrees:.4g} deg {what}")

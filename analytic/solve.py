@@ -1,18 +1,20 @@
 """Scene and crank angles in, motion out: block by block, so that every temporary stays in cache."""
 
 from collections.abc import Iterator
+from math import degrees
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import Motion, Scene
+from scenes import Failure, Motion, Scene, Status
 from scenes.motion import Samples, channels
 from scenes.scene import Body
 
-from .decomposition import decompose
+from .decomposition import Decomposition, decompose
 from .dyads import Vectors
 from .kinematics import Kinematics, kinematics
 from .kinetostatics import Reactions, kinetostatics
+from .motion_range import describe
 
 BLOCK = 8000  # angles: a complex temporary stays under 128 KiB, from where on the allocator maps fresh pages for each
 
@@ -41,6 +43,7 @@ def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
         for start in range(0, len(angle), BLOCK):
             block = slice(start, start + BLOCK)
             k = kinematics(scene, linkage, angle[block])
+            _check_reach(scene, linkage, k, angle[block])
             on = kinetostatics(scene, linkage, k) if scene.has_masses else Reactions()
             for row, vector in zip(vectors, _vectors(scene, k, on), strict=True):
                 row[block] = vector
@@ -51,6 +54,14 @@ def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
         samples |= {x: row.real, y: row.imag}
     samples |= zip(scalar_names, scalars, strict=True)
     return Motion({channel: samples[channel] for channel in channels(scene)})
+
+
+def _check_reach(scene: Scene, linkage: Decomposition, k: Kinematics, angle: Samples) -> None:
+    for pin, reach in k.reach.items():
+        if not (reach >= 0).all():
+            first = degrees(angle[int(np.argmin(reach >= 0))])
+            why = f"{pin} cannot be reached at crank angle {first:.4f} deg; {describe(scene, linkage)}"
+            raise Failure(Status.cannot_assemble, why)
 
 
 def _names(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:

@@ -152,7 +152,14 @@ def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixtu
     file = tmp_path / "short.toml"
     file.write_text(TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 30'), encoding="utf-8")
     line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
-    for part in ("short.toml", "bodies", "cannot_assemble", "rocker and toggle", "P3", "crank angle"):
+    for part in (
+        "short.toml",
+        "bodies",
+        "cannot_assemble",
+        "rocker and toggle in line at P3",
+        "crank angle",
+        "turns only",
+    ):
         assert part in line
     assert not (tmp_path / "out").exists()
 
