@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields, is_dataclass
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -67,9 +67,8 @@ def _table(motion: Motion) -> pd.DataFrame:
 
 
 def _summary(study: Study) -> dict[str, Any]:
-    scene = study.scene
     return {
-        "scene": {"name": scene.name, "title": scene.title, "source": scene.source, "file": scene.file},
+        "scene": study.scene,
         "sampling": asdict(study.sampling),
         "reference": {"stroke_m": study.reference.stroke, "floor": asdict(study.reference.floor)},
         "engines": {
@@ -93,9 +92,11 @@ def _summary(study: Study) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return the value as JSON can hold it: what is not finite becomes null."""
+    """Return the value as JSON can hold it: what is not finite becomes null, a pair of points `A-B`."""
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {"-".join(sorted(k)) if isinstance(k, frozenset) else str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, Iterable) and not isinstance(value, str):
         return [_plain(item) for item in value]
     if isinstance(value, float):

@@ -2,11 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from tempfile import gettempdir
 
 import pytest
+from hypothesis import settings
+from hypothesis.configuration import set_hypothesis_home_dir
 
 import scenes
 from scenes import Scene
+
+set_hypothesis_home_dir(Path(gettempdir()) / "hypothesis")
+settings.register_profile("no leftovers", database=None)
+settings.load_profile("no leftovers")
 
 SceneFrom = Callable[[str], Scene]
 

@@ -48,7 +48,7 @@ def test_a_forbidden_import_is_caught(module: str, line: str, tmp_path: Path) ->
 
 def test_no_simulator_sees_a_part_of_another() -> None:
     """The modules of one engine share a prefix, and import no module of another prefix."""
-    graph = grimp.build_graph("sim_models")
+    graph = grimp.build_graph("sim_models", cache_dir=None)
     modules = graph.find_children("sim_models")
     assert len(modules) > 3
     for module in modules:

@@ -55,6 +55,9 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
         assert any(character.isdigit() for character in engine["version"])
     assert len(summary["errors"]) == 3 * (len(channels(toggle_press)) - 1)
     assert len(summary["gates"]) == 10
+    assert summary["scene"]["bodies"]["toggle"]["lengths"] == pytest.approx(
+        {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
+    )
     assert summary["environment"]["python"].startswith("3.")
 
 
