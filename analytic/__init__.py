@@ -1,5 +1,6 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
+from .inverse import inverse
 from .solve import solve
 
-__all__ = ["solve"]
+__all__ = ["inverse", "solve"]

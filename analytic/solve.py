@@ -57,9 +57,9 @@ def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
 
 
 def _check_reach(scene: Scene, linkage: Decomposition, k: Kinematics, angle: Samples) -> None:
-    for pin, reach in k.reach.items():
-        if not (reach >= 0).all():
-            first = degrees(angle[int(np.argmin(reach >= 0))])
+    for pin, reach in k.reach.items():  # in solving order: the first that fails is negative, what hangs on it is NaN
+        if (reach < 0).any():
+            first = degrees(angle[int(np.argmax(reach < 0))])
             why = f"{pin} cannot be reached at crank angle {first:.4f} deg; {describe(scene, linkage)}"
             raise Failure(Status.cannot_assemble, why)
 
