@@ -10,18 +10,18 @@ from scenes.motion import Samples
 from .figures import LAYOUT, SUBTITLED
 from .study import Study
 
-POSES = (0, 90, 180, 270)  # crank angles from the start, degrees
+POSES = (0.0, 0.25, 0.5, 0.75)  # of the first turn
 BODY_COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#f0e442")  # Okabe and Ito
 
 
 def linkage(study: Study) -> go.Figure:
     """Draw the linkage at `POSES`, with the paths of its moving points in grey."""
     scene, motion = study.scene, study.motion
-    start = np.degrees(scene.drive.start)
-    titles = [f"crank at {start + angle:g}°" for angle in POSES]
+    rows = [round(pose * study.sampling.samples) for pose in POSES]
+    titles = [f"crank at {np.degrees(motion['crank_angle'][row]) % 360:.4g}°" for row in rows]
     figure = make_subplots(1, len(POSES), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=0.01)
-    for column, angle in enumerate(POSES, start=1):
-        _pose(figure, scene, motion, round(angle / 360 * study.sampling.samples), column)
+    for column, row in enumerate(rows, start=1):
+        _pose(figure, scene, motion, row, column)
         figure.update_xaxes(title="x [mm]", matches="x", row=1, col=column)
         figure.update_yaxes(scaleanchor="x", scaleratio=1, row=1, col=column)
     figure.update_yaxes(title="y [mm]", row=1, col=1)

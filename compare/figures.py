@@ -146,7 +146,8 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
     figure.update_yaxes(title=panel.axis, row=1, col=1)
     figure.update_yaxes(title="relative error [-]", type="log", exponentformat="power", nticks=6, row=2, col=1)
     figure.update_xaxes(title="crank angle [deg]", row=2, col=1)
-    figure.update_xaxes(dtick=60 * study.sampling.turns)
+    forwards = study.scene.drive.speed > 0  # time runs from left to right
+    figure.update_xaxes(dtick=60 * study.sampling.turns, autorange=True if forwards else "reversed")
     return figure.update_layout(LAYOUT, height=480)
 
 

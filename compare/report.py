@@ -51,5 +51,5 @@ def _figure(figure: go.Figure) -> str:
 def _table(table: pd.DataFrame, kind: str = "") -> str:
     if table.empty:
         return "<p>None.</p>"
-    html = table.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:.3g}", justify="right")
+    html = table.to_html(index=False, border=0, na_rep="–", float_format=lambda value: f"{value:.3g}", justify="right")
     return f'<div class="scroll {kind}">{html}</div>'

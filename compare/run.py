@@ -80,10 +80,11 @@ def _count(least: int, most: int) -> Callable[[str], int]:
 
 
 def _list() -> int:
+    width = max(map(len, (*shipped(), *registry.ENTRIES)))
     for name in shipped():
-        print(f"scene   {name:16} {load(name).title}")
+        print(f"scene   {name:{width}}  {load(name).title}")
     for name, entry in registry.ENTRIES.items():
-        print(f"engine  {name:16} {entry.purpose} ({entry.missing or entry.version})")
+        print(f"engine  {name:{width}}  {entry.purpose} ({entry.missing or entry.version})")
     return 0
 
 
