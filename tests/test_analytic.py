@@ -1,11 +1,11 @@
-"""The analytic core against arbitrary precision, textbook cases worked by hand, and invariances."""
+"""The analytic core against arbitrary precision and textbook cases worked by hand; invariances: test_properties.py."""
 
 from fractions import Fraction
-from math import acos, cos, pi, sin
+from math import acos, pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import analytic
@@ -234,46 +234,6 @@ def test_kinematic_scene_has_no_forces(scene_from: SceneFrom) -> None:
     motion = analytic.solve(scene, TURN)
     assert "drive.torque" not in motion
     assert "P5.y" in motion
-
-
-# --- invariances ------------------------------------------------------------------------------------------------------
-
-
-def _turned(text: str, by: float, shift: complex) -> str:
-    """Return the slider crank's file turned by an angle and shifted: everything drawn on the ground moves with it."""
-
-    def move(x: float, y: float) -> str:
-        z = complex(x, y) * complex(cos(by), sin(by)) + shift
-        return f"[{z.real!r}, {z.imag!r}]"
-
-    def turn(x: float, y: float) -> str:
-        z = complex(x, y) * complex(cos(by), sin(by))
-        return f"[{z.real!r}, {z.imag!r}]"
-
-    text = text.replace("[ground.points]\nO = [0, 0]", f"[ground.points]\nO = {move(0, 0)}")
-    text = text.replace("through = [0, 0], along = [1, 0]", f"through = {move(0, 0)}, along = {turn(1, 0)}")
-    text = text.replace("force = [-50, 0]", f"force = {turn(-50, 0)}")
-    text = text.replace("angle = 0.5", f"angle = {0.5 + by!r}").replace("speed = 10", f"speed = 10\nstart = {by!r}")
-    return text.replace("A = [0.9, 0.5]", f"A = {move(0.9, 0.5)}").replace("B = [3.8, 0]", f"B = {move(3.8, 0)}")
-
-
-@settings(deadline=None, max_examples=30)
-@given(st.floats(-3, 3), st.complex_numbers(max_magnitude=10))
-def test_turning_the_world_turns_the_answer(by: float, shift: complex) -> None:
-    import tempfile
-    from pathlib import Path
-
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "scene.toml"
-        file.write_text(SLIDER_CRANK, encoding="utf-8")
-        plain = analytic.solve(scenes.load(file), TURN)
-        file.write_text(_turned(SLIDER_CRANK, by, shift), encoding="utf-8")
-        turned = analytic.solve(scenes.load(file), TURN + by)
-    # 1e-15 of coordinates up to 14, and as much of the angle, through accelerations of 130
-    assert np.abs(turned["drive.torque"] - plain["drive.torque"]).max() <= 1e-11 * np.abs(plain["drive.torque"]).max()
-    assert np.abs(turned["rod.omega"] - plain["rod.omega"]).max() <= 1e-11 * 10
-    force = (turned["B.fx"] + 1j * turned["B.fy"]) * complex(cos(by), -sin(by))
-    assert np.abs(force - plain["B.fx"] - 1j * plain["B.fy"]).max() <= 1e-11 * np.abs(plain["B.fx"]).max()
 
 
 # --- what cannot be solved --------------------------------------------------------------------------------------------
