@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import analytic
-import scenes
 from analytic.decomposition import decompose
 from analytic.dyads import rrr_reach
 from analytic.motion_range import motion_range
