@@ -16,6 +16,7 @@ from scenes import Motion, Sampling
 from scenes.motion import UNITS, Samples, quantity
 
 from .reference import Reference, relative_errors
+from .registry import REFERENCE
 
 GROUPS: Mapping[str, str] = (
     dict.fromkeys(("x", "y", "angle"), "position")
@@ -55,13 +56,14 @@ def compare(reference: Reference, sampling: Sampling, motion: Motion) -> Compari
 
 
 def error_table(engine: str, comparison: Comparison, reference: Reference) -> pd.DataFrame:
-    """Return one row a channel; no error is shown below the reference's floor."""
+    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one."""
     rows = []
     last_turn = slice(-comparison.samples_a_turn - 1, None)
     for channel, error in comparison.actual.items():
         worst = int(error.argmax())
         commanded = comparison.commanded[channel]
         floor = reference.floor.by_channel.get(channel, np.nan)
+        least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
         figures = {
             "max": error[worst],
             "rms": np.sqrt(np.mean(error**2)),
@@ -72,7 +74,7 @@ def error_table(engine: str, comparison: Comparison, reference: Reference) -> pd
         }
         rows.append(
             {"engine": engine, "channel": channel, "group": GROUPS[quantity(channel)]}
-            | {name: max(float(figure), floor) if floor >= 0 else float(figure) for name, figure in figures.items()}
+            | {name: float(np.maximum(figure, floor if floor >= 0 else least)) for name, figure in figures.items()}
             | {"max_at_deg": np.degrees(comparison.crank_angle[worst]), "floor": floor}
             | {"scale": reference.scale[channel], "unit": UNITS[quantity(channel)]}
         )

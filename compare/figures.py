@@ -18,6 +18,7 @@ from scenes import Motion, Status
 from scenes.motion import Samples
 
 from .reference import Reference
+from .registry import REFERENCE
 from .study import Study
 
 templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
@@ -126,7 +127,7 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
                 row=1,
                 col=1,
             )
-        if engine != "analytic":
+        if engine != REFERENCE:
             error = np.sqrt(sum(np.square(m.comparison.actual[channel]) for channel in panel.judged))
             figure.add_scatter(
                 x=degrees,

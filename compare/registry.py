@@ -60,7 +60,8 @@ ENTRIES = {
         "pip install '.[certify]'",
     ),
 }
-DEFAULT_ENGINES = ("analytic", "exudyn", "pymunk")
+REFERENCE = "analytic"
+DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
 
 

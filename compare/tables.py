@@ -7,6 +7,7 @@ import pandas as pd
 
 from scenes import Status
 
+from .registry import REFERENCE
 from .study import Study
 
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")
@@ -114,7 +115,7 @@ def verdict(study: Study) -> str:
     """Return how far apart the models are, in one sentence."""
     solved = [m for m in study.measurements if m.run.status is Status.ok]
     said = f"{len(solved)} of {len(study.measurements)} engines solved the scene."
-    others = study.errors[study.errors["engine"] != "analytic"] if not study.errors.empty else study.errors
+    others = study.errors[study.errors["engine"] != REFERENCE] if not study.errors.empty else study.errors
     for m in solved:
         rows = others[others["engine"] == m.run.engine]
         if not rows.empty:

@@ -15,7 +15,7 @@ from compare.checks import checks
 from compare.errors import compare, error_table
 from compare.gates import gates
 from compare.measure import Measurement, measure
-from compare.reference import Reference, establish
+from compare.reference import Floor, Reference, establish
 from compare.runner import run
 from compare.speed import Budget
 from compare.study import study
@@ -150,6 +150,13 @@ def test_no_error_is_shown_below_the_floor(reference: Reference, motion: Motion)
     high = replace(reference, floor=replace(reference.floor, by_channel=dict.fromkeys(motion.samples, 1e-9)))
     table = error_table("x", compare(high, SAMPLING, motion), high)
     assert (table["max"] == 1e-9).all()
+
+
+def test_an_uncertified_reference_has_no_error_to_show(reference: Reference, motion: Motion) -> None:
+    uncertified = replace(reference, floor=Floor({}, "not certified"))
+    comparison = compare(uncertified, SAMPLING, motion)
+    assert error_table("analytic", comparison, uncertified)["max"].isna().all()
+    assert (error_table("stub", comparison, uncertified)["max"] == 0).all()
 
 
 # --- checks without a reference ---------------------------------------------------------------------------------------
