@@ -1,7 +1,7 @@
 """Runs one engine on one scene. However it ends, the outcome is a row of data."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
@@ -31,12 +31,14 @@ class Run:
 
 def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
     """Build, solve and read, each timed apart; `settings` of None means the engine's default."""
-    if reason := registry.ENTRIES[name].missing:
-        return Run(name, settings, Status.unsupported, reason)
+    entry = registry.ENTRIES[name]
+    failed = Run(name, settings, Status.unsupported, entry.missing or "", entry.version)
+    if entry.missing:
+        return failed
     try:
         engine = registry.engine(name)
         settings = settings or engine.DEFAULT
-        used = engine.version()  # imports what the engine needs, so that no clock does
+        failed = replace(failed, settings=settings, version=engine.version())  # imports what no clock shall time
         started = perf_counter()
         simulation = engine.build(scene, settings, sampling)
         built = perf_counter()
@@ -46,22 +48,19 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
         read = perf_counter()
         _check_complete(scene, sampling, motion)
     except Failure as failure:
-        return Run(name, settings, failure.status, failure.reason)
+        return replace(failed, status=failure.status, reason=failure.reason)
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
         text = (str(error) or "no message").strip().splitlines()[0]
-        return Run(name, settings, Status.crashed, f"{type(error).__name__}: {text}")
-    return Run(
-        name,
-        settings,
-        Status.ok,
-        "",
-        used,
-        motion,
-        built - started,
-        solved - built,
-        read - solved,
-        simulation.counters,
-        simulation.residuals,
+        return replace(failed, status=Status.crashed, reason=f"{type(error).__name__}: {text}")
+    return replace(
+        failed,
+        status=Status.ok,
+        motion=motion,
+        build_s=built - started,
+        solve_s=solved - built,
+        read_s=read - solved,
+        counters=simulation.counters,
+        residuals=simulation.residuals,
     )
 
 

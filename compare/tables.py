@@ -81,8 +81,8 @@ def gates(study: Study) -> pd.DataFrame:
             "tolerance": g.tolerance,
             "error": g.error,
             "met": "missed" if g.missed else "met",
+            "worst": g.worst,
         }
-        | {"worst": g.worst}
         for g in study.gates
     ]
     return pd.DataFrame(rows)
