@@ -1,6 +1,7 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
+from .decomposition import route
 from .inverse import inverse
 from .solve import solve
 
-__all__ = ["inverse", "solve"]
+__all__ = ["inverse", "route", "solve"]

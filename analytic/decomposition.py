@@ -1,16 +1,19 @@
-"""From the joint graph to a driver and Assur groups of class II, in the order in which they can be solved.
+"""From the joint graph to a driver and Assur groups, in the order in which they can be solved.
 
-A dyad is two bodies joined by an inner joint, each hung by an outer joint on what is already placed. Its assembly
-branch is read once from the sketch and stays a number: nothing is remembered from one crank angle to the next.
+A dyad, a group of class II, is two bodies joined by an inner joint, each hung by an outer joint on what is already
+placed. Its assembly branch is read once from the sketch and stays a number: nothing is remembered from one crank angle
+to the next. Where no dyad hangs on what is placed, the fewest bodies that do hold each other make one larger group.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 
 from scenes import Failure, Scene, Status
 
+from .continuation import Track
 from .geometry import RigidBody, as_complex, cross, rigid_body, sketched
+from .newton_group import Group, Joint
 
 
 @dataclass(frozen=True)
@@ -55,19 +58,20 @@ Dyad = RRR | RRP
 
 @dataclass(frozen=True)
 class Decomposition:
-    """A linkage in solving order: the crank, then one dyad after the other."""
+    """A linkage in solving order: the crank, then one Assur group after the other."""
 
     crank: Crank
-    dyads: tuple[Dyad, ...]
+    groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
+    tracks: dict[Group, Track] = field(default_factory=dict)  # of the larger groups, each followed when first needed
 
 
 def decompose(scene: Scene) -> Decomposition:
-    """Split a linkage into its crank and its dyads.
+    """Split a linkage into its crank and its Assur groups: dyads as long as there are any, in the order of the file.
 
     Raises:
-        Failure: `unsupported` when what is left holds no RRR or RRP dyad, or when the sketch leaves a branch open.
+        Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     driven = scene.bodies[scene.drive.body]
     crank = Crank(driven.name, next(point for point in driven.points if point in scene.ground))
@@ -79,19 +83,69 @@ def decompose(scene: Scene) -> Decomposition:
         placed.update(carries[body])
 
     place(driven.name)
-    dyads: list[Dyad] = []
+    groups: list[Dyad | Group] = []
     while left := [name for name in scene.bodies if name not in carries]:
-        dyad = next(_dyads(scene, left, placed), None)
-        if dyad is None:
-            raise Failure(
-                Status.unsupported,
-                f"the bodies {', '.join(left)} hold no dyad of pins, or of pins and a slide, that hangs on the others",
-            )
-        dyads.append(dyad)
-        for body in (dyad.body_1, dyad.body_2) if isinstance(dyad, RRR) else (dyad.slider, dyad.bar):
+        group = next(_dyads(scene, left, placed), None) or larger_group(scene, _fewest(scene, left, placed), placed)
+        groups.append(group)
+        for body in _members(group):
             place(body)
     bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
-    return Decomposition(crank, tuple(dyads), bodies, carries)
+    return Decomposition(crank, tuple(groups), bodies, carries)
+
+
+def route(scene: Scene) -> str:
+    """Return how a scene is solved: `closed form: crank, RRR, RRP` or `crank, RRR, Newton on one-plate-two-three`.
+
+    Raises:
+        Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
+    """
+    groups = decompose(scene).groups
+    said = [f"Newton on {'-'.join(g.bodies)}" if isinstance(g, Group) else type(g).__name__ for g in groups]
+    closed_form = not any(isinstance(group, Group) for group in groups)
+    return ("closed form: " if closed_form else "") + ", ".join(["crank", *said])
+
+
+def _members(group: Dyad | Group) -> tuple[str, ...]:
+    """Return the bodies in the order in which they are placed."""
+    if isinstance(group, Group):
+        return group.bodies
+    return (group.body_1, group.body_2) if isinstance(group, RRR) else (group.slider, group.bar)
+
+
+def _fewest(scene: Scene, left: list[str], placed: set[str]) -> tuple[str, ...]:
+    """Return the fewest of the bodies left that hang on the placed points without a freedom of their own.
+
+    All that is left has none, by Gruebler's count of the whole linkage.
+    """
+    subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
+    bodies = next(bodies for bodies in subsets if _freedoms(scene, bodies, placed) <= 0)
+    if _freedoms(scene, bodies, placed) < 0:
+        raise Failure(Status.unsupported, f"{', '.join(bodies)} are held by more joints than they have freedoms")
+    return bodies
+
+
+def _freedoms(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> int:
+    """Return Gruebler's count: three a body, less two for each pin and each slide."""
+    slides = sum(scene.bodies[name].slide is not None for name in bodies)
+    return 3 * len(bodies) - 2 * len(_joints(scene, bodies, placed)) - 2 * slides
+
+
+def larger_group(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> Group:
+    """Join bodies that are to be solved together, given the points that are placed already."""
+    joints = _joints(scene, bodies, placed)
+    return Group(bodies, joints, next(joint.point for joint in joints if joint.on is not None))
+
+
+def _joints(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> tuple[Joint, ...]:
+    """Return the bodies' pins: each on a placed point, or else on the first of the bodies that names the point."""
+    first: dict[str, str | None] = dict.fromkeys(placed)
+    joints = []
+    for body in bodies:
+        for point in scene.bodies[body].points:
+            if point in first:
+                joints.append(Joint(point, body, first[point]))
+            first.setdefault(point, body)
+    return tuple(joints)
 
 
 def _dyads(scene: Scene, left: list[str], placed: set[str]) -> Iterator[Dyad]:

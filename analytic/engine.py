@@ -10,7 +10,7 @@ from scenes import Motion, Sampling, Scene, Settings
 from .decomposition import decompose
 from .solve import solve
 
-DEFAULT = Settings(label="closed form")
+DEFAULT = Settings(label="vector equations")
 LADDER = (DEFAULT,)
 LONG_LADDER: tuple[Settings, ...] = ()
 
@@ -38,8 +38,8 @@ class AnalyticRun:
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Return the number of angles times dyads."""
-        return {"dyad_solves": self.sampling.count * len(decompose(self.scene).dyads)}
+        """Return the number of angles times groups."""
+        return {"group_solves": self.sampling.count * len(decompose(self.scene).groups)}
 
     @property
     def residuals(self) -> Mapping[str, float]:

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from math import pi
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,10 +13,14 @@ from numpy.typing import ArrayLike
 from scenes import Scene
 from scenes.motion import Samples
 
-from .solve import solve
+from .decomposition import Decomposition, decompose
+from .solve import solve_decomposed
 
 SAMPLES = 3600  # a turn: two dead points closer together than this grid are not seen
 BISECTIONS = 60  # from a whole turn down to the last place
+
+
+Displaced: TypeAlias = Callable[[Samples], tuple[Samples, Samples, Samples]]  # crank angle -> s, s', s''
 
 
 @dataclass(frozen=True)
@@ -49,10 +55,12 @@ def inverse(
         ValueError: the output point does not slide.
     """
     s, v, a = (np.atleast_1d(np.asarray(x, float)) for x in np.broadcast_arrays(position, velocity, acceleration))
-    return [_stroke(scene, start, end, s, v, a) for start, end in pairwise(_dead_points(scene))]
+    displaced = partial(displacement, scene, decompose(scene))
+    dead = _dead_points(displaced, scene.drive.start)
+    return [_stroke(displaced, start, end, s, v, a) for start, end in pairwise(dead)]
 
 
-def displacement(scene: Scene, crank_angle: Samples) -> tuple[Samples, Samples, Samples]:
+def displacement(scene: Scene, linkage: Decomposition, crank_angle: Samples) -> tuple[Samples, Samples, Samples]:
     """Return s, s' and s'' of the output point along its guide, m and m a radian (squared), shape (n,).
 
     Raises:
@@ -61,7 +69,7 @@ def displacement(scene: Scene, crank_angle: Samples) -> tuple[Samples, Samples, 
     slide = next((body.slide for body in scene.bodies.values() if body.slide and scene.output in body.points), None)
     if slide is None:
         raise ValueError(f"{scene.output} is on no body that slides")
-    motion, p, w = solve(scene, crank_angle), scene.output, scene.drive.speed
+    motion, p, w = solve_decomposed(scene, linkage, crank_angle), scene.output, scene.drive.speed
     (tx, ty), (x, y) = slide.along, slide.through
     s = tx * (motion[f"{p}.x"] - x) + ty * (motion[f"{p}.y"] - y)
     ds = (tx * motion[f"{p}.vx"] + ty * motion[f"{p}.vy"]) / w
@@ -69,21 +77,21 @@ def displacement(scene: Scene, crank_angle: Samples) -> tuple[Samples, Samples, 
     return s, ds, dds
 
 
-def _dead_points(scene: Scene) -> Samples:
+def _dead_points(displaced: Displaced, first: float) -> Samples:
     """Return the crank angles of one turn where the slider stands still, and the first again a turn later."""
     grid = np.arange(SAMPLES + 1) + 0.5  # a dead point just at the start must not fall between both ends of the turn
-    turn = scene.drive.start + grid * 2 * pi / SAMPLES
-    forward = displacement(scene, turn)[1] > 0
+    turn = first + grid * 2 * pi / SAMPLES
+    forward = displaced(turn)[1] > 0
     before = np.flatnonzero(forward[1:] != forward[:-1])
-    dead = _bisect(lambda angle: displacement(scene, angle)[1], turn[before], turn[before + 1])
+    dead = _bisect(lambda angle: displaced(angle)[1], turn[before], turn[before + 1])
     return np.append(dead, dead[0] + 2 * pi)
 
 
-def _stroke(scene: Scene, start: float, end: float, s: Samples, v: Samples, a: Samples) -> Stroke:
-    first, last = displacement(scene, np.array([start, end]))[0]
+def _stroke(displaced: Displaced, start: float, end: float, s: Samples, v: Samples, a: Samples) -> Stroke:
+    first, last = displaced(np.array([start, end]))[0]
     reached = (s >= min(first, last)) & (s <= max(first, last))
-    angle = _bisect(lambda x: displacement(scene, x)[0] - s, np.full(s.shape, start), np.full(s.shape, end))
-    _, ds, dds = displacement(scene, angle)
+    angle = _bisect(lambda x: displaced(x)[0] - s, np.full(s.shape, start), np.full(s.shape, end))
+    _, ds, dds = displaced(angle)
     with np.errstate(divide="ignore", invalid="ignore"):  # at a dead point no crank speed moves the slider
         omega = v / ds
         alpha = (a - dds * omega**2) / ds

@@ -1,15 +1,17 @@
-"""Position, velocity and acceleration of the whole linkage, dyad after dyad, for many crank angles at once."""
+"""Position, velocity and acceleration of the whole linkage, group after group, for many crank angles at once."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from scenes import Scene
 from scenes.motion import Samples
 
+from .continuation import follow
 from .decomposition import RRP, RRR, Decomposition
 from .dyads import Vectors, as_vectors, rrp_reach, rrr_position, rrr_rates, rrr_reach, turned
 from .geometry import as_complex
+from .newton_group import Complex, Group, rates
 
 
 @dataclass(frozen=True)
@@ -25,23 +27,29 @@ class Kinematics:
     rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
     arms: dict[str, tuple[Vectors, Vectors, Samples]] = field(default_factory=dict)  # RRR by inner pin: p, q, p x q
     guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # RRP by inner pin: p . t, p . n
-    reach: dict[str, Samples] = field(default_factory=dict)  # by inner pin: positive where the dyad can be assembled
+    jacobian: dict[str, Samples] = field(default_factory=dict)  # larger group by its pin P: shape (n, m, m)
+    reach: dict[str, Samples] = field(default_factory=dict)  # by inner pin: positive where the group can be assembled
 
 
 def kinematics(scene: Scene, linkage: Decomposition, crank_angle: Samples) -> Kinematics:
     """Solve position, velocity and acceleration at the crank angles, shape (n,), rad.
 
-    Where a dyad does not reach, its `reach` is negative and it and all that hangs on it are NaN.
+    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN.
+
+    Raises:
+        Failure: a larger group has no branch to follow, as `continuation.follow` says.
     """
     k = Kinematics()
     for point, xy in scene.ground.items():
         k.z[point], k.v[point], k.a[point] = np.array(as_complex(xy)), np.array(0j), np.array(0j)
     _crank(scene, linkage, k, crank_angle)
-    for dyad in linkage.dyads:
-        if isinstance(dyad, RRR):
-            _rrr(dyad, linkage, k)
+    for group in linkage.groups:
+        if isinstance(group, RRR):
+            _rrr(group, linkage, k)
+        elif isinstance(group, RRP):
+            _rrp(group, linkage, k)
         else:
-            _rrp(dyad, linkage, k)
+            _larger(scene, group, linkage, k, crank_angle)
     return k
 
 
@@ -85,6 +93,37 @@ def _rrp(dyad: RRP, linkage: Decomposition, k: Kinematics) -> None:
     k.a[P] = np.asarray(t * (a.real - alpha * p_n - omega**2 * p_t))
     _place(linkage, k, dyad.slider, P, np.array(1 + 0j), np.array(0.0), np.array(0.0))
     _place(linkage, k, dyad.bar, A, as_vectors(p_t, p_n) * (t / bar), omega, alpha)
+
+
+def _larger(scene: Scene, group: Group, linkage: Decomposition, k: Kinematics, crank_angle: Samples) -> None:
+    if group not in linkage.tracks:
+        before = replace(linkage, groups=linkage.groups[: linkage.groups.index(group)])
+        linkage.tracks[group] = follow(
+            scene, group, linkage.bodies, lambda angle: _placed_pins(group, kinematics(scene, before, angle), angle)
+        )
+    track = linkage.tracks[group]
+    z, v, a = _placed_pins(group, k, crank_angle)
+    q, J = track.at(crank_angle, z)
+    dq, ddq = rates(track.equations, q, J, v, a)
+    k.jacobian[group.P], k.reach[group.P] = J, np.where(np.isnan(q[:, 0]), -1.0, 1.0)
+
+    equations = track.equations
+    feet = equations.origin + equations.feet(q), equations.feet(dq), equations.feet(ddq)
+    u, omega, alpha = equations.attitude(q), equations.angles(dq), equations.angles(ddq)
+    for b, body in enumerate(group.bodies):
+        foot = scene.bodies[body].points[0]
+        if foot not in k.z:
+            k.z[foot], k.v[foot], k.a[foot] = (x[:, b] for x in feet)
+        _place(linkage, k, body, foot, u[:, b], omega[:, b], alpha[:, b])
+
+
+def _placed_pins(group: Group, k: Kinematics, crank_angle: Samples) -> tuple[Complex, Complex, Complex]:
+    """Return position, velocity and acceleration of what each pin hangs on, shape (n, j); zero within the group."""
+    z, v, a = np.zeros((3, len(crank_angle), len(group.joints)), complex)
+    for j, joint in enumerate(group.joints):
+        if joint.on is None:
+            z[:, j], v[:, j], a[:, j] = k.z[joint.point], k.v[joint.point], k.a[joint.point]
+    return z, v, a
 
 
 def _place(

@@ -1,6 +1,6 @@
-"""Reactions of every pin and guide and the drive's torque, dyad after dyad, last placed first (d'Alembert's principle).
+"""Reactions of every pin and guide and the drive's torque, group after group, last first (d'Alembert's principle).
 
-A dyad is statically determinate once the dyads that hang on it have passed on their pull. Section 3 of Yang (2023),
+A group is statically determinate once the groups that hang on it have passed on their pull. Section 3 of Yang (2023),
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
@@ -16,6 +16,7 @@ from .decomposition import RRP, RRR, Decomposition
 from .dyads import Vectors, as_vectors, cross, rrr_force
 from .geometry import as_complex
 from .kinematics import Kinematics
+from .newton_group import Group, pin_forces
 
 
 @dataclass
@@ -30,18 +31,20 @@ class Reactions:
 def kinetostatics(scene: Scene, linkage: Decomposition, k: Kinematics) -> Reactions:
     """Return all reactions, and the torque that keeps the crank at its speed."""
     balance = _Balance(scene, linkage, k)
-    for dyad in reversed(linkage.dyads):
-        if isinstance(dyad, RRR):
-            balance.rrr(dyad)
+    for group in reversed(linkage.groups):
+        if isinstance(group, RRR):
+            balance.rrr(group)
+        elif isinstance(group, RRP):
+            balance.rrp(group)
         else:
-            balance.rrp(dyad)
+            balance.larger(group)
     balance.crank()
     return balance.found
 
 
 @dataclass(frozen=True)
 class _Balance:
-    """One pass from the last dyad to the crank."""
+    """One pass from the last group to the crank."""
 
     scene: Scene
     linkage: Decomposition
@@ -74,6 +77,23 @@ class _Balance:
         arm = self.linkage.bodies[dyad.slider].arm(dyad.first, P)
         self.found.guide[dyad.slider] = R_n - on_guide.imag, cross(arm, R) - moment_s
 
+    def larger(self, group: Group) -> None:
+        equations, J = self.linkage.tracks[group].equations, self.k.jacobian[group.P]
+        force, moment = np.zeros((len(J), len(group.bodies)), complex), np.zeros((len(J), len(group.bodies)))
+        for b, body in enumerate(group.bodies):
+            force[:, b], moment[:, b] = self.applied(body, self.scene.bodies[body].points[0])
+        R = pin_forces(equations, J, force, moment)
+        for joint, on_body in zip(group.joints, R.T, strict=True):
+            self.hold(joint.body, joint.point, on_body)
+            if joint.on is not None:
+                self.hold(joint.on, joint.point, -on_body)
+        for b, body in enumerate(group.bodies):
+            slide = self.scene.bodies[body].slide
+            if slide is not None:
+                total = force[:, b] + np.einsum("j,nj->n", equations.S[:, b], R)
+                turning = moment[:, b] + cross(equations.R[:, b], R).sum(axis=1)
+                self.found.guide[body] = -cross(as_complex(slide.along), total), -turning
+
     def crank(self) -> None:
         body, pivot = self.linkage.crank.body, self.linkage.crank.pivot
         force, moment = self.applied(body, pivot)
@@ -86,7 +106,7 @@ class _Balance:
         pin[point, body] = pin[point, body] + force if (point, body) in pin else force
 
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
-        """Return the force on a body, and its moment about `foot`, of all but the joints of its own dyad."""
+        """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         rigid, k = self.linkage.bodies[body], self.k
         r = k.u[body] * rigid.com_arm(foot)
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])

@@ -1,4 +1,4 @@
-"""How far the crank can turn: where every dyad reaches, and what stops it at either end."""
+"""How far the crank can turn: where every group reaches, and what stops it at either end."""
 
 from dataclasses import dataclass
 from math import degrees, pi
@@ -8,7 +8,7 @@ import numpy as np
 from scenes import Scene
 from scenes.motion import Samples
 
-from .decomposition import RRR, Decomposition
+from .decomposition import RRP, RRR, Decomposition
 from .kinematics import kinematics
 
 SAMPLES = 3600  # a turn: a gap or an interval narrower than this grid is missed
@@ -53,7 +53,7 @@ def motion_range(scene: Scene, linkage: Decomposition) -> list[Interval]:
 
 
 def _locked_pin(scene: Scene, linkage: Decomposition, angle: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
-    """Return, for each angle, the inner pin of the first dyad that does not reach, or an empty text."""
+    """Return, for each angle, the inner pin of the first group that does not reach, or an empty text."""
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = kinematics(scene, linkage, angle).reach
     pins = np.array(["", *reach])
@@ -75,7 +75,9 @@ def describe(scene: Scene, linkage: Decomposition) -> str:
 
 
 def _lock(linkage: Decomposition, pin: str) -> str:
-    dyad = {dyad.P: dyad for dyad in linkage.dyads}[pin]
-    if isinstance(dyad, RRR):
-        return f"{dyad.body_1} and {dyad.body_2} in line at {pin}"
-    return f"{dyad.bar} square to the guide of {dyad.slider}"
+    group = {group.P: group for group in linkage.groups}[pin]
+    if isinstance(group, RRR):
+        return f"{group.body_1} and {group.body_2} in line at {pin}"
+    if isinstance(group, RRP):
+        return f"{group.bar} square to the guide of {group.slider}"
+    return f"{', '.join(group.bodies)} locked"

@@ -20,7 +20,7 @@ BLOCK = 8000  # angles: a complex temporary stays under 128 KiB, from where on t
 
 
 def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
-    """Solve a scene at the given crank angles, in closed form, each angle on its own.
+    """Solve a scene at the given crank angles, each on its own: in closed form, but for groups that hold no dyad.
 
     Args:
         scene: the mechanism.
@@ -30,11 +30,15 @@ def solve(scene: Scene, crank_angle: ArrayLike) -> Motion:
         Every channel of the scene, shape (n,), SI. The time is counted from the drive's start angle.
 
     Raises:
-        Failure: `unsupported` when the linkage is no chain of RRR and RRP dyads, `cannot_assemble` at the first crank
-            angle where the bodies do not reach.
+        Failure: `unsupported` when the sketch leaves a branch open, `cannot_assemble` at the first crank angle where
+            the bodies do not reach.
     """
+    return solve_decomposed(scene, decompose(scene), crank_angle)
+
+
+def solve_decomposed(scene: Scene, linkage: Decomposition, crank_angle: ArrayLike) -> Motion:
+    """Solve a scene as `solve` does, by a decomposition that is at hand."""
     angle = np.array(crank_angle, dtype=np.float64)
-    linkage = decompose(scene)
     vector_names, scalar_names = _names(scene)
     # Two large arrays: the system hands those out in huge pages, many small ones cost several times their writing.
     vectors = np.empty((len(vector_names), len(angle)), complex)

@@ -16,6 +16,7 @@ from scenes.motion import header
 
 from . import tables
 from .environment import environment
+from .registry import route
 from .report import page
 from .study import Study
 
@@ -70,7 +71,11 @@ def _summary(study: Study) -> dict[str, Any]:
     return {
         "scene": study.scene,
         "sampling": asdict(study.sampling),
-        "reference": {"stroke_m": study.reference.stroke, "floor": asdict(study.reference.floor)},
+        "reference": {
+            "route": route(study.scene),
+            "stroke_m": study.reference.stroke,
+            "floor": asdict(study.reference.floor),
+        },
         "engines": {
             m.run.engine: {
                 "version": m.run.version,

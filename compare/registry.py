@@ -40,7 +40,11 @@ class Entry:
 
 ENTRIES = {
     "analytic": Entry(
-        "vector equations in closed form; the reference", "analytic.engine", "numpy", "numpy", "pip install numpy"
+        "vector equations: dyads in closed form, larger groups by Newton; the reference",
+        "analytic.engine",
+        "numpy",
+        "numpy",
+        "pip install numpy",
     ),
     "exudyn": Entry(
         "multibody DAE with Lagrange multipliers",
@@ -80,3 +84,8 @@ def engine(name: str) -> Engine[Any]:
 def reference() -> Solve:
     """Return the analytic core's `solve(scene, crank_angle)`, against which every engine is measured."""
     return cast("Solve", import_module("analytic").solve)
+
+
+def route(scene: Scene) -> str:
+    """Return by which way the reference solves a scene, in a few words."""
+    return cast("str", import_module("analytic").route(scene))

@@ -7,6 +7,7 @@ import pandas as pd
 
 from scenes import Status
 
+from . import registry
 from .registry import REFERENCE
 from .study import Study
 
@@ -108,7 +109,10 @@ def setup(study: Study) -> str:
     turns = "one turn" if sampling.turns == 1 else f"{sampling.turns} turns"
     rpm = scene.drive.speed * 30 / pi
     stroke = 1e3 * study.reference.stroke
-    return f"The {scene.drive.body} at {rpm:g} rpm, {turns}, {sampling.samples} samples a turn; stroke {stroke:.4f} mm."
+    return (
+        f"The {scene.drive.body} at {rpm:g} rpm, {turns}, {sampling.samples} samples a turn; stroke {stroke:.4f} mm."
+        f" The reference's way: {registry.route(scene)}."
+    )
 
 
 def verdict(study: Study) -> str:

@@ -279,28 +279,6 @@ def test_a_linkage_that_never_closes_says_so(scene_from: SceneFrom) -> None:
         analytic.solve(scene, TURN)
 
 
-def test_a_group_of_class_iii_is_refused(scene_from: SceneFrom) -> None:
-    """A triangle hung on three bars, one of them on the crank: no dyad inside."""
-    scene = scene_from(
-        """
-format = 1
-name = "class_iii"
-ground.points = { O = [0, 0], E = [4, 0], F = [6, 1] }
-bodies.crank.points = { O = [0, 0], A = [1, 0] }
-bodies.one.lengths = { "A-B" = 3 }
-bodies.plate.lengths = { "B-C" = 2, "C-D" = 2, "B-D" = 2 }
-bodies.two.lengths = { "C-E" = 3 }
-bodies.three.lengths = { "D-F" = 3 }
-drive = { body = "crank", speed = 1 }
-sketch = { A = [1, 0], B = [2, 3], C = [4, 3], D = [3, 4.7] }
-output = { point = "B" }
-"""
-    )
-    with pytest.raises(Failure, match="one, plate, two, three hold no dyad") as caught:
-        analytic.solve(scene, TURN)
-    assert caught.value.status is Status.unsupported
-
-
 def test_a_flat_sketch_is_refused(scene_from: SceneFrom) -> None:
     scene = scene_from(TOGGLE_PRESS.replace("P5 = [0, -1090]", "P5 = [50, -790]"))
     with pytest.raises(Failure, match="square to the guide of slider"):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import analytic
+from analytic.decomposition import decompose
 from analytic.inverse import displacement
 from scenes import Scene
 
@@ -30,7 +31,9 @@ def test_there_and_back(toggle_press: Scene) -> None:
     assert len(strokes) == 2
     assert np.degrees([stroke.start for stroke in strokes]) == pytest.approx([12.8, 208.6], abs=0.05)
     up = strokes[0]
-    slope = np.abs(displacement(toggle_press, angle)[1]).min()  # m a radian: a rounding of s is this much angle
+    slope = np.abs(
+        displacement(toggle_press, decompose(toggle_press), angle)[1]
+    ).min()  # m a radian: a rounding of s is this much angle
     assert np.abs(up.crank_angle - angle).max() <= 4 * 2.3e-16 / slope
     assert np.abs(up.omega - 2 * np.pi).max() <= 1e-10  # that angle error, times s'' / s'
     assert np.abs(up.alpha).max() <= 1e-8  # and once more
@@ -40,7 +43,7 @@ def test_there_and_back(toggle_press: Scene) -> None:
 
 def test_strokes_end_at_dead_points(toggle_press: Scene) -> None:
     for stroke in analytic.inverse(toggle_press, -1.0):
-        _, slope, _ = displacement(toggle_press, np.array([stroke.start, stroke.end]))
+        _, slope, _ = displacement(toggle_press, decompose(toggle_press), np.array([stroke.start, stroke.end]))
         assert np.abs(slope).max() <= 1e-14
 
 
