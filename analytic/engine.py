@@ -7,8 +7,8 @@ import numpy as np
 
 from scenes import Motion, Sampling, Scene, Settings
 
-from .decomposition import decompose
-from .solve import solve
+from .decomposition import Decomposition, decompose
+from .solve import solve_decomposed
 
 DEFAULT = Settings(label="vector equations")
 LADDER = (DEFAULT,)
@@ -25,12 +25,13 @@ class AnalyticRun:
     """One evaluation at the commanded angles."""
 
     scene: Scene
+    linkage: Decomposition
     sampling: Sampling
     motion: Motion = field(init=False)
 
     def solve(self) -> None:
         """Evaluate every channel."""
-        self.motion = solve(self.scene, self.sampling.commanded(self.scene))
+        self.motion = solve_decomposed(self.scene, self.linkage, self.sampling.commanded(self.scene))
 
     def read(self) -> Motion:
         """Return the channels; nothing is left to do."""
@@ -39,7 +40,7 @@ class AnalyticRun:
     @property
     def counters(self) -> Mapping[str, int]:
         """Return the number of angles times groups."""
-        return {"group_solves": self.sampling.count * len(decompose(self.scene).groups)}
+        return {"group_solves": self.sampling.count * len(self.linkage.groups)}
 
     @property
     def residuals(self) -> Mapping[str, float]:
@@ -51,7 +52,10 @@ def build(scene: Scene, settings: Settings, sampling: Sampling) -> AnalyticRun: 
     """Prepare an evaluation.
 
     Raises:
-        Failure: the linkage does not decompose.
+        Failure: the linkage does not decompose, or cannot be assembled at the start.
     """
-    decompose(scene)
-    return AnalyticRun(scene, sampling)
+    linkage = decompose(scene)
+    solve_decomposed(
+        scene, linkage, [scene.drive.start]
+    )  # follows the branch of what Newton solves, once for all angles
+    return AnalyticRun(scene, linkage, sampling)
