@@ -1,11 +1,11 @@
-"""The branch of a group solved by Newton's method: poses over one turn, followed step by step from the sketch.
+"""The branch of a group solved by Newton's method: poses over the drive's way, followed step by step from the sketch.
 
-Every crank angle asked for starts from the nearest of these poses, so that its answer depends on no other angle.
+Every position asked for starts from the nearest of these poses, so that its answer depends on no other position.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from math import copysign, degrees, pi, radians
+from dataclasses import dataclass, replace
+from math import copysign, inf, pi
 from typing import TypeAlias
 
 import numpy as np
@@ -13,93 +13,107 @@ import numpy as np
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
-from .geometry import RigidBody, as_complex, sketched
-from .newton_group import Complex, Group, System, assemble, rates, refine, system
+from .geometry import RigidBody, sketched, sketched_attitude
+from .newton_group import Frames, Group, System, assemble, own_jacobian, rates, refine, system
 
-STEP = radians(1.0)
-SMALLEST = STEP / 2**20  # 1e-6 deg: a lock is found to that
+STEPS = 360  # over a turn, or over the way of a driven slider
+SMALLEST = 2.0**-20  # of a step: a lock is found to that
 SAME = 1e-6  # rad: two poses
 
-Placed: TypeAlias = Callable[[Samples], tuple[Complex, Complex, Complex]]  # crank angle -> z, v, a of the placed pins
+Placed: TypeAlias = Callable[[Samples], Frames]  # position of the drive -> what the group hangs on, moving at rate one
 
 
 @dataclass(frozen=True)
 class Track:
-    """N poses by crank angle, within one turn, and how they change with the crank angle."""
+    """N poses by the drive's position, within one turn of a crank, and how they change with the position."""
 
     equations: System
-    angle: Samples  # (N,), rad, increasing
+    step: float  # rad or m, between poses
+    turn: float  # the period of positions, 2 pi; infinite for a driven slider
+    position: Samples  # (N,), increasing
     q: Samples  # (N, m)
-    dq: Samples  # (N, m), by radian of the crank
-    ddq: Samples  # (N, m), by radian squared
+    dq: Samples  # (N, m), by unit of position
+    ddq: Samples  # (N, m)
     branch: float  # the sign of det J: it changes where the branch meets another, in a lock
 
-    def at(self, angle: Samples, z: Complex) -> tuple[Samples, Samples]:
-        """Return the coordinates (n, m) and the Jacobian (n, m, m), NaN where the branch does not reach."""
-        start = self.angle[0]
-        middles = (self.angle[1:] + self.angle[:-1]) / 2
-        nearest = np.searchsorted(middles, start + np.remainder(angle - start, 2 * pi))
-        h = (np.remainder(angle - self.angle[nearest] + pi, 2 * pi) - pi)[:, None]
+    def at(self, position: Samples, placed: Frames) -> tuple[Frames, Samples]:
+        """Return the group's frames, at rest, and the Jacobian (n, m, m); NaN where the branch does not reach."""
+        middles = (self.position[1:] + self.position[:-1]) / 2
+        nearest = np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0))
+        h = self._within(position - self.position[nearest], -self.turn / 2)[:, None]
         guess = self.q[nearest] + h * (self.dq[nearest] + h / 2 * self.ddq[nearest])
-        near = np.abs(h) <= 1.01 * STEP  # a whole step, and its roundings; further off there is no pose to start from
-        q, found = refine(self.equations, np.where(near, guess, np.nan), z)
-        J = self.equations.jacobian(q)
+        near = (
+            np.abs(h) <= 1.01 * self.step
+        )  # a whole step, and its roundings; further off there is no pose to start from
+        q, found = refine(self.equations, np.where(near, guess, np.nan), placed)
+        J = own_jacobian(self.equations, self.equations.frames(q, placed))
         found &= np.linalg.slogdet(J)[0] == self.branch
-        return np.where(found[:, None], q, np.nan), np.where(found[:, None, None], J, np.nan)
+        q = np.where(found[:, None], q, np.nan)
+        return self.equations.frames(q, placed), np.where(found[:, None, None], J, np.nan)
+
+    def _within(self, difference: Samples, least: float) -> Samples:
+        """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
+        return difference if self.turn == inf else least + np.remainder(difference - least, self.turn)
 
 
 def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: Placed) -> Track:
-    """Follow the sketch's branch round the whole turn, or to its locks on both sides.
+    """Follow the sketch's branch round the whole turn, or a driven slider's way, or to the locks on both sides.
 
     Raises:
-        Failure: `cannot_assemble` at the sketch's angle; `unsupported` when a turn of the crank ends in another pose.
+        Failure: `cannot_assemble` at the sketch; `unsupported` when a turn of the crank ends in another pose.
     """
     equations = system(scene, bodies, group)
-    speed = scene.drive.speed
-    angle = np.array([scene.sketch.angle])
-    q = assemble(equations, _sketched(scene, group, bodies), placed(angle)[0])
-    first = _pose(equations, speed, angle, q, placed)
-    if np.isnan(first.at(angle, placed(angle)[0])[0]).any():
-        why = f"{', '.join(group.bodies)} do not close near the sketch, at crank angle {degrees(angle[0]):.4f} deg"
+    start = scene.sketch.drive
+    least, most = scene.drive.extent
+    turn = 2 * pi if scene.driven_slide is None else inf
+    step = 2 * pi / STEPS if scene.driven_slide is None else (most - least) / STEPS
+    position = np.array([start])
+    q = assemble(equations, _sketched(scene, group, bodies), placed(position))
+    first = _pose(equations, step, turn, position, q, placed)
+    if np.isnan(first.at(position, placed(position))[0].z).any():
+        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}"
         raise Failure(Status.cannot_assemble, why)
-    forward = _march(first, speed, placed, STEP, 2 * pi)
-    ahead = forward[-1].angle[0] - first.angle[0]
-    if ahead < 2 * pi - SMALLEST:
-        return _joined([*_march(first, speed, placed, -STEP, 2 * pi - ahead)[:0:-1], *forward])
-    if np.abs(equations.attitude(forward[-1].q) - equations.attitude(first.q)).max() > SAME:
+    if scene.driven_slide is not None:
+        back, forth = (_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0)))
+        return _joined([*back[:0:-1], *forth])
+    forward = _march(first, placed, turn)
+    ahead = forward[-1].position[0] - start
+    if ahead < turn - SMALLEST * step:
+        return _joined([*_march(first, placed, ahead - turn)[:0:-1], *forward])
+    if np.abs(np.exp(1j * forward[-1].q[:, 2::3]) - np.exp(1j * first.q[:, 2::3])).max() > SAME:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
         raise Failure(Status.unsupported, why)
     return _joined(forward)
 
 
-def _march(first: Track, speed: float, placed: Placed, step: float, furthest: float) -> list[Track]:
+def _march(first: Track, placed: Placed, way: float) -> list[Track]:
     """Return the poses from the first onwards, one a step; where Newton's method loses the branch, by smaller steps."""
-    poses = [first]
-    h = step
-    while abs(h) >= SMALLEST and (gone := abs(poses[-1].angle[0] - first.angle[0])) < furthest - SMALLEST:
-        h = copysign(min(abs(h), furthest - gone), h)
-        angle = poses[-1].angle + h
-        q, _ = poses[-1].at(angle, placed(angle)[0])
-        if np.isnan(q).any():
+    poses, smallest = [first], SMALLEST * first.step
+    h = first.step
+    while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
+        h = min(h, abs(way) - gone)
+        position = poses[-1].position + copysign(h, way)
+        frames, _ = poses[-1].at(position, placed(position))
+        if np.isnan(frames.z).any():
             h /= 2
         else:
-            poses.append(_pose(first.equations, speed, angle, q, placed))
-            h = copysign(min(2 * abs(h), STEP), h)
+            q = np.stack([frames.z.real, frames.z.imag, frames.angle], axis=-1)[:, : first.equations.bodies]
+            poses.append(_pose(first.equations, first.step, first.turn, position, q.reshape(1, -1), placed))
+            h = min(2 * h, first.step)
     return poses
 
 
-def _pose(equations: System, speed: float, angle: Samples, q: Samples, placed: Placed) -> Track:
+def _pose(equations: System, step: float, turn: float, position: Samples, q: Samples, placed: Placed) -> Track:
     """Return the track of one pose, q of shape (1, m)."""
-    J = equations.jacobian(q)
-    _, v, a = placed(angle)
-    velocity, acceleration = rates(equations, q, J, v, a)
-    return Track(equations, angle, q, velocity / speed, acceleration / speed**2, float(np.linalg.slogdet(J)[0][0]))
+    frames = equations.frames(q, placed(position))
+    J = own_jacobian(equations, frames)
+    return Track(equations, step, turn, position, q, *rates(equations, frames, J), float(np.linalg.slogdet(J)[0][0]))
 
 
 def _joined(poses: list[Track]) -> Track:
-    columns = zip(*((pose.angle, pose.q, pose.dq, pose.ddq) for pose in poses), strict=True)
-    angle, q, dq, ddq = map(np.concatenate, columns)
-    return Track(poses[0].equations, angle, q, dq, ddq, poses[0].branch)
+    columns = zip(*((pose.position, pose.q, pose.dq, pose.ddq) for pose in poses), strict=True)
+    position, q, dq, ddq = map(np.concatenate, columns)
+    return replace(poses[0], position=position, q=q, dq=dq, ddq=ddq)
 
 
 def _sketched(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Samples:
@@ -107,14 +121,9 @@ def _sketched(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Sa
     at = sketched(scene)
     q: list[float] = []
     for name in group.bodies:
-        slide, local = scene.bodies[name].slide, bodies[name].local
+        local = bodies[name].local
         shown = [point for point in local if point in at]
-        place, own = np.array([at[point] for point in shown]), np.array([local[point] for point in shown])
-        turn = 0.0 if slide else float(np.angle(np.vdot(own - own.mean(), place - place.mean())))
-        foot = complex(place.mean() + np.exp(1j * turn) * (local[scene.bodies[name].points[0]] - own.mean()))
-        q += (
-            [((foot - as_complex(slide.through)) * as_complex(slide.along).conjugate()).real]
-            if slide
-            else [foot.real, foot.imag, turn]
-        )
+        u = sketched_attitude(scene, name, bodies)
+        foot = complex(np.mean([at[point] + u * (bodies[name].first - local[point]) for point in shown]))
+        q += [foot.real, foot.imag, float(np.angle(u))]
     return np.array([q])

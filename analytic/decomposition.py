@@ -1,96 +1,105 @@
 """From the joint graph to a driver and Assur groups, in the order in which they can be solved.
 
-A dyad, a group of class II, is two bodies joined by an inner joint, each hung by an outer joint on what is already
-placed. Its assembly branch is read once from the sketch and stays a number: nothing is remembered from one crank angle
-to the next. Where no dyad hangs on what is placed, the fewest bodies that do hold each other make one larger group.
+A dyad, a group of class II, is two bodies, its legs, joined by an inner joint, each hung by an outer joint on what is
+already placed. Its assembly branch is read once from the sketch and stays a number: nothing is remembered from one
+position of the drive to the next. Where no dyad hangs on what is placed, the fewest bodies that do hold each other make
+one larger group.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import TypeAlias
 
 from scenes import Failure, Scene, Status
+from scenes.scene import GROUND, PressForce
 
 from .continuation import Track
-from .geometry import RigidBody, as_complex, cross, rigid_body, sketched
-from .newton_group import Group, Joint
+from .geometry import RigidBody, as_complex, cross, rigid_body, sketched, sketched_attitude
+from .newton_group import Group, PinJoint, SlideJoint
+
+FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
 
 
 @dataclass(frozen=True)
-class Crank:
-    """The driver: `body` turns about the ground point `pivot`."""
+class Pinned:
+    """A leg that turns about the placed point A."""
 
     body: str
-    pivot: str
-
-
-@dataclass(frozen=True)
-class RRR:
-    """Two bars: `body_1` from A to P, `body_2` from B to P; `branch` is the sign of (B - A) x (P - A)."""
-
-    body_1: str
     A: str
-    body_2: str
-    B: str
-    P: str
-    branch: int
 
 
 @dataclass(frozen=True)
-class RRP:
-    """A bar from A to P and a slider pinned to it at P; `branch` is the sign of (P - A) . t.
+class Guided:
+    """A leg that slides on the placed body `on`: its point F runs through G along t, both fixed in the frame of `on`.
 
-    The guide's line, through `through` along the unit vector `t`, is where the slider's point `first` runs.
+    It is all the same which of the two the scene calls the slider: the line through either's point has to pass through
+    the other's, and the frames are parallel.
     """
 
-    bar: str
-    A: str
-    slider: str
+    body: str
+    on: str
+    F: complex  # m, in the frame of `body`
+    G: complex  # m, in the frame of `on`
+    t: complex  # unit, in both frames
+    slider: str  # the one of the two that the channels are named by
+
+
+Leg: TypeAlias = Pinned | Guided
+
+
+@dataclass(frozen=True)
+class InnerPin:
+    """RRR, RRP or PRP: the legs meet at the pin P; a pinned leg comes first."""
+
+    legs: tuple[Leg, Leg]
     P: str
-    first: str
-    through: complex
-    t: complex
-    branch: int
+    branch: int  # RRR: of (B - A) x (P - A); RRP: of (P - A) . t; PRP: of t1 x t2
 
 
-Dyad = RRR | RRP
+@dataclass(frozen=True)
+class InnerSlide:
+    """RPR or RPP: the second leg is pinned at A and the first one slides on it."""
+
+    legs: tuple[Leg, Pinned]
+    guide: Guided  # of the first leg on the second
+    branch: int  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
+
+
+Dyad: TypeAlias = InnerPin | InnerSlide
+Driver: TypeAlias = Pinned | Guided
 
 
 @dataclass(frozen=True)
 class Decomposition:
-    """A linkage in solving order: the crank, then one Assur group after the other."""
+    """A linkage in solving order: the driver, then one Assur group after the other."""
 
-    crank: Crank
+    driver: Driver
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
     tracks: dict[Group, Track] = field(default_factory=dict)  # of the larger groups, each followed when first needed
+    stroke_ends: dict[PressForce, float] = field(default_factory=dict)  # m, likewise
 
 
 def decompose(scene: Scene) -> Decomposition:
-    """Split a linkage into its crank and its Assur groups: dyads as long as there are any, in the order of the file.
+    """Split a linkage into its driver and its Assur groups: dyads as long as there are any, in the order of the file.
 
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
-    driven = scene.bodies[scene.drive.body]
-    crank = Crank(driven.name, next(point for point in driven.points if point in scene.ground))
-    placed = set(scene.ground)
-    carries: dict[str, tuple[str, ...]] = {}
-
-    def place(body: str) -> None:
-        carries[body] = tuple(point for point in scene.bodies[body].points if point not in placed)
-        placed.update(carries[body])
-
-    place(driven.name)
-    groups: list[Dyad | Group] = []
-    while left := [name for name in scene.bodies if name not in carries]:
-        group = next(_dyads(scene, left, placed), None) or larger_group(scene, _fewest(scene, left, placed), placed)
-        groups.append(group)
-        for body in _members(group):
-            place(body)
     bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
-    return Decomposition(crank, tuple(groups), bodies, carries)
+    placed = _Placed(scene, bodies)
+    driven = scene.drive.body
+    driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))
+    placed.add(driven)
+    groups: list[Dyad | Group] = []
+    while left := [name for name in scene.bodies if name not in placed.carries]:
+        group = next(_dyads(placed, left), None) or larger_group(placed, _fewest(placed, left))
+        groups.append(group)
+        for body in members(group):
+            placed.add(body)
+    return Decomposition(driver, tuple(groups), bodies, placed.carries)
 
 
 def route(scene: Scene) -> str:
@@ -100,87 +109,170 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     groups = decompose(scene).groups
-    said = [f"Newton on {'-'.join(g.bodies)}" if isinstance(g, Group) else type(g).__name__ for g in groups]
+    said = [kind(group) for group in groups]
     closed_form = not any(isinstance(group, Group) for group in groups)
-    return ("closed form: " if closed_form else "") + ", ".join(["crank", *said])
+    driver = "crank" if scene.driven_slide is None else "driven slider"
+    return ("closed form: " if closed_form else "") + ", ".join([driver, *said])
 
 
-def _members(group: Dyad | Group) -> tuple[str, ...]:
-    """Return the bodies in the order in which they are placed."""
+def kind(group: Dyad | Group) -> str:
+    """Return the joints of a dyad, outer, inner, outer: `RRP`; or the bodies of a larger group."""
+    if isinstance(group, Group):
+        return f"Newton on {'-'.join(group.bodies)}"
+    first, second = ("R" if isinstance(leg, Pinned) else "P" for leg in group.legs)
+    return f"{first}R{second}" if isinstance(group, InnerPin) else f"{second}P{first}"
+
+
+def inner_joint(group: Dyad | Group) -> str:
+    """Return what a group is called by: its inner pin, or the slider of its inner slide."""
+    return group.guide.slider if isinstance(group, InnerSlide) else group.P
+
+
+def members(group: Dyad | Group) -> tuple[str, ...]:
+    """Return the bodies in the order in which they are placed; the inner pin goes with the first, a slider if any."""
     if isinstance(group, Group):
         return group.bodies
-    return (group.body_1, group.body_2) if isinstance(group, RRR) else (group.slider, group.bar)
+    return tuple(leg.body for leg in sorted(group.legs, key=lambda leg: isinstance(leg, Pinned)))
 
 
-def _fewest(scene: Scene, left: list[str], placed: set[str]) -> tuple[str, ...]:
-    """Return the fewest of the bodies left that hang on the placed points without a freedom of their own.
+class _Placed:
+    """What is placed so far: bodies, the ground among them, and their points."""
 
-    All that is left has none, by Gruebler's count of the whole linkage.
-    """
-    subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
-    bodies = next(bodies for bodies in subsets if _freedoms(scene, bodies, placed) <= 0)
-    if _freedoms(scene, bodies, placed) < 0:
-        raise Failure(Status.unsupported, f"{', '.join(bodies)} are held by more joints than they have freedoms")
-    return bodies
+    def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
+        self.scene, self.bodies = scene, bodies
+        self.points = set(scene.ground)
+        self.carries: dict[str, tuple[str, ...]] = {}
 
+    def add(self, name: str) -> None:
+        self.carries[name] = tuple(point for point in self.scene.bodies[name].points if point not in self.points)
+        self.points.update(self.carries[name])
 
-def _freedoms(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> int:
-    """Return Gruebler's count: three a body, less two for each pin and each slide."""
-    slides = sum(scene.bodies[name].slide is not None for name in bodies)
-    return 3 * len(bodies) - 2 * len(_joints(scene, bodies, placed)) - 2 * slides
+    def __contains__(self, name: str) -> bool:
+        return name == GROUND or name in self.carries
 
+    def outer(self, name: str) -> list[Leg]:
+        """Return the joints by which a body hangs on what is placed."""
+        pins: list[Leg] = [Pinned(name, point) for point in self.scene.bodies[name].points if point in self.points]
+        slides = (self.guided(name, other) for other in (GROUND, *self.carries))
+        return pins + [guided for guided in slides if guided is not None]
 
-def larger_group(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> Group:
-    """Join bodies that are to be solved together, given the points that are placed already."""
-    joints = _joints(scene, bodies, placed)
-    return Group(bodies, joints, next(joint.point for joint in joints if joint.on is not None))
+    def guided(self, name: str, other: str) -> Guided | None:
+        """Return the slide between two bodies, the second of which may be the ground."""
+        for slider, on in ((name, other), (other, name)):
+            slide = None if slider == GROUND else self.scene.bodies[slider].slide
+            if slide is not None and slide.on == on:
+                foot, through = self.bodies[slider].first, as_complex(slide.through)
+                F, G = (foot, through) if slider == name else (through, foot)
+                return Guided(name, other, F, G, as_complex(slide.along), slider)
+        return None
 
-
-def _joints(scene: Scene, bodies: tuple[str, ...], placed: set[str]) -> tuple[Joint, ...]:
-    """Return the bodies' pins: each on a placed point, or else on the first of the bodies that names the point."""
-    first: dict[str, str | None] = dict.fromkeys(placed)
-    joints = []
-    for body in bodies:
-        for point in scene.bodies[body].points:
-            if point in first:
-                joints.append(Joint(point, body, first[point]))
-            first.setdefault(point, body)
-    return tuple(joints)
-
-
-def _dyads(scene: Scene, left: list[str], placed: set[str]) -> Iterator[Dyad]:
-    """Yield the dyads among the bodies left that hang on the placed points by one outer joint each."""
-    outer = {name: [p for p in scene.bodies[name].points if p in placed] for name in left}
-    joined = [(P, *pair) for P, owners in scene.owners.items() for pair in combinations(owners, 2) if P not in placed]
-    for P, first, second in joined:
-        if first not in outer or second not in outer:
-            continue
-        slides = [name for name in (first, second) if scene.bodies[name].slide is not None]
-        if not slides and len(outer[first]) == len(outer[second]) == 1:
-            yield _rrr(scene, first, outer[first][0], second, outer[second][0], P)
-        if len(slides) == 1:
-            slider, bar = (first, second) if first in slides else (second, first)
-            if len(outer[bar]) == 1 and not outer[slider]:
-                yield _rrp(scene, bar, outer[bar][0], slider, P)
+    def direction(self, leg: Guided) -> complex:
+        """Return the direction of a guide in the sketch."""
+        return sketched_attitude(self.scene, leg.body, self.bodies) * leg.t
 
 
-def _rrr(scene: Scene, body_1: str, A: str, body_2: str, B: str, P: str) -> RRR:
-    at = sketched(scene)
-    side = cross(at[B] - at[A], at[P] - at[A])
-    return RRR(body_1, A, body_2, B, P, _sign(side, f"{P} lies on the line {A}-{B}"))
+# --- dyads -----------------------------------------------------------------------------------------------------------
 
 
-def _rrp(scene: Scene, bar: str, A: str, slider: str, P: str) -> RRP:
-    slide = scene.bodies[slider].slide
-    assert slide is not None
-    at = sketched(scene)
-    ahead = ((at[P] - at[A]) * as_complex(slide.along).conjugate()).real
-    branch = _sign(ahead, f"{A}-{P} is square to the guide of {slider}")
-    first = scene.bodies[slider].points[0]
-    return RRP(bar, A, slider, P, first, as_complex(slide.through), as_complex(slide.along), branch)
+def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
+    """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
+    scene = placed.scene
+    legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1}
+    for P, owners in scene.owners.items():
+        for first, second in combinations(owners, 2):
+            if P not in placed.points and first in legs and second in legs:
+                yield _inner_pin(placed, P, legs[first], legs[second])
+    for first, second in combinations(legs, 2):
+        inner = placed.guided(first, second)
+        if inner is not None and isinstance(legs[second], Pinned):
+            yield _inner_slide(placed, legs[first], legs[second], inner)
+        elif inner is not None and isinstance(legs[first], Pinned):
+            reverse = placed.guided(second, first)
+            assert reverse is not None
+            yield _inner_slide(placed, legs[second], legs[first], reverse)
+
+
+def _inner_pin(placed: _Placed, P: str, one: Leg, two: Leg) -> InnerPin:
+    at = sketched(placed.scene)
+    if isinstance(one, Guided) and isinstance(two, Pinned):
+        one, two = two, one
+    if isinstance(one, Pinned) and isinstance(two, Pinned):
+        side = cross(at[two.A] - at[one.A], at[P] - at[one.A])
+        return InnerPin((one, two), P, _sign(side, f"{P} lies on the line {one.A}-{two.A}"))
+    if isinstance(one, Pinned) and isinstance(two, Guided):
+        ahead = ((at[P] - at[one.A]) * placed.direction(two).conjugate()).real
+        return InnerPin((one, two), P, _sign(ahead, f"{one.A}-{P} is square to the guide of {two.slider}"))
+    assert isinstance(one, Guided)
+    assert isinstance(two, Guided)
+    return InnerPin((one, two), P, _crossing(placed, one, two))
+
+
+def _inner_slide(placed: _Placed, one: Leg, two: Leg, guide: Guided) -> InnerSlide:
+    assert isinstance(two, Pinned)
+    if isinstance(one, Guided):
+        return InnerSlide((one, two), guide, _crossing(placed, one, guide))
+    at = sketched(placed.scene)
+    ahead = ((at[one.A] - at[two.A]) * placed.direction(guide).conjugate()).real
+    return InnerSlide((one, two), guide, _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}"))
+
+
+def _crossing(placed: _Placed, one: Guided, two: Guided) -> int:
+    crossing = cross(placed.direction(one), placed.direction(two))
+    why_not = f"the guides of {one.slider} and {two.slider} are parallel"
+    return _sign(crossing if abs(crossing) > FLAT else 0.0, why_not)
 
 
 def _sign(value: float, why_not: str) -> int:
     if value == 0:
         raise Failure(Status.unsupported, f"the sketch leaves the assembly branch open: {why_not}")
     return 1 if value > 0 else -1
+
+
+# --- larger groups ---------------------------------------------------------------------------------------------------
+
+
+def _fewest(placed: _Placed, left: list[str]) -> tuple[str, ...]:
+    """Return the fewest of the bodies left that hang on what is placed without a freedom of their own.
+
+    All that is left has none, by Gruebler's count of the whole linkage.
+    """
+    subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
+    bodies = next(bodies for bodies in subsets if _freedoms(placed, bodies) <= 0)
+    if _freedoms(placed, bodies) < 0:
+        raise Failure(Status.unsupported, f"{', '.join(bodies)} are held by more joints than they have freedoms")
+    return bodies
+
+
+def _freedoms(placed: _Placed, bodies: tuple[str, ...]) -> int:
+    """Return Gruebler's count: three a body, less two for each pin and each slide."""
+    return 3 * len(bodies) - 2 * len(_pins(placed, bodies)) - 2 * len(_slides(placed, bodies))
+
+
+def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
+    """Join bodies that are to be solved together."""
+    pins, slides = _pins(placed, bodies), _slides(placed, bodies)
+    return Group(bodies, pins, slides, next((pin.point for pin in pins if pin.on is not None), bodies[0]))
+
+
+def _pins(placed: _Placed, bodies: tuple[str, ...]) -> tuple[PinJoint, ...]:
+    """Return the bodies' pins: each on a placed point, or else on the first of the bodies that names the point."""
+    first: dict[str, str | None] = dict.fromkeys(placed.points)
+    joints = []
+    for body in bodies:
+        for point in placed.scene.bodies[body].points:
+            if point in first:
+                joints.append(PinJoint(point, body, first[point]))
+            first.setdefault(point, body)
+    return tuple(joints)
+
+
+def _slides(placed: _Placed, bodies: tuple[str, ...]) -> tuple[SlideJoint, ...]:
+    """Return the bodies' slides, on each other and on what is placed, and of what is placed on them."""
+    joined = [body for body in placed.scene.bodies.values() if body.name in bodies or body.name in placed.carries]
+    return tuple(
+        SlideJoint(body.name, body.slide.on)
+        for body in joined
+        if body.slide is not None
+        and {body.name, body.slide.on} & set(bodies)
+        and (body.slide.on in bodies or body.slide.on in placed)
+    )

@@ -60,25 +60,30 @@ def rrr_position(
     return p, p - d, area
 
 
-def rrr_rates(e: Vectors, p: Vectors, q: Vectors, area: Samples) -> tuple[Samples, Samples]:
-    """Return the real x1, x2 that solve i x1 p - i x2 q = e: both bars give P the same velocity, or acceleration.
+def slide_reach(r: float | Samples, h: float | Samples) -> Samples:
+    """Return the square of the side along a guide in a right triangle: hypotenuse r, side h across the guide.
 
-    Dotting with q, then with p, leaves one unknown each, and (i p) . q = p x q.
+    Of RRP, where a bar of length r has its foot off the guide by h, and of RPR, where two feet are r apart and the
+    guide passes them by h; negative where they do not reach.
     """
-    return dot(e, q) / area, dot(e, p) / area
+    return np.asarray((r - h) * (r + h))
 
 
-def rrr_force(M1: Samples, M2: Samples, p: Vectors, q: Vectors, area: Samples) -> Vectors:
-    """Return the force of bar 2 on bar 1 at P, given the other forces' moments, M1 on bar 1 about A, M2 on 2 about B.
+def closing(e: Vectors, g1: Vectors, g2: Vectors, det: Samples) -> tuple[Samples, Samples]:
+    """Return the real x1, x2 of x1 g1 - x2 g2 = e, given det = g1 x g2; crossing with g2, then g1, leaves one of them.
 
-    p x R = -M1 and q x R = M2; R is written in the basis p, q.
+    What brings both legs of a dyad together at the inner pin: rates, or displacements on two guides. A leg moves the
+    pin by g per unit of its own freedom: a bar by i p, p its arm from the outer pin, a slider by its guide's direction.
     """
-    return (M2 / -area) * p - (M1 / area) * q
+    return cross(e, g2) / det, cross(e, g1) / det
 
 
-def rrp_reach(r: float, h: Samples) -> Samples:
-    """Return (p . t)^2 of a bar of length r whose tip is off its foot by h across the guide; negative where too far."""
-    return (r - h) * (r + h)
+def inner_force(Q1: Samples, Q2: Samples, g1: Vectors, g2: Vectors, det: Samples) -> Vectors:
+    """Return the force R of leg 2 on leg 1 at the inner pin, given each leg's generalised force without it.
+
+    Virtual work on either leg's freedom: R . g1 = -Q1 and R . g2 = Q2; R is written in the basis i g1, i g2.
+    """
+    return (Q1 / det) * (1j * g2) + (Q2 / det) * (1j * g1)
 
 
 def turned(omega: Samples, alpha: Samples) -> Vectors:

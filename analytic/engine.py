@@ -22,7 +22,7 @@ def version() -> str:
 
 @dataclass
 class AnalyticRun:
-    """One evaluation at the commanded angles."""
+    """One evaluation at the commanded positions."""
 
     scene: Scene
     linkage: Decomposition
@@ -31,7 +31,8 @@ class AnalyticRun:
 
     def solve(self) -> None:
         """Evaluate every channel."""
-        self.motion = solve_decomposed(self.scene, self.linkage, self.sampling.commanded(self.scene))
+        commanded, times = self.sampling.commanded(self.scene), self.sampling.times(self.scene)
+        self.motion = solve_decomposed(self.scene, self.linkage, commanded, times)
 
     def read(self) -> Motion:
         """Return the channels; nothing is left to do."""
@@ -39,7 +40,7 @@ class AnalyticRun:
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Return the number of angles times groups."""
+        """Return the number of positions times groups."""
         return {"group_solves": self.sampling.count * len(self.linkage.groups)}
 
     @property
@@ -55,7 +56,6 @@ def build(scene: Scene, settings: Settings, sampling: Sampling) -> AnalyticRun: 
         Failure: the linkage does not decompose, or cannot be assembled at the start.
     """
     linkage = decompose(scene)
-    solve_decomposed(
-        scene, linkage, [scene.drive.start]
-    )  # follows the branch of what Newton solves, once for all angles
+    # Follows the branch of what Newton solves, once for all positions.
+    solve_decomposed(scene, linkage, [scene.drive.start], [0.0])
     return AnalyticRun(scene, linkage, sampling)

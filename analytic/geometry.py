@@ -1,10 +1,13 @@
 """A body in its own frame, as complex numbers: where its points and its centre of mass lie, what it weighs."""
 
+import cmath
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
 
-from scenes.scene import Body, Scene, Vector
+import numpy as np
+
+from scenes.scene import GROUND, Body, Scene, Vector
 
 
 def as_complex(vector: Vector) -> complex:
@@ -37,6 +40,11 @@ class RigidBody:
     mass: float
     inertia: float
 
+    @property
+    def first(self) -> complex:
+        """Return where the first point lies, body frame, m."""
+        return next(iter(self.local.values()))
+
     def arm(self, foot: str, tip: str) -> complex:
         """Return the vector from one point of the body to another, body frame, m."""
         return self.local[tip] - self.local[foot]
@@ -63,21 +71,41 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
 
 
 def _from_lengths(scene: Scene, body: Body) -> dict[str, complex]:
-    """Place the first point at the origin, the second on x, the third on the side where the sketch shows it."""
+    """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
     assert body.lengths is not None
-    lengths = body.lengths
-    A, B, *third = body.points
-    c = lengths[frozenset((A, B))]
-    local = {A: 0j, B: complex(c)}
-    for C in third:
+    lengths, at = body.lengths, sketched(scene)
+    first, second, *others = body.points
+    local = {first: 0j, second: complex(lengths[frozenset((first, second))])}
+    for C in others:
+        A, B = body.bases(C)
         a, b = lengths[frozenset((B, C))], lengths[frozenset((A, C))]
+        base = local[B] - local[A]
+        c = abs(base)
         x = (c + (b - a) * (b + a) / c) / 2
         y = twice_area(a, b, c) / c
-        at = sketched(scene)
-        local[C] = complex(x, y if cross(at[B] - at[A], at[C] - at[A]) > 0 else -y)
+        local[C] = local[A] + base / c * complex(x, y if cross(at[B] - at[A], at[C] - at[A]) > 0 else -y)
     return local
 
 
 def sketched(scene: Scene) -> dict[str, complex]:
     """Return where the sketch shows each point, the ground's points included."""
     return {point: as_complex(xy) for point, xy in {**scene.ground, **scene.sketch.points}.items()}
+
+
+def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) -> complex:
+    """Return exp(i angle) of a body in the sketch, by the points of it, or of a body aligned with it, that are shown.
+
+    Of the turns that lay a body's points on the sketched ones, the one with the least squares.
+    """
+    aligned = scene.aligned[body]
+    if GROUND in aligned:
+        return 1 + 0j
+    if scene.drive.body in aligned:
+        return cmath.exp(1j * scene.sketch.drive)
+    at = sketched(scene)
+    shown = ([point for point in bodies[name].local if point in at] for name in (body, *sorted(aligned)))
+    points = next(points for points in shown if len(points) > 1)  # there is one: `scenes.consistency` sees to it
+    owner = bodies[next(name for name in (body, *sorted(aligned)) if set(points) <= set(bodies[name].local))].local
+    own, drawn = np.array([owner[point] for point in points]), np.array([at[point] for point in points])
+    turn = complex(np.vdot(own - own.mean(), drawn - drawn.mean()))
+    return turn / abs(turn) if turn else 1 + 0j

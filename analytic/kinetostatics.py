@@ -1,4 +1,4 @@
-"""Reactions of every pin and guide and the drive's torque, group after group, last first (d'Alembert's principle).
+"""Reactions of every pin and guide and the drive's effort, group after group, last first (d'Alembert's principle).
 
 A group is statically determinate once the groups that hang on it have passed on their pull. Section 3 of Yang (2023),
 doi:10.56578/jisc020103, sets up the same balance body by body.
@@ -6,17 +6,28 @@ doi:10.56578/jisc020103, sets up the same balance body by body.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from scenes import Scene
 from scenes.motion import Samples
+from scenes.scene import Force, ForceTable, Load
 
-from .decomposition import RRP, RRR, Decomposition
-from .dyads import Vectors, as_vectors, cross, rrr_force
+from .dead_points import guide_of, stroke_end
+from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
+from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
 from .kinematics import Kinematics
-from .newton_group import Group, pin_forces
+from .newton_group import Group, joint_forces
+
+
+class Push(NamedTuple):
+    """A force on a body, N, the point where it acts, m, and a moment with it, N m."""
+
+    force: Vectors
+    at: Vectors
+    moment: Samples | float = 0.0
 
 
 @dataclass
@@ -25,85 +36,133 @@ class Reactions:
 
     pin: dict[tuple[str, str], Vectors] = field(default_factory=dict)  # (point, body): force of the pin on the body, N
     guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # slider: force, N; moment, N m
-    torque: Samples = field(default_factory=lambda: np.zeros(()))  # N m
+    effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
 
 
 def kinetostatics(scene: Scene, linkage: Decomposition, k: Kinematics) -> Reactions:
-    """Return all reactions, and the torque that keeps the crank at its speed."""
+    """Return all reactions, and the torque or force by which the drive moves as it does."""
     balance = _Balance(scene, linkage, k)
     for group in reversed(linkage.groups):
-        if isinstance(group, RRR):
-            balance.rrr(group)
-        elif isinstance(group, RRP):
-            balance.rrp(group)
+        if isinstance(group, InnerPin):
+            balance.inner_pin(group)
+        elif isinstance(group, InnerSlide):
+            balance.inner_slide(group)
         else:
             balance.larger(group)
-    balance.crank()
+    balance.driver()
     return balance.found
 
 
 @dataclass(frozen=True)
 class _Balance:
-    """One pass from the last group to the crank."""
+    """One pass from the last group to the driver."""
 
     scene: Scene
     linkage: Decomposition
     k: Kinematics
     found: Reactions = field(default_factory=Reactions)
+    slid_on: dict[str, list[Push]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
 
-    def rrr(self, dyad: RRR) -> None:
-        A, B, P, pin = dyad.A, dyad.B, dyad.P, self.found.pin
-        force_1, moment_1 = self.applied(dyad.body_1, A)
-        force_2, moment_2 = self.applied(dyad.body_2, B)
-        R = rrr_force(moment_1, moment_2, *self.k.arms[P])
-        self.hold(dyad.body_1, P, R)
-        self.hold(dyad.body_2, P, -R)
-        pin[A, dyad.body_1] = -(force_1 + R)
-        pin[B, dyad.body_2] = R - force_2
+    # --- dyads
 
-    def rrp(self, dyad: RRP) -> None:
-        """In guide axes: the slider's balance along t gives R . t, the bar's moment about A then gives R . n."""
-        A, P, t = dyad.A, dyad.P, dyad.t
-        force_s, moment_s = self.applied(dyad.slider, dyad.first)
-        force_b, moment_b = self.applied(dyad.bar, A)
-        p_t, p_n = self.k.guide[P]
-        on_guide = force_s * t.conjugate()
-        R_t = on_guide.real
-        R_n = (p_n * R_t - moment_b) / p_t
-        R = t * as_vectors(R_t, R_n)  # of the slider on the bar
-        self.hold(dyad.bar, P, R)
-        self.hold(dyad.slider, P, -R)
-        self.found.pin[A, dyad.bar] = -(force_b + R)
-        arm = self.linkage.bodies[dyad.slider].arm(dyad.first, P)
-        self.found.guide[dyad.slider] = R_n - on_guide.imag, cross(arm, R) - moment_s
+    def inner_pin(self, dyad: InnerPin) -> None:
+        one, two = dyad.legs
+        closure = self.k.closure[dyad.P]
+        applied = [self.applied(leg.body, self.foot(leg)) for leg in dyad.legs]
+        Q1, Q2 = (self.on_freedom(leg, *wrench) for leg, wrench in zip(dyad.legs, applied, strict=True))
+        R = inner_force(Q1, Q2, *closure)
+        self.hold(one.body, dyad.P, R)
+        self.hold(two.body, dyad.P, -R)
+        for leg, (force, moment), on_leg in zip(dyad.legs, applied, (R, -R), strict=True):
+            if isinstance(leg, Pinned):
+                self.found.pin[leg.A, leg.body] = -(force + on_leg)
+            else:
+                arm = self.k.z[dyad.P] - self.k.z[self.foot(leg)]
+                self.outer_guide(leg, force + on_leg, moment + cross(arm, on_leg))
+
+    def inner_slide(self, dyad: InnerSlide) -> None:
+        one, two = dyad.legs
+        force_1, moment_1 = self.applied(one.body, self.foot(one))
+        force_2, moment_2 = self.applied(two.body, two.A)
+        g1, g2, det = self.k.closure[inner_joint(dyad)]
+        if isinstance(one, Pinned):
+            n, N = g1, (moment_1 + moment_2) / -det
+        else:  # the normal of the inner guide is square to it, what is left over goes along the outer guide's normal
+            n, N = 1j * g2, dot(g1, force_1) / det
+        on_1 = n * N
+        self.found.pin[two.A, two.body] = on_1 - force_2
+        at = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
+        M = moment_2 - cross(at - self.k.z[two.A], on_1)  # that balances the second leg
+        self.channel(dyad.guide, N, M)
+        if isinstance(one, Pinned):
+            self.found.pin[one.A, one.body] = -(force_1 + on_1)
+        else:
+            self.outer_guide(one, force_1 + on_1, moment_1 + cross(at - self.k.z[self.foot(one)], on_1) + M)
+
+    def foot(self, leg: Leg) -> str:
+        """Return the point about which a leg's moments are taken."""
+        return leg.A if isinstance(leg, Pinned) else self.scene.bodies[leg.body].points[0]
+
+    def on_freedom(self, leg: Leg, force: Vectors, moment: Samples) -> Samples:
+        """Return the generalised force on a leg's own freedom: to turn, or to move along the guide."""
+        return moment if isinstance(leg, Pinned) else dot(self.k.direction(leg), force)
+
+    def outer_guide(self, leg: Guided, force: Vectors, moment: Samples) -> None:
+        """Let a leg's guide hold what acts on the leg, the moment about the leg's foot."""
+        t = self.k.direction(leg)
+        N = -cross(t, force)
+        at = self.k.z[self.scene.bodies[leg.slider].points[0]]
+        push = 1j * t * N
+        M = -moment
+        if leg.slider != leg.body:
+            M = M - cross(at - self.k.z[self.foot(leg)], push)
+        self.channel(leg, N, M)
+        self.slid_on.setdefault(leg.on, []).append(Push(-push, at, -M))
+
+    def channel(self, leg: Guided, N: Samples, M: Samples) -> None:
+        """Keep what a guide does on the leg as what it does on the slider, which may be the other body."""
+        sign = 1 if leg.slider == leg.body else -1
+        self.found.guide[leg.slider] = sign * N, sign * M
+
+    # --- larger groups, driver
 
     def larger(self, group: Group) -> None:
         equations, J = self.linkage.tracks[group].equations, self.k.jacobian[group.P]
         force, moment = np.zeros((len(J), len(group.bodies)), complex), np.zeros((len(J), len(group.bodies)))
         for b, body in enumerate(group.bodies):
             force[:, b], moment[:, b] = self.applied(body, self.scene.bodies[body].points[0])
-        R = pin_forces(equations, J, force, moment)
-        for joint, on_body in zip(group.joints, R.T, strict=True):
-            self.hold(joint.body, joint.point, on_body)
-            if joint.on is not None:
-                self.hold(joint.on, joint.point, -on_body)
-        for b, body in enumerate(group.bodies):
-            slide = self.scene.bodies[body].slide
-            if slide is not None:
-                total = force[:, b] + np.einsum("j,nj->n", equations.S[:, b], R)
-                turning = moment[:, b] + cross(equations.R[:, b], R).sum(axis=1)
-                self.found.guide[body] = -cross(as_complex(slide.along), total), -turning
+        on_pinned, guide_force, guide_moment = joint_forces(equations, J, force, moment)
+        for pin, on_body in zip(group.pins, on_pinned.T, strict=True):
+            self.hold(pin.body, pin.point, on_body)
+            if pin.on is not None:
+                self.hold(pin.on, pin.point, -on_body)
+        for slide, N, M in zip(group.slides, guide_force.T, guide_moment.T, strict=True):
+            self.found.guide[slide.slider] = N, M
+            slider = self.scene.bodies[slide.slider]
+            assert slider.slide is not None
+            push = N * (1j * self.k.u[slide.on] * as_complex(slider.slide.along))
+            at = self.k.z[slider.points[0]]
+            for placed, sign in ((slide.on, -1), (slide.slider, 1)):
+                if placed not in group.bodies:
+                    self.slid_on.setdefault(placed, []).append(Push(sign * push, at, sign * M))
 
-    def crank(self) -> None:
-        body, pivot = self.linkage.crank.body, self.linkage.crank.pivot
-        force, moment = self.applied(body, pivot)
-        self.found.pin[pivot, body] = -force
-        self.found.torque = -moment
+    def driver(self) -> None:
+        leg = self.linkage.driver
+        force, moment = self.applied(leg.body, self.foot(leg))
+        if isinstance(leg, Pinned):
+            self.found.pin[leg.A, leg.body] = -force
+            self.found.effort = -moment
+        else:
+            t = self.k.direction(leg)
+            self.found.effort = -dot(t, force)
+            self.found.guide[leg.body] = -cross(t, force), -moment
 
     def hold(self, body: str, point: str, force: Vectors) -> None:
         """Add the inner pin's force to what the body already takes from the bodies that hang on that pin."""
         pin = self.found.pin
         pin[point, body] = pin[point, body] + force if (point, body) in pin else force
+
+    # --- everything but the joints of a body's own group
 
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
@@ -111,21 +170,41 @@ class _Balance:
         r = k.u[body] * rigid.com_arm(foot)
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
         moment = cross(r, force) - rigid.inertia * k.alpha[body]
-        for arm, push in self.pushes(body, foot, r):
-            force = force + push
-            moment = moment + cross(arm, push)
+        if self.scene.gravity is not None:
+            weight = np.array(rigid.mass * as_complex(self.scene.gravity))
+            force, moment = force + weight, moment + cross(r, weight)
+        for push in self.pushes(body):
+            force = force + push.force
+            moment = moment + cross(push.at - k.z[foot], push.force) + push.moment
         return force, moment
 
-    def pushes(self, body: str, foot: str, com: Vectors) -> Iterator[tuple[Vectors, Vectors]]:
-        """Yield weight, loads and the pull at the pins that the body carries, each with its arm from `foot`."""
+    def pushes(self, body: str) -> Iterator[Push]:
+        """Yield loads, springs, the pull at the pins that the body carries, and what slides on it."""
         z, pin = self.k.z, self.found.pin
-        if self.scene.gravity is not None:
-            yield com, np.array(self.linkage.bodies[body].mass * as_complex(self.scene.gravity))
         for load in self.scene.loads:
             if load.body == body:
-                yield z[load.at] - z[foot], np.array(as_complex(load.force))
+                yield Push(self.load(load), z[load.at])
+        for spring in self.scene.springs:
+            for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+                if mine == body:
+                    d = z[other] - z[at]
+                    length = np.abs(d)
+                    yield Push(spring.stiffness * (length - spring.length) * (d / length), z[at])
         for point in self.linkage.carries[body]:
             solved = [pin[point, other] for other in self.scene.owners[point] if (point, other) in pin]
             if solved:
                 pin[point, body] = -sum(solved[1:], start=solved[0])
-                yield z[point] - z[foot], pin[point, body]
+                yield Push(pin[point, body], z[point])
+        yield from self.slid_on.get(body, ())
+
+    def load(self, load: Load) -> Vectors:
+        """Return a load's force, N."""
+        if isinstance(load, Force):
+            return np.array(as_complex(load.force))
+        first = self.scene.bodies[load.body].points[0]
+        t, through = guide_of(self.scene, first)
+        s = dot(t, self.k.z[first] - through)
+        if isinstance(load, ForceTable):
+            return t * load.along(s)
+        acts = load.acts(s, dot(t, self.k.v[first]), stroke_end(self.scene, self.linkage, load))
+        return np.where(acts, as_complex(load.force), 0)

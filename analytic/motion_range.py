@@ -1,23 +1,28 @@
-"""How far the crank can turn: where every group reaches, and what stops it at either end."""
+"""How far the drive can move: where every group reaches, and what stops it at either end."""
 
 from dataclasses import dataclass
-from math import degrees, pi
+from math import inf, pi
 
 import numpy as np
 
 from scenes import Scene
+from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import RRP, RRR, Decomposition
+from .decomposition import Decomposition, InnerPin, InnerSlide, Pinned, inner_joint, kind
 from .kinematics import kinematics
+from .newton_group import Group
 
-SAMPLES = 3600  # a turn: a gap or an interval narrower than this grid is missed
-BISECTIONS = 50  # from 2 pi / SAMPLES down to the last place
+SAMPLES = 3600  # a turn, or a driven slider's way: a gap or an interval narrower than this grid is missed
+BISECTIONS = 50  # from one of them down to the last place
 
 
 @dataclass(frozen=True)
 class Interval:
-    """Crank angles between which the linkage assembles, rad, and the inner pin that locks at either end."""
+    """Positions of the drive, rad or m, between which the linkage assembles, and the inner joint that locks at either.
+
+    A driven slider's way may end before anything locks; then there is no joint.
+    """
 
     start: float
     end: float
@@ -26,58 +31,67 @@ class Interval:
 
 
 def motion_range(scene: Scene, linkage: Decomposition) -> list[Interval]:
-    """Return the intervals of one turn in which the linkage assembles; none when it never does or always does."""
-    turn = scene.drive.start + np.linspace(0, 2 * pi, SAMPLES + 1)
-    assembled = _locked_pin(scene, linkage, turn) == ""
+    """Return the intervals of one turn, or of a driven slider's way, in which the linkage assembles.
+
+    None when it never does, or all the way.
+    """
+    least, most = scene.drive.extent
+    turn = 2 * pi if scene.driven_slide is None else inf
+    if scene.driven_slide is None:
+        least, most = least, least + turn
+    way = np.linspace(least, most, SAMPLES + 1)
+    assembled = _locked(scene, linkage, way) == ""
     edges = np.flatnonzero(assembled[1:] != assembled[:-1])
     if not len(edges):
         return []
-    inside = np.where(assembled[edges], turn[edges], turn[edges + 1])
-    outside = np.where(assembled[edges], turn[edges + 1], turn[edges])
+    inside = np.where(assembled[edges], way[edges], way[edges + 1])
+    outside = np.where(assembled[edges], way[edges + 1], way[edges])
     for _ in range(BISECTIONS):
         middle = (inside + outside) / 2
-        fits = _locked_pin(scene, linkage, middle) == ""
+        fits = _locked(scene, linkage, middle) == ""
         inside, outside = np.where(fits, middle, inside), np.where(fits, outside, middle)
-    locks = _locked_pin(scene, linkage, outside)
-    # An edge that opens an interval is closed by the next; the last one closes round the turn.
-    opening = [i for i in range(len(edges)) if not assembled[edges[i]]]
-    return [
-        Interval(
-            float(inside[i]),
-            float(inside[(i + 1) % len(edges)]) + (2 * pi if i + 1 == len(edges) else 0.0),
-            str(locks[i]),
-            str(locks[(i + 1) % len(edges)]),
-        )
-        for i in opening
-    ]
+    ends = [(float(x), str(lock)) for x, lock in zip(inside, _locked(scene, linkage, outside), strict=True)]
+    if assembled[0]:  # the way begins within an interval: round the turn it is the last one's
+        ends = [*ends[1:], (ends[0][0] + turn, ends[0][1])] if turn < inf else [(least, ""), *ends]
+    if len(ends) % 2:
+        ends.append((most, ""))
+    return [Interval(a, b, at_a, at_b) for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _locked_pin(scene: Scene, linkage: Decomposition, angle: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
-    """Return, for each angle, the inner pin of the first group that does not reach, or an empty text."""
+def _locked(scene: Scene, linkage: Decomposition, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
+    """Return, for each position, the inner joint of the first group that does not reach, or an empty text."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        reach = kinematics(scene, linkage, angle).reach
-    pins = np.array(["", *reach])
-    fails = np.array([~(r >= 0) for r in reach.values()])
-    return pins[np.where(fails.any(axis=0), fails.argmax(axis=0) + 1, 0)]
+        reach = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0))).reach
+    joints = np.array(["", *reach])
+    fails = np.array([np.broadcast_to(~(r >= 0), position.shape) for r in reach.values()])
+    return joints[np.where(fails.any(axis=0), fails.argmax(axis=0) + 1, 0)]
 
 
 def describe(scene: Scene, linkage: Decomposition) -> str:
-    """Return in one sentence how far the crank turns, and what is in line where it stops."""
+    """Return in one sentence how far the drive moves, and what is in line where it stops."""
     intervals = motion_range(scene, linkage)
     if not intervals:
-        return f"the linkage cannot be assembled with the {scene.drive.body} at any angle"
+        return f"the linkage cannot be assembled with the {scene.drive.body} at any position of the drive"
+    locks = {inner_joint(group): _lock(group) for group in linkage.groups} | {"": "the end of its way"}
     said = [
-        f"from {degrees(i.start):.4f} deg ({_lock(linkage, i.start_lock)}) to {degrees(i.end):.4f} deg"
-        f" ({_lock(linkage, i.end_lock)})"
+        f"from {scene.where(i.start)} ({locks[i.start_lock]}) to {scene.where(i.end)} ({locks[i.end_lock]})"
         for i in intervals
     ]
-    return f"the {scene.drive.body} turns only " + " and ".join(said)
+    return "the linkage assembles only " + " and ".join(said)
 
 
-def _lock(linkage: Decomposition, pin: str) -> str:
-    group = {group.P: group for group in linkage.groups}[pin]
-    if isinstance(group, RRR):
-        return f"{group.body_1} and {group.body_2} in line at {pin}"
-    if isinstance(group, RRP):
-        return f"{group.bar} square to the guide of {group.slider}"
-    return f"{', '.join(group.bodies)} locked"
+def _lock(group: InnerPin | InnerSlide | Group) -> str:
+    if isinstance(group, Group):
+        return f"{', '.join(group.bodies)} locked"
+    one, two = (leg.body for leg in group.legs)
+    if isinstance(group, InnerSlide):
+        return (
+            f"{group.legs[0].A}-{group.legs[1].A} square to the guide of {group.guide.slider}"
+            if isinstance(group.legs[0], Pinned)
+            else ""
+        )
+    return {
+        "RRR": f"{one} and {two} in line at {group.P}",
+        "RRP": f"{one} square to the guide of {two}",
+        "PRP": f"the guides of {one} and {two} parallel",
+    }[kind(group)]

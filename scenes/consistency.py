@@ -1,10 +1,11 @@
 """Whether a scene's parts fit together: names, joints, mobility. Counts and names only; no pose is computed."""
 
 from collections.abc import Iterable, Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
+from math import pi, remainder
 
 from .errors import InputError, nearest
-from .scene import GROUND, Body, Scene
+from .scene import GROUND, Body, Drive, ForceTable, MotionLaw, PressForce, Scene
 
 
 def check(scene: Scene, *, output_slides: bool) -> None:
@@ -13,13 +14,16 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
     """
+    _check_slides(scene)
+    _check_driven_body(scene)
     _check_sizes(scene)
     for body in scene.bodies.values():
         _check_body(scene, body)
-    _check_drive(scene)
+    _check_drive(scene.drive, slides=scene.driven_slide is not None)
     _check_connected(scene)
     _check_mobility(scene)
     _check_loads(scene)
+    _check_springs(scene)
     _check_sketch(scene)
     _check_output(scene, output_slides)
 
@@ -40,7 +44,17 @@ def _sizes(scene: Scene) -> Iterator[tuple[str, float, float, float]]:
             yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", length, 1e-15, 1e15
         yield f"bodies.{body.name}.mass", body.mass or 0.0, 1e-15, 1e15
         yield f"bodies.{body.name}.inertia", body.inertia or 0.0, 1e-45, 1e45
-    yield "drive.speed", scene.drive.speed, 1e-15, 1e15
+    if isinstance(scene.drive, MotionLaw):
+        for number, time in enumerate(scene.drive.times):
+            yield f"drive.law.{number}.0", time, 1e-15, 1e15
+    else:
+        yield "drive.speed", scene.drive.speed, 1e-15, 1e15
+    for number, load in enumerate(scene.loads):
+        if isinstance(load, PressForce):
+            yield f"loads.{number}.last", load.last, 1e-15, 1e15
+    for number, spring in enumerate(scene.springs):
+        yield f"springs.{number}.stiffness", spring.stiffness, 1e-15, 1e15
+        yield f"springs.{number}.length", spring.length, 1e-15, 1e15
     for place, values in _coordinates(scene):
         yield from ((place, value, 0.0, 1e15) for value in values)
 
@@ -54,11 +68,18 @@ def _coordinates(scene: Scene) -> Iterator[tuple[str, Iterable[float]]]:
             yield f"bodies.{body.name}.points.{point}", xy
         yield f"bodies.{body.name}.com", body.com or ()
         yield f"bodies.{body.name}.slides.through", body.slide.through if body.slide is not None else ()
-    yield "drive.start", (scene.drive.start,)
+    if isinstance(scene.drive, MotionLaw):
+        yield "drive.law", scene.drive.positions
+    else:
+        yield "drive.start", (scene.drive.start,)
+        yield "drive.end", (scene.drive.end or 0.0,)
     for number, load in enumerate(scene.loads):
-        yield f"loads.{number}.force", load.force
+        if isinstance(load, ForceTable):
+            yield f"loads.{number}.table", (*load.displacements, *load.forces)
+        else:
+            yield f"loads.{number}.force", load.force
     yield "gravity", scene.gravity or ()
-    yield "sketch.angle", (scene.sketch.angle,)
+    yield "sketch.angle" if scene.driven_slide is None else "sketch.displacement", (scene.sketch.drive,)
     for point, xy in scene.sketch.points.items():
         yield f"sketch.{point}", xy
 
@@ -76,7 +97,7 @@ def _check_body(scene: Scene, body: Body) -> None:
     if (body.com is None) and len(body.points) > 3:
         raise InputError(f"{place}: expected 'com' and 'inertia', since it has more than three points")
     missing = [other.name for other in scene.bodies.values() if other.mass is None]
-    if missing and (len(missing) < len(scene.bodies) or scene.loads):
+    if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
         why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
         raise InputError(f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none")
 
@@ -86,51 +107,104 @@ def _check_lengths(body: Body) -> None:
     place = f"bodies.{body.name}.lengths"
     if any(len(pair) == 1 for pair in body.lengths):
         raise InputError(f"{place}: a length joins two different points")
-    if len(body.points) > 3:
-        raise InputError(f"{place}: expected two or three points; give more as 'points' in the body's own frame")
-    for a, b in combinations(body.points, 2):
-        if frozenset((a, b)) not in body.lengths:
-            raise InputError(f"{place}: missing the length '{a}-{b}'")
-    if len(body.points) == 3:
-        longest, *others = sorted(body.lengths.values(), reverse=True)
-        if not longest < sum(others):
+    first, second, *others = body.points
+    if frozenset((first, second)) not in body.lengths:
+        raise InputError(f"{place}: missing the length '{first}-{second}'")
+    for point in others:
+        bases = body.bases(point)
+        if len(bases) != 2:
+            found = ", ".join(f"'{base}-{point}'" for base in bases)
             raise InputError(
-                f"{place}: the triangle cannot close, expected its longest side to be shorter than the other two"
-                f" together, found {longest:g} m against {sum(others):g} m"
+                f"{place}: {point}: expected its lengths to two of the points before it, found {found or 'none'}"
+                + ("; give the points as 'points' in the body's own frame instead" if len(bases) > 2 else "")
             )
+        if frozenset(bases) in body.lengths:
+            _check_triangle(place, [body.lengths[frozenset(pair)] for pair in combinations((*bases, point), 2)])
 
 
-def _check_drive(scene: Scene) -> None:
-    drive = scene.drive
-    if drive.body not in scene.bodies:
-        raise InputError(f"drive.body: no body '{drive.body}'{nearest(drive.body, scene.bodies)}")
-    if scene.bodies[drive.body].slide is not None:
-        raise InputError(f"drive.body: '{drive.body}' slides; expected a body that turns about a point of the ground")
-    pivots = [point for point in scene.bodies[drive.body].points if point in scene.ground]
-    if len(pivots) != 1:
+def _check_triangle(place: str, sides: list[float]) -> None:
+    longest, *others = sorted(sides, reverse=True)
+    if not longest < sum(others):
         raise InputError(
-            f"drive.body: '{drive.body}' has {len(pivots)} points on the ground; expected one, to turn about"
+            f"{place}: the triangle cannot close, expected its longest side to be shorter than the other two"
+            f" together, found {longest:g} m against {sum(others):g} m"
         )
-    if drive.speed == 0:
+
+
+def _check_slides(scene: Scene) -> None:
+    for body in scene.bodies.values():
+        if body.slide is None:
+            continue
+        place = f"bodies.{body.name}.slides.on"
+        if body.slide.on not in (GROUND, *scene.bodies):
+            known = [name for name in (GROUND, *scene.bodies) if name != body.name]
+            raise InputError(f"{place}: no body '{body.slide.on}'{nearest(body.slide.on, known)}")
+        path = [body.name, body.slide.on]
+        while path[-1] != GROUND and (slide := scene.bodies[path[-1]].slide) is not None and slide.on not in path[1:]:
+            path.append(slide.on)
+            if slide.on == body.name:
+                raise InputError(f"{place}: a ring of bodies slides each on the next: {' on '.join(path)}")
+
+
+def _check_driven_body(scene: Scene) -> None:
+    name, bodies = scene.drive.body, scene.bodies
+    if name not in bodies:
+        raise InputError(f"drive.body: no body '{name}'{nearest(name, bodies)}")
+    slide = bodies[name].slide
+    pivots = [point for point in bodies[name].points if point in scene.ground]
+    if slide is None and len(pivots) != 1:
+        raise InputError(f"drive.body: '{name}' has {len(pivots)} points on the ground; expected one, to turn about")
+    if slide is not None and slide.on != GROUND:
+        raise InputError(f"drive.body: '{name}' slides on '{slide.on}'; expected a body that slides on the ground")
+
+
+def _check_drive(drive: Drive, *, slides: bool) -> None:
+    if isinstance(drive, MotionLaw):
+        _check_law(drive, slides=slides)
+    elif drive.speed == 0:
         raise InputError("drive.speed: expected a speed other than zero")
+    elif drive.end is None and slides:
+        raise InputError("drive.end: missing; a slider that is driven has to stop somewhere")
+    elif not drive.cycle > 0:
+        raise InputError("drive.end: expected the speed to lead there from 'start'")
+
+
+def _check_law(law: MotionLaw, *, slides: bool) -> None:
+    if law.times[0] != 0:
+        raise InputError(f"drive.law.0.0: expected the first time to be 0, found {law.times[0]:g} s")
+    for number, (before, after) in enumerate(pairwise(law.times), start=1):
+        if not before < after:
+            raise InputError(f"drive.law.{number}.0: expected increasing times, found {after:g} s after {before:g} s")
+    if len(set(law.positions)) == 1:
+        raise InputError("drive.law: expected a motion, found the same position at all times")
+    gain = law.positions[-1] - law.positions[0]
+    off = gain if slides else remainder(gain, 2 * pi)
+    largest = max(abs(position - law.positions[0]) for position in law.positions)
+    if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
+        whole = "" if slides else ", or whole turns from it"
+        raise InputError(
+            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by {off:g}"
+        )
 
 
 def _check_connected(scene: Scene) -> None:
-    reached = {GROUND} | {body.name for body in scene.bodies.values() if body.slide is not None}
+    joints = [{pin.first, pin.second} for pin in scene.pins]
+    joints += [{body.name, body.slide.on} for body in scene.bodies.values() if body.slide is not None]
+    reached = {GROUND}
     for _ in scene.bodies:
-        for pin in scene.pins:
-            if {pin.first, pin.second} & reached:
-                reached |= {pin.first, pin.second}
+        for joint in joints:
+            if joint & reached:
+                reached |= joint
     for body in scene.bodies.values():
         if body.name not in reached:
             points = ", ".join(body.points)
             raise InputError(
-                f"bodies.{body.name}: hangs on nothing: no chain of pins leads from {points} to the ground"
+                f"bodies.{body.name}: hangs on nothing: no chain of pins or slides leads from {points} to the ground"
             )
 
 
 def _check_mobility(scene: Scene) -> None:
-    """Gruebler's count: a pin takes two freedoms, a slide on the ground two, and one is left for the drive."""
+    """Gruebler's count: a pin takes two freedoms, a slide two, and one is left for the drive."""
     bodies, pins = len(scene.bodies), len(scene.pins)
     slides = sum(body.slide is not None for body in scene.bodies.values())
     mobility = 3 * bodies - 2 * pins - 2 * slides
@@ -144,11 +218,34 @@ def _check_mobility(scene: Scene) -> None:
 
 def _check_loads(scene: Scene) -> None:
     for number, load in enumerate(scene.loads):
-        if load.body not in scene.bodies:
-            raise InputError(f"loads.{number}.body: no body '{load.body}'{nearest(load.body, scene.bodies)}")
-        points = scene.bodies[load.body].points
-        if load.at not in points:
-            raise InputError(f"loads.{number}.at: '{load.body}' has no point '{load.at}'{nearest(load.at, points)}")
+        _check_attack(scene, f"loads.{number}", load.body, load.at)
+        if isinstance(load, ForceTable):
+            for before, after in pairwise(load.displacements):
+                if not before < after:
+                    raise InputError(f"loads.{number}.table: expected increasing displacements, found {after:g} m")
+
+
+def _check_springs(scene: Scene) -> None:
+    for number, spring in enumerate(scene.springs):
+        for body, point in (spring.first, spring.second):
+            _check_attack(scene, f"springs.{number}.between", body, point)
+        if spring.first[0] == spring.second[0]:
+            raise InputError(
+                f"springs.{number}.between: expected points of two bodies, found both on {spring.first[0]}"
+            )
+        if spring.first[1] == spring.second[1]:
+            raise InputError(f"springs.{number}.between: {spring.first[1]} is the same point of both bodies")
+
+
+def _check_attack(scene: Scene, place: str, body: str, point: str) -> None:
+    """Check that there is such a point on the body, which may be the ground for a spring."""
+    springs = place.startswith("springs")
+    bodies = (GROUND, *scene.bodies) if springs else tuple(scene.bodies)
+    if body not in bodies:
+        raise InputError(f"{place}{'' if springs else '.body'}: no body '{body}'{nearest(body, bodies)}")
+    points = tuple(scene.ground) if body == GROUND else scene.bodies[body].points
+    if point not in points:
+        raise InputError(f"{place}{'' if springs else '.at'}: '{body}' has no point '{point}'{nearest(point, points)}")
 
 
 def _check_sketch(scene: Scene) -> None:
@@ -160,12 +257,24 @@ def _check_sketch(scene: Scene) -> None:
     for point in scene.moving_points:
         if point in pinned | by_lengths and point not in scene.sketch.points:
             raise InputError(f"sketch.{point}: missing; its rough position picks the assembly branch")
+    known = {*scene.sketch.points, *scene.ground}
+    for name in scene.turning:
+        group = scene.aligned[name]
+        if scene.drive.body not in group and not any(
+            len(known & set(scene.bodies[other].points)) > 1 for other in group
+        ):
+            raise InputError(
+                f"sketch: nothing shows how {' and '.join(sorted(group))} are turned; expected the positions of two"
+                " points of one of them"
+            )
 
 
 def _check_output(scene: Scene, output_slides: bool) -> None:
     key = "slider" if output_slides else "point"
     if scene.output not in scene.moving_points:
         raise InputError(f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, scene.moving_points)}")
-    sliding = {point for body in scene.bodies.values() if body.slide is not None for point in body.points}
-    if output_slides and scene.output not in sliding:
-        raise InputError(f"output.slider: '{scene.output}' is not on a body that slides; say 'point' instead")
+    guided = [body for body in scene.bodies.values() if body.slide is not None and body.slide.on == GROUND]
+    if output_slides and not any(scene.output in body.points for body in guided):
+        raise InputError(
+            f"output.slider: '{scene.output}' is on no body that slides on the ground; say 'point' instead"
+        )

@@ -12,7 +12,6 @@ Any stage may raise `Failure`.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from math import copysign, pi
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -26,7 +25,7 @@ class Status(Enum):
 
     ok = "Solved; every check that the engine makes of itself passed."
     unsupported = "The engine cannot model what this scene asks for."
-    cannot_assemble = "The bodies cannot be put together at some crank angle."
+    cannot_assemble = "The bodies cannot be put together at some position of the drive."
     wrong_branch = "The linkage ended up assembled the other way round."
     diverged = "The solution ran away or the engine gave up on a step."
     not_converged = "The engine's own residual stayed above its limit."
@@ -53,7 +52,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Sampling:
-    """When the result is wanted: `samples` equal steps a turn over `turns` turns, both ends included."""
+    """When the result is wanted: `samples` equal steps a cycle of the drive over `turns` cycles, both ends included."""
 
     samples: int = 360
     turns: int = 1
@@ -63,15 +62,17 @@ class Sampling:
         """Return the number of rows, n."""
         return self.samples * self.turns + 1
 
+    def cycles(self) -> Samples:
+        """Return how many cycles have passed at each row, shape (n,)."""
+        return np.arange(self.count, dtype=np.float64) / self.samples
+
     def times(self, scene: Scene) -> Samples:
         """Return the instants, shape (n,), s."""
-        period = 2 * pi / abs(scene.drive.speed)
-        return np.arange(self.count, dtype=np.float64) / self.samples * period
+        return self.cycles() * scene.drive.cycle
 
     def commanded(self, scene: Scene) -> Samples:
-        """Return the crank angles that the drive asks for at those instants, shape (n,), rad."""
-        turn = copysign(2 * pi, scene.drive.speed)
-        return scene.drive.start + np.arange(self.count, dtype=np.float64) / self.samples * turn
+        """Return the positions that the drive asks for at those instants, shape (n,), rad or m."""
+        return scene.drive.after(self.cycles())
 
 
 class Simulation(Protocol):

@@ -4,9 +4,12 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
 
+from .scene import GROUND
+
 NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
 Name = Annotated[str, StringConstraints(pattern=NAME)]
 PointPair = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*-[A-Za-z][A-Za-z0-9_]*$")]
+BodyPoint = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*\.[A-Za-z][A-Za-z0-9_]*$")]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
@@ -27,7 +30,7 @@ class Units(Table):
     mass: str = "kg"
     force: str = "N"
     angle: str = "rad"
-    speed: str = "rad/s"
+    speed: str | None = None  # rad/s for a crank, m/s for a driven slider
 
 
 class GroundTable(Table):
@@ -37,8 +40,9 @@ class GroundTable(Table):
 
 
 class SlideTable(Table):
-    """A straight guide on the ground."""
+    """A straight guide, in the frame of the body `on`."""
 
+    on: str = GROUND
     through: Pair
     along: Pair
 
@@ -55,28 +59,42 @@ class BodyTable(Table):
 
 
 class DriveTable(Table):
-    """The driven body and its constant speed."""
+    """The driven body, a crank or a slider, and its speed or its motion law: [time in s, angle or displacement]."""
 
     body: str
-    speed: Number
-    start: Number = 0.0
+    speed: Number | None = None
+    start: Number | None = None
+    end: Number | None = None
+    law: Annotated[list[Pair], Field(min_length=4)] | None = None
+    periodic: bool | None = None
 
 
 class LoadTable(Table):
-    """A constant force on a point of a body."""
+    """A force on a point of a body: constant, only in the last part of the closing stroke, or a table against it."""
 
     body: str
     at: str
-    force: Pair
+    force: Pair | None = None
+    last: Positive | None = None
+    table: Annotated[list[Pair], Field(min_length=2)] | None = None
+
+
+class SpringTable(Table):
+    """A linear spring between two points, each as `body.point`."""
+
+    between: Annotated[tuple[BodyPoint, BodyPoint], Strict(False)]
+    stiffness: Positive
+    length: NotNegative
 
 
 class SketchTable(Table):
-    """Rough point positions at one crank angle: `angle`, and one key a point."""
+    """Rough point positions, one key a point, at one `angle` of the crank or `displacement` of the driven slider."""
 
     model_config = ConfigDict(extra="allow", strict=True, frozen=True)
     __pydantic_extra__: dict[str, Pair] = Field(init=False)
 
-    angle: Number = 0.0
+    angle: Number | None = None
+    displacement: Number | None = None
 
 
 class OutputTable(Table):
@@ -109,6 +127,7 @@ class SceneFile(Table):
     bodies: Annotated[dict[Name, BodyTable], Field(min_length=1)]
     drive: DriveTable
     loads: list[LoadTable] = []
+    springs: list[SpringTable] = []
     sketch: SketchTable
     output: OutputTable
     tolerances: dict[Name, TolerancesTable] = {}

@@ -3,13 +3,22 @@
 | channel | meaning |
 |---|---|
 | `time`, `crank_angle` | the sample's instant; the angle of the crank's x axis that the engine really has, continuous |
+| `drive.displacement` | instead, where a slider is driven: of its first point along `along` from `through` |
 | `P.x .y .vx .vy .ax .ay` | a moving point, ground frame |
 | `body.angle .omega .alpha` | a turning body's x axis, counter-clockwise positive; the angle counts modulo one turn |
 | `P.fx .fy` | the force that the pin's body named first in the file exerts on the later one; ground comes before all |
 | `P/body.fx .fy` | the same for a third body at one point: the force of the first body on it |
-| `body.guide_force` | from the ground on the slider, along `along` turned +90 degrees |
-| `body.guide_moment` | from the ground on the slider, about the slider's first point, counter-clockwise positive |
-| `drive.torque` | what the drive does on the driven body |
+| `body.guide_force` | from its guide on the slider, along `along` turned +90 degrees, in the frame of the guide |
+| `body.guide_moment` | from its guide on the slider, about the slider's first point, counter-clockwise positive |
+| `drive.torque` | what the drive does on the crank |
+| `drive.force` | what the drive does on the driven slider, along `along` |
+
+Of the analytic core alone, since the other engines know no Assur groups, by the group's inner joint:
+
+| channel | meaning |
+|---|---|
+| `P.transmission` | from 0 in a lock to a right angle: of two bars, or of a bar and the normal of a guide |
+| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group to lock as it stands |
 """
 
 from collections.abc import Mapping
@@ -27,6 +36,7 @@ Samples: TypeAlias = NDArray[np.float64]
 UNITS: Mapping[str, str] = {
     "time": "s",
     "crank_angle": "rad",
+    "displacement": "m",
     "x": "m",
     "y": "m",
     "vx": "m/s",
@@ -41,6 +51,9 @@ UNITS: Mapping[str, str] = {
     "guide_force": "N",
     "guide_moment": "N*m",
     "torque": "N*m",
+    "force": "N",
+    "transmission": "rad",
+    "to_lock": "m",
 }
 
 
@@ -57,8 +70,8 @@ def header(channel: str) -> str:
 def kinematic_channels(scene: Scene) -> tuple[str, ...]:
     """Return the names of the channels that describe the motion, in the order of the files."""
     points = tuple(f"{point}.{q}" for point in scene.moving_points for q in ("x", "y", "vx", "vy", "ax", "ay"))
-    turning = (body.name for body in scene.bodies.values() if body.slide is None)
-    return ("time", "crank_angle", *points, *(f"{body}.{q}" for body in turning for q in ("angle", "omega", "alpha")))
+    turning = (f"{body}.{q}" for body in scene.turning for q in ("angle", "omega", "alpha"))
+    return ("time", scene.drive_channel, *points, *turning)
 
 
 def force_channels(scene: Scene) -> tuple[str, ...]:
@@ -67,7 +80,8 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
         return ()
     pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
     sliding = (body.name for body in scene.bodies.values() if body.slide is not None)
-    return (*pins, *(f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment")), "drive.torque")
+    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
+    return (*pins, *(f"{body}.{q}" for body in sliding for q in ("guide_force", "guide_moment")), effort)
 
 
 def channels(scene: Scene) -> tuple[str, ...]:

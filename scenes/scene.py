@@ -8,17 +8,40 @@ by two models is one the comparison cannot see.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from math import degrees
 
-Vector: TypeAlias = tuple[float, float]
+from .drive import ConstantSpeed, Drive, MotionLaw
+from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
+
+__all__ = [
+    "GROUND",
+    "Body",
+    "ConstantSpeed",
+    "Drive",
+    "Force",
+    "ForceTable",
+    "Load",
+    "MotionLaw",
+    "Pin",
+    "PressForce",
+    "Scene",
+    "Sketch",
+    "Slide",
+    "Spring",
+    "Vector",
+]
 
 GROUND = "ground"
 
 
 @dataclass(frozen=True)
 class Slide:
-    """A straight guide on the ground: the body's first point moves along the line, and the body does not turn."""
+    """A straight guide in the frame of the body `on`, which may be the ground.
 
+    The sliding body's first point moves along the line, and its frame stays parallel to that of `on`.
+    """
+
+    on: str
     through: Vector  # a point of the line, m
     along: Vector  # unit vector
 
@@ -27,10 +50,10 @@ class Slide:
 class Body:
     """A rigid body, its points given either in its own frame (`local`) or by their distances (`lengths`).
 
-    The frame of a body given by lengths has its origin at the first point and x towards the second; a third point
-    lies on the side where the sketch shows it. Unless both `com` and `inertia` are given, one point is a point mass,
-    two are a uniform bar, three are a uniform triangular plate. The frame of a body that slides stays parallel to the
-    ground's.
+    The frame of a body given by lengths has its origin at the first point and x towards the second; every further
+    point is given by its distances from two earlier ones, and lies on the side of their line where the sketch shows it.
+    Unless both `com` and `inertia` are given, one point is a point mass, two are a uniform bar, three are a uniform
+    triangular plate.
     """
 
     name: str
@@ -42,30 +65,17 @@ class Body:
     inertia: float | None  # kg m^2, about the centre of mass
     slide: Slide | None
 
-
-@dataclass(frozen=True)
-class Drive:
-    """The crank: a body pinned to the ground that turns at constant speed, at angle `start` when time is zero."""
-
-    body: str
-    speed: float  # rad/s, positive counter-clockwise, never zero
-    start: float  # rad, of the body's x axis
-
-
-@dataclass(frozen=True)
-class Load:
-    """A constant force on a point of a body."""
-
-    body: str
-    at: str
-    force: Vector  # N, ground frame
+    def bases(self, point: str) -> tuple[str, ...]:
+        """Return the earlier points from which a point of a body given by lengths has a distance: two, or fewer."""
+        earlier = self.points[: self.points.index(point)]
+        return tuple(p for p in earlier if self.lengths is not None and frozenset((p, point)) in self.lengths)
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """Rough positions of the moving points at one crank angle; they pick the assembly branch and nothing else."""
+    """Rough positions of the moving points at one position of the drive; they pick the branch and nothing else."""
 
-    angle: float  # rad
+    drive: float  # rad of a crank, m of a driven slider
     points: Mapping[str, Vector]  # m
 
 
@@ -91,6 +101,7 @@ class Scene:
     bodies: Mapping[str, Body]  # the moving bodies, in file order
     drive: Drive
     loads: tuple[Load, ...]
+    springs: tuple[Spring, ...]
     gravity: Vector | None  # m/s^2
     sketch: Sketch
     output: str  # the point that the report is about
@@ -116,6 +127,37 @@ class Scene:
             for point, owners in self.owners.items()
             for number, other in enumerate(owners[1:])
         )
+
+    @cached_property
+    def aligned(self) -> Mapping[str, frozenset[str]]:
+        """For each body and the ground: those whose frames slides keep parallel to its own, itself included."""
+        groups = {name: frozenset((name,)) for name in (GROUND, *self.bodies)}
+        for body in self.bodies.values():
+            if body.slide is not None:
+                joined = groups[body.name] | groups[body.slide.on]
+                groups |= dict.fromkeys(joined, joined)
+        return groups
+
+    @property
+    def turning(self) -> tuple[str, ...]:
+        """The bodies that can turn: all but those that slides keep parallel to the ground."""
+        return tuple(name for name in self.bodies if name not in self.aligned[GROUND])
+
+    @property
+    def driven_slide(self) -> Slide | None:
+        """The guide of the driven body; None where that is a crank."""
+        return self.bodies[self.drive.body].slide
+
+    @property
+    def drive_channel(self) -> str:
+        """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
+        return "crank_angle" if self.driven_slide is None else "drive.displacement"
+
+    def where(self, position: float) -> str:
+        """Say a position of the drive in messages: `crank angle 30.0000 deg`, `crosshead at 0.566041 m`."""
+        if self.driven_slide is None:
+            return f"crank angle {degrees(position):.4f} deg"
+        return f"{self.drive.body} at {position:.6g} m"
 
     @property
     def moving_points(self) -> tuple[str, ...]:

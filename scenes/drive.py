@@ -1,0 +1,142 @@
+"""The drive: where the driven body is to be at every instant. It is the scene's input, not a result of any model.
+
+A driven crank has an angle, rad, a driven slider the displacement of its first point along its guide from `through`, m.
+`position` below is the one or the other.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import copysign, pi
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+Samples: TypeAlias = NDArray[np.float64]
+
+
+class Driven(NamedTuple):
+    """What the drive asks for, each of the shape of the instants: rad or m, and its derivatives by the time, s."""
+
+    position: Samples
+    rate: Samples
+    acceleration: Samples
+
+
+@dataclass(frozen=True)
+class ConstantSpeed:
+    """A constant speed: turn after turn, or once from `start` to `end`."""
+
+    body: str
+    speed: float  # rad/s, positive counter-clockwise, or m/s; never zero
+    start: float  # rad or m, when time is zero
+    end: float | None  # None for a crank that turns for ever
+
+    @property
+    def repeats(self) -> bool:
+        """Whether a cycle can follow the one before."""
+        return self.end is None
+
+    @property
+    def advance(self) -> float:
+        """Return how far one cycle takes the body: a turn, or the way to the end."""
+        return copysign(2 * pi, self.speed) if self.end is None else self.end - self.start
+
+    @property
+    def cycle(self) -> float:
+        """Return how long one cycle takes, s."""
+        return self.advance / self.speed
+
+    @property
+    def peak_rate(self) -> float:
+        """Return the largest |rate|."""
+        return abs(self.speed)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Return the least and the largest position of a cycle."""
+        ends = self.start, self.start + self.advance
+        return min(ends), max(ends)
+
+    def after(self, cycles: ArrayLike) -> Samples:
+        """Return the position after that many cycles, not all of them whole."""
+        return self.start + np.asarray(cycles, np.float64) * self.advance
+
+    def at(self, time: ArrayLike) -> Driven:
+        """Return what the drive asks for at some instants, s, before zero and after the end too."""
+        time = np.asarray(time, np.float64)
+        return Driven(self.start + self.speed * time, np.full(time.shape, self.speed), np.zeros(time.shape))
+
+
+@dataclass(frozen=True)
+class MotionLaw:
+    """A cubic spline through a table of positions against time; periodic, or not-a-knot at both ends.
+
+    A periodic law goes on for ever: a crank's may gain whole turns in each period, and its rate and acceleration
+    continue smoothly from one period to the next.
+    """
+
+    body: str
+    times: tuple[float, ...]  # s, increasing, from zero
+    positions: tuple[float, ...]  # rad or m
+    periodic: bool
+
+    @property
+    def repeats(self) -> bool:
+        """Whether a cycle can follow the one before."""
+        return self.periodic
+
+    @property
+    def start(self) -> float:
+        """Return the position when time is zero."""
+        return self.positions[0]
+
+    @property
+    def cycle(self) -> float:
+        """Return how long one cycle takes, s."""
+        return self.times[-1]
+
+    @cached_property
+    def peak_rate(self) -> float:
+        """Return the largest |rate|; that of a spline's pieces, parabolas, is at an end or where they peak."""
+        peaks = self._spline.derivative(2).roots(extrapolate=False)
+        inside = peaks[np.isfinite(peaks) & (peaks > 0) & (peaks < self.cycle)]
+        return float(np.abs(self.at([*self.times, *inside]).rate).max())
+
+    @cached_property
+    def extent(self) -> tuple[float, float]:
+        """Return the least and the largest position of a cycle."""
+        positions = self.at(np.linspace(0, self.cycle, 10_001)).position
+        return float(positions.min()), float(positions.max())
+
+    def after(self, cycles: ArrayLike) -> Samples:
+        """Return the position after that many cycles, not all of them whole."""
+        return self.at(np.asarray(cycles, np.float64) * self.cycle).position
+
+    def at(self, time: ArrayLike) -> Driven:
+        """Return what the drive asks for at some instants, s, before zero and after the end too."""
+        time = np.asarray(time, np.float64)
+        spline, trend = self._spline, self._trend
+        return Driven(spline(time) + trend * time, spline(time, 1) + trend, spline(time, 2))
+
+    @property
+    def _trend(self) -> float:
+        """Return what a periodic law gains a second, which the spline leaves out."""
+        return (self.positions[-1] - self.positions[0]) / self.cycle if self.periodic else 0.0
+
+    @cached_property
+    def _spline(self) -> "CubicSpline":
+        from scipy.interpolate import CubicSpline  # late: few scenes need it, and it is slow to import
+
+        times = np.array(self.times)
+        positions = np.array(self.positions) - self._trend * times
+        if self.periodic:
+            positions[-1] = positions[0]  # but for a rounding they are the same
+            return CubicSpline(times, positions, bc_type="periodic")
+        return CubicSpline(times, positions)
+
+
+Drive: TypeAlias = ConstantSpeed | MotionLaw
