@@ -2,6 +2,6 @@
 
 from .decomposition import route
 from .inverse import inverse
-from .solve import solve
+from .solve import solve, solver
 
-__all__ = ["inverse", "route", "solve"]
+__all__ = ["inverse", "route", "solve", "solver"]

@@ -14,13 +14,13 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .geometry import RigidBody, sketched, sketched_attitude
-from .newton_group import Frames, Group, System, assemble, own_jacobian, rates, refine, system
+from .newton_group import Group, Placed, Pose, System, assemble, coordinates, own_jacobian, rates, refine, system
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 SMALLEST = 2.0**-20  # of a step: a lock is found to that
 SAME = 1e-6  # rad: two poses
 
-Placed: TypeAlias = Callable[[Samples], Frames]  # position of the drive -> what the group hangs on, moving at rate one
+PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
 
 
 @dataclass(frozen=True)
@@ -36,27 +36,28 @@ class Track:
     ddq: Samples  # (N, m)
     branch: float  # the sign of det J: it changes where the branch meets another, in a lock
 
-    def at(self, position: Samples, placed: Frames) -> tuple[Frames, Samples]:
-        """Return the group's frames, at rest, and the Jacobian (n, m, m); NaN where the branch does not reach."""
+    def at(self, position: Samples, placed: Pose) -> tuple[Pose, Samples]:
+        """Return all frames and the Jacobian (n, m, m), NaN where the branch does not reach."""
         middles = (self.position[1:] + self.position[:-1]) / 2
         nearest = np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0))
         h = self._within(position - self.position[nearest], -self.turn / 2)[:, None]
         guess = self.q[nearest] + h * (self.dq[nearest] + h / 2 * self.ddq[nearest])
-        near = (
-            np.abs(h) <= 1.01 * self.step
-        )  # a whole step, and its roundings; further off there is no pose to start from
+        near = np.abs(h) <= 1.01 * self.step  # a step, and its roundings; further off there is no pose to start from
         q, found = refine(self.equations, np.where(near, guess, np.nan), placed)
-        J = own_jacobian(self.equations, self.equations.frames(q, placed))
+        pose = self.equations.pose(q, placed)
+        J = own_jacobian(self.equations, pose)
         found &= np.linalg.slogdet(J)[0] == self.branch
-        q = np.where(found[:, None], q, np.nan)
-        return self.equations.frames(q, placed), np.where(found[:, None, None], J, np.nan)
+        if not found.all():
+            pose = self.equations.pose(np.where(found[:, None], q, np.nan), placed)
+            J = np.where(found[:, None, None], J, np.nan)
+        return pose, J
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
         return difference if self.turn == inf else least + np.remainder(difference - least, self.turn)
 
 
-def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: Placed) -> Track:
+def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """Follow the sketch's branch round the whole turn, or a driven slider's way, or to the locks on both sides.
 
     Raises:
@@ -68,9 +69,9 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     turn = 2 * pi if scene.driven_slide is None else inf
     step = 2 * pi / STEPS if scene.driven_slide is None else (most - least) / STEPS
     position = np.array([start])
-    q = assemble(equations, _sketched(scene, group, bodies), placed(position))
+    q = assemble(equations, _sketched(scene, group, bodies), placed(position).pose)
     first = _pose(equations, step, turn, position, q, placed)
-    if np.isnan(first.at(position, placed(position))[0].z).any():
+    if np.isnan(first.at(position, placed(position).pose)[1]).any():
         why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}"
         raise Failure(Status.cannot_assemble, why)
     if scene.driven_slide is not None:
@@ -86,28 +87,29 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     return _joined(forward)
 
 
-def _march(first: Track, placed: Placed, way: float) -> list[Track]:
+def _march(first: Track, placed: PlacedAt, way: float) -> list[Track]:
     """Return the poses from the first onwards, one a step; where Newton's method loses the branch, by smaller steps."""
     poses, smallest = [first], SMALLEST * first.step
     h = first.step
     while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
         h = min(h, abs(way) - gone)
         position = poses[-1].position + copysign(h, way)
-        frames, _ = poses[-1].at(position, placed(position))
-        if np.isnan(frames.z).any():
+        pose, J = poses[-1].at(position, placed(position).pose)
+        if np.isnan(J).any():
             h /= 2
         else:
-            q = np.stack([frames.z.real, frames.z.imag, frames.angle], axis=-1)[:, : first.equations.bodies]
-            poses.append(_pose(first.equations, first.step, first.turn, position, q.reshape(1, -1), placed))
+            q = coordinates(pose.z, pose.angle)[:, : 3 * first.equations.bodies]
+            poses.append(_pose(first.equations, first.step, first.turn, position, q, placed))
             h = min(2 * h, first.step)
     return poses
 
 
-def _pose(equations: System, step: float, turn: float, position: Samples, q: Samples, placed: Placed) -> Track:
+def _pose(equations: System, step: float, turn: float, position: Samples, q: Samples, placed: PlacedAt) -> Track:
     """Return the track of one pose, q of shape (1, m)."""
-    frames = equations.frames(q, placed(position))
-    J = own_jacobian(equations, frames)
-    return Track(equations, step, turn, position, q, *rates(equations, frames, J), float(np.linalg.slogdet(J)[0][0]))
+    hung = placed(position)
+    pose = equations.pose(q, hung.pose)
+    branch = float(np.linalg.slogdet(own_jacobian(equations, pose))[0][0])
+    return Track(equations, step, turn, position, q, *rates(equations, pose, hung), branch)
 
 
 def _joined(poses: list[Track]) -> Track:
@@ -124,6 +126,7 @@ def _sketched(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Sa
         local = bodies[name].local
         shown = [point for point in local if point in at]
         u = sketched_attitude(scene, name, bodies)
-        foot = complex(np.mean([at[point] + u * (bodies[name].first - local[point]) for point in shown]))
+        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
+        foot = complex(np.mean(feet or list(at.values())))  # of a body on a guide nothing need be shown
         q += [foot.real, foot.imag, float(np.angle(u))]
     return np.array([q])

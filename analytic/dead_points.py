@@ -8,7 +8,7 @@ import numpy as np
 from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
-from scenes.scene import PressForce
+from scenes.scene import GROUND, PressForce
 
 from .decomposition import Decomposition
 from .dyads import Vectors, dot
@@ -46,7 +46,7 @@ def guide_of(scene: Scene, point: str) -> tuple[Vectors, complex]:
         ValueError: the point is on no body that slides on the ground.
     """
     for body in scene.bodies.values():
-        if point in body.points and body.slide is not None and body.name not in scene.turning:
+        if point in body.points and body.slide is not None and body.slide.on == GROUND:
             return np.asarray(as_complex(body.slide.along)), as_complex(body.slide.through)
     raise ValueError(f"{point} is on no body that slides on the ground")
 

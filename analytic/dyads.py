@@ -18,7 +18,7 @@ Vectors: TypeAlias = NDArray[np.complex128]  # shape (n,)
 
 def as_vectors(x: Samples, y: Samples) -> Vectors:
     """Return x + iy; twice as fast as writing it so."""
-    v = np.empty(np.shape(x), complex)
+    v = np.empty(np.shape(x), np.result_type(x, np.complex64))
     v.real, v.imag = x, y
     return v
 

@@ -2,17 +2,42 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from scenes import Motion, Sampling, Scene, Settings
 
 from .decomposition import Decomposition, decompose
-from .solve import solve_decomposed
+from .kinematics import kinematics
+from .solve import MotionAt, solve_decomposed
+from .variants import differenced, half_angle_position
 
-DEFAULT = Settings(label="vector equations")
-LADDER = (DEFAULT,)
-LONG_LADDER: tuple[Settings, ...] = ()
+
+@dataclass(frozen=True)
+class AnalyticSettings(Settings):
+    """How the motion is found; the forces follow from it in one way."""
+
+    half_angles: bool = False  # instead of the triangle's area
+    single: bool = False  # precision
+    steps: int | None = None  # a cycle, of differences of positions instead of derivatives
+
+
+def _differences(steps: int) -> AnalyticSettings:
+    note = "velocities and accelerations by differences of positions, as many tools find them"
+    return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
+
+
+DEFAULT = AnalyticSettings("vector equations")
+LADDER = (
+    DEFAULT,
+    AnalyticSettings("half-angle form", half_angles=True, note="the source paper's form, its misprints corrected"),
+    AnalyticSettings("single precision", single=True),
+    *map(_differences, (72, 360, 3600)),
+)
+LONG_LADDER = tuple(map(_differences, (720, 1440, 36_000, 360_000)))
+FAST = EXACT = DEFAULT
+ABLATIONS: tuple[AnalyticSettings, ...] = ()
 
 
 def version() -> str:
@@ -27,12 +52,19 @@ class AnalyticRun:
     scene: Scene
     linkage: Decomposition
     sampling: Sampling
+    settings: AnalyticSettings
     motion: Motion = field(init=False)
 
     def solve(self) -> None:
         """Evaluate every channel."""
-        commanded, times = self.sampling.commanded(self.scene), self.sampling.times(self.scene)
-        self.motion = solve_decomposed(self.scene, self.linkage, commanded, times)
+        scene, sampling, settings = self.scene, self.sampling, self.settings
+        commanded = sampling.commanded(scene).astype(np.float32 if settings.single else np.float64)
+        motion_at: MotionAt | None = None
+        if settings.half_angles:
+            motion_at = partial(kinematics, rrr=half_angle_position)
+        elif settings.steps is not None:
+            motion_at = partial(differenced, step=scene.drive.cycle / settings.steps)
+        self.motion = solve_decomposed(scene, self.linkage, commanded, sampling.times(scene), motion_at)
 
     def read(self) -> Motion:
         """Return the channels; nothing is left to do."""
@@ -49,7 +81,7 @@ class AnalyticRun:
         return {}
 
 
-def build(scene: Scene, settings: Settings, sampling: Sampling) -> AnalyticRun:  # noqa: ARG001 - one form, no choices
+def build(scene: Scene, settings: AnalyticSettings, sampling: Sampling) -> AnalyticRun:
     """Prepare an evaluation.
 
     Raises:
@@ -58,4 +90,4 @@ def build(scene: Scene, settings: Settings, sampling: Sampling) -> AnalyticRun: 
     linkage = decompose(scene)
     # Follows the branch of what Newton solves, once for all positions.
     solve_decomposed(scene, linkage, [scene.drive.start], [0.0])
-    return AnalyticRun(scene, linkage, sampling)
+    return AnalyticRun(scene, linkage, sampling, settings)

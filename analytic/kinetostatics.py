@@ -11,15 +11,15 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Scene
-from scenes.motion import Samples
+from scenes.motion import Samples, force_channels
 from scenes.scene import Force, ForceTable, Load
 
 from .dead_points import guide_of, stroke_end
 from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
-from .kinematics import Kinematics
 from .newton_group import Group, joint_forces
+from .placing import Kinematics
 
 
 class Push(NamedTuple):
@@ -40,9 +40,11 @@ class Reactions:
 
 
 def kinetostatics(scene: Scene, linkage: Decomposition, k: Kinematics) -> Reactions:
-    """Return all reactions, and the torque or force by which the drive moves as it does."""
+    """Return all reactions that are asked for, and the torque or force by which the drive moves as it does."""
     balance = _Balance(scene, linkage, k)
     for group in reversed(linkage.groups):
+        if balance.enough():
+            return balance.found
         if isinstance(group, InnerPin):
             balance.inner_pin(group)
         elif isinstance(group, InnerSlide):
@@ -62,6 +64,12 @@ class _Balance:
     k: Kinematics
     found: Reactions = field(default_factory=Reactions)
     slid_on: dict[str, list[Push]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
+
+    def enough(self) -> bool:
+        """Return whether all that is asked for was found; what was, is final."""
+        found = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.found.pin}
+        asked = (self.scene.asked or frozenset()).intersection(force_channels(self.scene))
+        return bool(asked) and {channel.rpartition(".")[0] for channel in asked} <= found | set(self.found.guide)
 
     # --- dyads
 

@@ -1,7 +1,7 @@
 """How far the drive can move: where every group reaches, and what stops it at either end."""
 
 from dataclasses import dataclass
-from math import inf, pi
+from math import degrees, inf, pi
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Decomposition, InnerPin, InnerSlide, Pinned, inner_joint, kind
+from .decomposition import Decomposition, Dyad, InnerSlide, inner_joint, kind
 from .kinematics import kinematics
 from .newton_group import Group
 
@@ -69,29 +69,24 @@ def _locked(scene: Scene, linkage: Decomposition, position: Samples) -> np.ndarr
 
 def describe(scene: Scene, linkage: Decomposition) -> str:
     """Return in one sentence how far the drive moves, and what is in line where it stops."""
+    body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
     if not intervals:
-        return f"the linkage cannot be assembled with the {scene.drive.body} at any position of the drive"
+        return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
     locks = {inner_joint(group): _lock(group) for group in linkage.groups} | {"": "the end of its way"}
-    said = [
-        f"from {scene.where(i.start)} ({locks[i.start_lock]}) to {scene.where(i.end)} ({locks[i.end_lock]})"
-        for i in intervals
-    ]
-    return "the linkage assembles only " + " and ".join(said)
+
+    def end(position: float, lock: str) -> str:
+        return f"{f'{degrees(position):.4f} deg' if turns else f'{position:.6g} m'} ({locks[lock]})"
+
+    said = " and ".join(f"from {end(i.start, i.start_lock)} to {end(i.end, i.end_lock)}" for i in intervals)
+    return f"the {body} {'turns' if turns else 'slides'} only {said}; drive.start and drive.end can limit a run"
 
 
-def _lock(group: InnerPin | InnerSlide | Group) -> str:
+def _lock(group: Dyad | Group) -> str:
     if isinstance(group, Group):
         return f"{', '.join(group.bodies)} locked"
     one, two = (leg.body for leg in group.legs)
     if isinstance(group, InnerSlide):
-        return (
-            f"{group.legs[0].A}-{group.legs[1].A} square to the guide of {group.guide.slider}"
-            if isinstance(group.legs[0], Pinned)
-            else ""
-        )
-    return {
-        "RRR": f"{one} and {two} in line at {group.P}",
-        "RRP": f"{one} square to the guide of {two}",
-        "PRP": f"the guides of {one} and {two} parallel",
-    }[kind(group)]
+        return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
+    locks = {"RRR": f"{one} and {two} in line at {group.P}", "RRP": f"{one} square to the guide of {two}"}
+    return locks.get(kind(group), f"the guides of {one} and {two} parallel")

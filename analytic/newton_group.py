@@ -10,8 +10,9 @@ Mechanical Systems" (1988), chapters 3 and 9.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TypeAlias
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +23,12 @@ from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex
 
+CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: Newton's last correction; near lock, roundings grow to their square root, 1e-8
 LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies about
 ITERATIONS = 200  # from the sketch
 
 Complex: TypeAlias = NDArray[np.complex128]
-Indices: TypeAlias = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -64,109 +65,108 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Frames:
-    """The first points and the angles of frames, and their first and second derivatives, each of shape (n, frames)."""
+class Pose:
+    """Where frames are: their first points, m, and their angles, rad, each of shape (n, frames)."""
 
-    z: Complex  # m
-    angle: Samples  # rad
+    z: Complex
+    angle: Samples
+
+    @cached_property
+    def u(self) -> Complex:
+        """Return the attitudes exp(i angle)."""
+        attitudes: Complex = np.exp(1j * self.angle)
+        return attitudes
+
+
+@dataclass(frozen=True)
+class Placed:
+    """What a group hangs on: frames, and how they move, each of shape (n, frames)."""
+
+    pose: Pose
     v: Complex
     omega: Samples
     a: Complex
     alpha: Samples
 
     @classmethod
-    def at_rest(cls, n: int, frames: int) -> "Frames":
+    def at_rest(cls, n: int, frames: int) -> "Placed":
         """Return frames in the origin."""
         plane, turn = np.zeros((3, n, frames), complex), np.zeros((3, n, frames))
-        return cls(plane[0], turn[0], plane[1], turn[1], plane[2], turn[2])
+        return cls(Pose(plane[0], turn[0]), plane[1], turn[1], plane[2], turn[2])
 
 
 @dataclass(frozen=True)
 class System:
-    """The constants of the joints, between the frames of the group's b bodies and then of what they hang on."""
+    """The constants of the joints, between the frames of the group's b bodies and, after them, of what they hang on.
+
+    S and T say which frames a joint is between: -1 for the one that a pin hangs on or that a slider slides on, 1 for
+    the other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and
+    of the guide's.
+    """
 
     bodies: int  # b
-    pins: Indices  # (p, 2): the frames
-    arms: Complex  # (p, 2), m, of the pin in either
-    slides: Indices  # (s, 2): of the slider and of what it slides on
-    ends: Complex  # (s, 2), m: the slider's first point and the guide's, each in its own frame
-    along: Complex  # (s,)
+    S: Samples  # (p, frames), pins
+    R: Complex  # (p, frames), m
+    T: Samples  # (s, frames), slides
+    E: Complex  # (s, frames), m
+    on: NDArray[np.intp]  # (s,), the frame that the guide is in
+    along: Complex  # (s,), unit, in that frame
     size: float  # m, the longest arm
 
-    def frames(self, q: Samples, placed: Frames) -> Frames:
-        """Return all frames, those of the group at the coordinates q, shape (n, m), and at rest."""
-        x, y, angle = np.moveaxis(q.reshape(len(q), self.bodies, 3), 2, 0)
-        mine = replace(Frames.at_rest(len(q), self.bodies), z=x + 1j * y, angle=angle)
-        return _joined(mine, placed)
+    def pose(self, q: Samples, placed: Pose) -> Pose:
+        """Return all frames, those of the group at the coordinates q, shape (n, m)."""
+        z, angle = in_plane(q)
+        return Pose(np.concatenate([z, placed.z], axis=1), np.concatenate([angle, placed.angle], axis=1))
 
-    def moving(self, frames: Frames, dq: Samples, ddq: Samples) -> Frames:
-        """Return the frames with those of the group moving."""
-        (vx, vy, omega), (ax, ay, alpha) = (
-            np.moveaxis(rate.reshape(len(rate), self.bodies, 3), 2, 0) for rate in (dq, ddq)
-        )
-        b = self.bodies
-        mine = Frames(frames.z[:, :b], frames.angle[:, :b], vx + 1j * vy, omega, ax + 1j * ay, alpha)
-        return _joined(mine, _rest(frames, b))
-
-    def open(self, f: Frames) -> Samples:
+    def open(self, pose: Pose) -> Samples:
         """Return C, shape (n, m): of each pin the gap, x and y; of each slide the offset and the difference of angles.
 
         The offset is w x D, w the guide's direction and D from the guide's point to the slider's.
         """
-        pins = self._points(f, self.pins, self.arms)
-        gap = pins[..., 1] - pins[..., 0]
-        w, D = self._guides(f)
-        turned = f.angle[:, self.slides[:, 0]] - f.angle[:, self.slides[:, 1]]
-        turned = np.remainder(turned + np.pi, 2 * np.pi) - np.pi
-        return np.concatenate([gap.real, gap.imag, (w.conj() * D).imag, turned], axis=1)
+        gap = _joined(self.S, pose.z) + _joined(self.R, pose.u)
+        rows = [gap.real, gap.imag]
+        if len(self.T):
+            w, D = self._guides(pose)
+            turned = np.remainder(_joined(self.T, pose.angle) + np.pi, 2 * np.pi) - np.pi
+            rows += [(w.conj() * D).imag, turned]
+        return np.concatenate(rows, axis=1)
 
-    def jacobian(self, f: Frames) -> Samples:
+    def jacobian(self, pose: Pose) -> Samples:
         """Return dC by the coordinates of all frames, shape (n, m, 3 frames)."""
-        n, frames = f.z.shape
-        u = np.exp(1j * f.angle)
-        pins = np.zeros((n, len(self.pins), frames, 3), complex)
-        number = np.arange(len(self.pins))
-        for end, sign in ((0, -1), (1, 1)):
-            at = self.pins[:, end]
-            pins[:, number, at] += sign * _gradient(self.arms[:, end] * u[:, at])
-        w, D = self._guides(f)
-        offset, turned = np.zeros((2, n, len(self.slides), frames, 3))
-        number = np.arange(len(self.slides))
-        for end, sign in ((0, 1), (1, -1)):
-            at = self.slides[:, end]
-            offset[:, number, at] += sign * (w.conj()[..., None] * _gradient(self.ends[:, end] * u[:, at])).imag
-            turned[:, number, at, 2] += sign
-        offset[:, number, self.slides[:, 1], 2] -= (w.conj() * D).real  # the guide turns under the slider
-        rows = np.concatenate([pins.real, pins.imag, offset, turned], axis=1)
-        return rows.reshape(n, -1, 3 * frames)
+        pins = _gradients(self.S, self.R, pose.u)
+        rows = [pins.real, pins.imag]
+        if len(self.T):
+            w, D = self._guides(pose)
+            offset = (w.conj()[:, :, None, None] * _gradients(self.T, self.E, pose.u)).imag
+            offset[:, np.arange(len(self.on)), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
+            turned = np.zeros(offset.shape)
+            turned[..., 2] = self.T
+            rows += [offset, turned]
+        jacobian = np.concatenate(rows, axis=1)
+        return jacobian.reshape(*jacobian.shape[:2], 3 * jacobian.shape[2])
 
-    def quadratic(self, f: Frames) -> Samples:
-        """Return what C'' has besides J q'' and the placed frames' accelerations, shape (n, m)."""
-        u = np.exp(1j * f.angle)
-        inward = -(f.omega[:, self.pins] ** 2) * self.arms * u[:, self.pins]
-        pins = inward[..., 1] - inward[..., 0]
-        w, D = self._guides(f)
-        turning = f.omega[:, self.slides[:, 1]]
-        r = self.ends * u[:, self.slides]
-        rates = f.v[:, self.slides] + 1j * f.omega[:, self.slides] * r
-        inward = -(f.omega[:, self.slides] ** 2) * r
-        dD, ddD = rates[..., 0] - rates[..., 1], inward[..., 0] - inward[..., 1]
-        offset = (w.conj() * (ddD - turning**2 * D - 2j * turning * dD)).imag
-        return np.concatenate([pins.real, pins.imag, offset, np.zeros(offset.shape)], axis=1)
+    def quadratic(self, pose: Pose, v: Complex, omega: Samples) -> Samples:
+        """Return what C'' has besides J q'' of all frames, shape (n, m)."""
+        inward = -(omega**2) * pose.u
+        pins = _joined(self.R, inward)
+        rows = [pins.real, pins.imag]
+        if len(self.T):
+            w, D = self._guides(pose)
+            turning = omega[:, self.on]
+            dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
+            ddD = _joined(self.E, inward)
+            offset = (w.conj() * (ddD - turning**2 * D - 2j * turning * dD)).imag
+            rows += [offset, np.zeros(offset.shape)]
+        return np.concatenate(rows, axis=1)
 
     def length(self, correction: Samples) -> Samples:
         """Return the largest move of a correction, shape (n,), m."""
         length: Samples = np.abs(correction * np.tile([1, 1, self.size], self.bodies)).max(axis=1)
         return length
 
-    def _points(self, f: Frames, frames: Indices, arms: Complex) -> Complex:
-        points: Complex = f.z[:, frames] + arms * np.exp(1j * f.angle[:, frames])
-        return points
-
-    def _guides(self, f: Frames) -> tuple[Complex, Complex]:
+    def _guides(self, pose: Pose) -> tuple[Complex, Complex]:
         """Return w and D of each slide, shape (n, s)."""
-        ends = self._points(f, self.slides, self.ends)
-        return self.along * np.exp(1j * f.angle[:, self.slides[:, 1]]), ends[..., 0] - ends[..., 1]
+        return self.along * pose.u[:, self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
 
 
 def system(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> System:
@@ -176,33 +176,26 @@ def system(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> Syste
     def arm(body: str, local: complex) -> complex:
         return local if body == GROUND else local - bodies[body].first
 
-    pins, arms = [], []
-    for pin in group.pins:
-        on = pin.on or f".{pin.point}"
-        pins.append((index[on], index[pin.body]))
-        arms.append(tuple(arm(x, bodies[x].local[pin.point]) if x in bodies else 0j for x in (on, pin.body)))
-    slides, ends, along = [], [], []
-    for joint in group.slides:
+    S, R = np.zeros((len(group.pins), len(index))), np.zeros((len(group.pins), len(index)), complex)
+    for number, pin in enumerate(group.pins):
+        for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
+            S[number, index[name]] = sign
+            R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
+    T, E = np.zeros((len(group.slides), len(index))), np.zeros((len(group.slides), len(index)), complex)
+    along = []
+    for number, joint in enumerate(group.slides):
         slide = scene.bodies[joint.slider].slide
         assert slide is not None
-        slides.append((index[joint.slider], index[joint.on]))
-        ends.append((0j, arm(joint.on, as_complex(slide.through))))
+        T[number, index[joint.slider]], T[number, index[joint.on]] = 1, -1
+        E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
         along.append(as_complex(slide.along))
-    spans = [
-        abs(a - b) for name in group.bodies for a in bodies[name].local.values() for b in bodies[name].local.values()
-    ]
-    return System(
-        len(group.bodies),
-        np.array(pins, np.intp).reshape(-1, 2),
-        np.array(arms, complex).reshape(-1, 2),
-        np.array(slides, np.intp).reshape(-1, 2),
-        np.array(ends, complex).reshape(-1, 2),
-        np.array(along, complex),
-        max(spans),
-    )
+    locals_ = [bodies[name].local.values() for name in group.bodies]
+    size = max(abs(a - b) for local in locals_ for a in local for b in local) or 1.0  # bodies of one point have no arm
+    on = np.array([index[joint.on] for joint in group.slides], np.intp)
+    return System(len(group.bodies), S, R, T, E, on, np.array(along, complex), size)
 
 
-def assemble(equations: System, q: Samples, placed: Frames) -> Samples:
+def assemble(equations: System, q: Samples, placed: Pose) -> Samples:
     """Return the coordinates near a rough guess q, shape (1, m), where the joints close, if there are any."""
     for _ in range(ITERATIONS):
         correction = _correction(equations, q, placed)
@@ -213,36 +206,37 @@ def assemble(equations: System, q: Samples, placed: Frames) -> Samples:
     return q
 
 
-def refine(equations: System, q: Samples, placed: Frames) -> tuple[Samples, NDArray[np.bool_]]:
+def refine(equations: System, q: Samples, placed: Pose) -> tuple[Samples, NDArray[np.bool_]]:
     """Return the coordinates where the joints close, from a near guess q, shape (n, m), and whether they were found.
 
     Each position is on its own: it is corrected as long as the corrections at least halve, which ends in their
-    roundings.
+    roundings, or until the next one, about the square of the last, is sure to be below them.
     """
     last = np.full(len(q), np.inf)
     while True:
         correction = _correction(equations, q, placed)
         length = equations.length(correction)
-        halved = length < last / 2
+        halved = (length < last / 2) & (last > CLOSED * equations.size)
         if not halved.any():
             return q, last < ROUGHLY * equations.size
         q = np.where(halved[:, None], q - correction, q)
         last = np.where(halved, length, last)
 
 
-def rates(equations: System, f: Frames, J: Samples) -> tuple[Samples, Samples]:
-    """Return q' and q'', shape (n, m), from frames of which only the placed ones move; J as of `own_jacobian`."""
-    everywhere = equations.jacobian(f)[:, :, 3 * equations.bodies :]
-    placed = _rest(f, equations.bodies)
-    dq = solved(J, -np.einsum("nij,nj->ni", everywhere, _coordinates(placed.v, placed.omega)))
-    moving = equations.moving(f, dq, np.zeros(dq.shape))
-    driving = np.einsum("nij,nj->ni", everywhere, _coordinates(placed.a, placed.alpha))
-    return dq, solved(J, -driving - equations.quadratic(moving))
+def rates(equations: System, pose: Pose, placed: Placed) -> tuple[Samples, Samples]:
+    """Return q' and q'', shape (n, m)."""
+    b = equations.bodies
+    everywhere = equations.jacobian(pose)
+    J, J_placed = everywhere[:, :, : 3 * b], everywhere[:, :, 3 * b :]
+    dq = solved(J, -np.einsum("nij,nj->ni", J_placed, coordinates(placed.v, placed.omega)))
+    v, omega = (np.concatenate(pair, axis=1) for pair in zip(in_plane(dq), (placed.v, placed.omega), strict=True))
+    driving = np.einsum("nij,nj->ni", J_placed, coordinates(placed.a, placed.alpha))
+    return dq, solved(J, -driving - equations.quadratic(pose, v, omega))
 
 
-def own_jacobian(equations: System, f: Frames) -> Samples:
+def own_jacobian(equations: System, pose: Pose) -> Samples:
     """Return dC / dq, shape (n, m, m)."""
-    return equations.jacobian(f)[:, :, : 3 * equations.bodies]
+    return equations.jacobian(pose)[:, :, : 3 * equations.bodies]
 
 
 def joint_forces(equations: System, J: Samples, force: Complex, moment: Samples) -> tuple[Complex, Samples, Samples]:
@@ -251,8 +245,8 @@ def joint_forces(equations: System, J: Samples, force: Complex, moment: Samples)
     By J^T forces + Q = 0 (virtual work); `force` and `moment` about the first point, shape (n, b), are what the bodies
     carry without these joints, inertia included.
     """
-    multipliers = solved(J.transpose(0, 2, 1), -_coordinates(force, moment))
-    p, s = len(equations.pins), len(equations.slides)
+    multipliers = solved(J.transpose(0, 2, 1), -coordinates(force, moment))
+    p, s = len(equations.S), len(equations.T)
     x, y, guide_force, guide_moment = np.split(multipliers, [p, 2 * p, 2 * p + s], axis=1)
     return x + 1j * y, guide_force, guide_moment
 
@@ -262,7 +256,7 @@ def to_lock(equations: System, J: Samples) -> Samples:
 
     By Eckart and Young's theorem so much is J, in that sense, away from the next singular matrix.
     """
-    p, s = len(equations.pins), len(equations.slides)
+    p, s = len(equations.S), len(equations.T)
     rows = np.repeat([1.0, equations.size], [2 * p + s, s])
     scaled = J * rows[:, None] / np.tile([1, 1, equations.size], equations.bodies)
     least: Samples = np.linalg.svd(scaled, compute_uv=False)[:, -1]
@@ -280,24 +274,30 @@ def solved(A: Samples, b: Samples) -> Samples:
     return x
 
 
-def _correction(equations: System, q: Samples, placed: Frames) -> Samples:
-    f = equations.frames(q, placed)
-    return solved(own_jacobian(equations, f), equations.open(f))
+def in_plane(q: Samples) -> tuple[Complex, Samples]:
+    """Return points and angles, each of shape (n, b), from coordinates of shape (n, 3 b), or their rates."""
+    bodies = q.reshape(len(q), q.shape[1] // 3, 3)
+    return bodies[..., 0] + 1j * bodies[..., 1], bodies[..., 2]
 
 
-def _gradient(r: Complex) -> Complex:
-    """Return the derivatives of z + r by x, y and the angle, shape (..., 3)."""
-    return np.stack([np.ones_like(r), np.full_like(r, 1j), 1j * r], axis=-1)
-
-
-def _coordinates(plane: Complex, turn: Samples) -> Samples:
+def coordinates(plane: Complex, turn: Samples) -> Samples:
     """Return x, y and angle of frame after frame, shape (n, 3 frames)."""
-    return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(len(plane), -1)
+    return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(len(plane), 3 * plane.shape[1])
 
 
-def _joined(one: Frames, two: Frames) -> Frames:
-    return Frames(*(np.concatenate(pair, axis=1) for pair in zip(vars(one).values(), vars(two).values(), strict=True)))
+def _correction(equations: System, q: Samples, placed: Pose) -> Samples:
+    pose = equations.pose(q, placed)
+    return solved(own_jacobian(equations, pose), equations.open(pose))
 
 
-def _rest(f: Frames, start: int) -> Frames:
-    return Frames(*(values[:, start:] for values in vars(f).values()))
+def _joined(signed: Samples | Complex, x: Samples | Complex) -> Any:
+    """Return sums over the frames of each joint, shape (n, joints); not a matrix product, whose rows depend on n."""
+    return np.einsum("jf,nf->nj", signed, x)
+
+
+def _gradients(incidence: Samples, arms: Complex, u: Complex) -> Complex:
+    """Return the derivatives by x, y and the angle of each frame, shape (n, joints, frames, 3)."""
+    gradients = np.empty((len(u), *incidence.shape, 3), complex)
+    gradients[..., 0], gradients[..., 1] = incidence, 1j * incidence
+    np.multiply(1j * arms, u[:, None, :], out=gradients[..., 2])
+    return gradients

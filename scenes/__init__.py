@@ -3,7 +3,7 @@
 from .engine import Engine, Failure, Sampling, Settings, Simulation, Status
 from .errors import InputError
 from .motion import Motion
-from .reader import LIBRARY, load, shipped
+from .reader import LIBRARY, load, numbers_in, shipped
 from .scene import Scene
 from .starter import write_starter
 
@@ -19,6 +19,7 @@ __all__ = [
     "Simulation",
     "Status",
     "load",
+    "numbers_in",
     "shipped",
     "write_starter",
 ]

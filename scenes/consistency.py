@@ -132,18 +132,20 @@ def _check_triangle(place: str, sides: list[float]) -> None:
 
 
 def _check_slides(scene: Scene) -> None:
-    for body in scene.bodies.values():
-        if body.slide is None:
-            continue
-        place = f"bodies.{body.name}.slides.on"
-        if body.slide.on not in (GROUND, *scene.bodies):
-            known = [name for name in (GROUND, *scene.bodies) if name != body.name]
-            raise InputError(f"{place}: no body '{body.slide.on}'{nearest(body.slide.on, known)}")
-        path = [body.name, body.slide.on]
-        while path[-1] != GROUND and (slide := scene.bodies[path[-1]].slide) is not None and slide.on not in path[1:]:
-            path.append(slide.on)
-            if slide.on == body.name:
-                raise InputError(f"{place}: a ring of bodies slides each on the next: {' on '.join(path)}")
+    on = {body.name: body.slide.on for body in scene.bodies.values() if body.slide is not None}
+    for name, carrier in on.items():
+        if carrier not in (GROUND, *scene.bodies):
+            known = [other for other in (GROUND, *scene.bodies) if other != name]
+            raise InputError(f"bodies.{name}.slides.on: no body '{carrier}'{nearest(carrier, known)}")
+    for name in on:
+        path = [name]
+        while path[-1] in on and path[-1] not in path[:-1]:
+            path.append(on[path[-1]])
+        if path[-1] in path[:-1]:
+            raise InputError(
+                f"bodies.{name}.slides.on: expected slides to lead to the ground, or to a body that does not slide,"
+                f" found {' on '.join(path)}"
+            )
 
 
 def _check_driven_body(scene: Scene) -> None:
@@ -181,9 +183,9 @@ def _check_law(law: MotionLaw, *, slides: bool) -> None:
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
-        whole = "" if slides else ", or whole turns from it"
+        whole, unit = ("", "m") if slides else (", or whole turns from it", "rad")
         raise InputError(
-            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by {off:g}"
+            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by {off:g} {unit}"
         )
 
 

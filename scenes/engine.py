@@ -10,7 +10,7 @@ Any stage may raise `Failure`.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol, TypeVar
 
@@ -48,6 +48,9 @@ class Settings:
     """Base of every engine's settings; `label` is what tables and plots call them."""
 
     label: str
+    family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
+    order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
+    note: str = field(default="", kw_only=True)  # what a reader has to know before believing it
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,18 @@ class Engine(Protocol[S]):
     @property
     def LONG_LADDER(self) -> tuple[S, ...]:  # noqa: N802
         """Return the slower settings that only `--full` takes, besides those of `LADDER`."""
+
+    @property
+    def FAST(self) -> S:  # noqa: N802
+        """Return the cheapest settings that are good to a per cent."""
+
+    @property
+    def EXACT(self) -> S:  # noqa: N802
+        """Return the most accurate settings."""
+
+    @property
+    def ABLATIONS(self) -> tuple[S, ...]:  # noqa: N802
+        """Return `DEFAULT` with more than a scene needs, for `--full`: what modelling it would have cost."""
 
     def version(self) -> str:
         """Return the versions of what does the work."""

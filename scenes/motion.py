@@ -11,7 +11,7 @@
 | `body.guide_force` | from its guide on the slider, along `along` turned +90 degrees, in the frame of the guide |
 | `body.guide_moment` | from its guide on the slider, about the slider's first point, counter-clockwise positive |
 | `drive.torque` | what the drive does on the crank |
-| `drive.force` | what the drive does on the driven slider, along `along` |
+| `drive.force` | what the drive does on the driven slider's first point, along `along` |
 
 Of the analytic core alone, since the other engines know no Assur groups, by the group's inner joint:
 
@@ -68,14 +68,14 @@ def header(channel: str) -> str:
 
 
 def kinematic_channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the channels that describe the motion, in the order of the files."""
+    """Return the names of all channels that describe the motion, in the order of the files."""
     points = tuple(f"{point}.{q}" for point in scene.moving_points for q in ("x", "y", "vx", "vy", "ax", "ay"))
     turning = (f"{body}.{q}" for body in scene.turning for q in ("angle", "omega", "alpha"))
     return ("time", scene.drive_channel, *points, *turning)
 
 
 def force_channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the channels that describe the forces; none in a kinematic scene."""
+    """Return the names of all channels that describe the forces; none in a kinematic scene."""
     if not scene.has_masses:
         return ()
     pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
@@ -85,8 +85,15 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
 
 
 def channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of all channels of a scene, in the order of the files."""
-    return kinematic_channels(scene) + force_channels(scene)
+    """Return the names of the channels asked for, in the order of the files: all, unless the scene narrows them."""
+    known = kinematic_channels(scene) + force_channels(scene)
+    wanted = known if scene.asked is None else {*scene.asked, "time", scene.drive_channel}
+    return tuple(channel for channel in known if channel in wanted)
+
+
+def asks_forces(scene: Scene) -> bool:
+    """Return whether any force channel is asked for; if not, no model needs to find one."""
+    return not set(force_channels(scene)).isdisjoint(channels(scene))
 
 
 @dataclass(frozen=True)

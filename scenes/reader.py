@@ -1,7 +1,7 @@
 """TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import hypot
@@ -11,10 +11,26 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from .changes import change, named, numbers
 from .consistency import check
 from .errors import InputError, nearest
-from .format import BodyTable, SceneFile, Units
-from .scene import Body, Drive, Load, Scene, Sketch, Slide, Vector
+from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, Units
+from .scene import (
+    GROUND,
+    Body,
+    ConstantSpeed,
+    Drive,
+    Force,
+    ForceTable,
+    Load,
+    MotionLaw,
+    PressForce,
+    Scene,
+    Sketch,
+    Slide,
+    Spring,
+    Vector,
+)
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -27,28 +43,46 @@ def shipped() -> dict[str, Path]:
     return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
 
 
-def load(name_or_path: str | Path) -> Scene:
-    """Read a scene, by the name of a shipped one or from a .toml file.
+def load(name_or_path: str | Path, changes: Mapping[str, float] = MappingProxyType({})) -> Scene:
+    """Read a scene, by the name of a shipped one or from a .toml file; `changes` are numbers to take instead, by path.
 
     Raises:
         InputError: the file cannot be read or says something impossible; the text is one line that names the file, the
-            path in it, what was expected, and the nearest valid name.
+            changes, the path in it, what was expected, and the nearest valid name.
     """
-    path = shipped().get(str(name_or_path), Path(name_or_path))
+    tables = _tables(name_or_path)
+    file = named(name_or_path, changes)
     try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"{name_or_path}: no such scene or file{nearest(path.stem, shipped())}") from None
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{name_or_path}: cannot be read as a text file ({_first_line(error)})") from None
-    try:
-        return _scene(SceneFile.model_validate(tomllib.loads(text)), str(name_or_path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{name_or_path}: not valid TOML: {_first_line(error)}") from None
+        change(tables, changes)
+        return _scene(SceneFile.model_validate(tables), file)
     except ValidationError as error:
-        raise InputError(f"{name_or_path}: {_explain(error)}") from None
+        raise InputError(f"{file}: {_explain(error)}") from None
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+
+
+def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
+    """Return the numbers at these paths of a scene file, in its own units.
+
+    Raises:
+        InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
+    """
+    try:
+        return numbers(_tables(name_or_path), paths)
     except InputError as error:
         raise InputError(f"{name_or_path}: {error}") from None
+
+
+def _tables(name_or_path: str | Path) -> dict[str, Any]:
+    path = shipped().get(str(name_or_path), Path(name_or_path))
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{name_or_path}: no such scene or file{nearest(path.stem, shipped())}") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{name_or_path}: not valid TOML: {_first_line(error)}") from None
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(f"{name_or_path}: cannot be read as a text file ({_first_line(error)})") from None
 
 
 def _first_line(error: Exception) -> str:
@@ -64,6 +98,7 @@ _UNIT_EXAMPLES = {
     "angle": ("radian", ("rad", "deg")),
     "speed": ("radian / second", ("rad/s", "deg/s", "rpm")),
 }
+_SLIDING_SPEED = ("meter / second", ("m/s", "mm/s", "m/min", "in/s"))
 
 
 @cache
@@ -73,40 +108,43 @@ def _unit_registry() -> "UnitRegistry[float]":
     return UnitRegistry()
 
 
-def _si_factors(units: Units) -> dict[str, float]:
+def _si_factors(units: Units, *, slider_driven: bool) -> dict[str, float]:
     """Return what to multiply each quantity's number by to have it in SI."""
     registry = _unit_registry()
     factors = {}
-    for name, (si, examples) in _UNIT_EXAMPLES.items():
-        unit = getattr(units, name)
+    known = _UNIT_EXAMPLES | ({"speed": _SLIDING_SPEED} if slider_driven else {})
+    for name, (si, examples) in known.items():
+        unit = getattr(units, name) or si
         try:
             factors[name] = float(registry.Quantity(1.0, registry.parse_units(unit)).to(si).magnitude)
         except Exception:  # pint raises its own, ValueError, AttributeError or a tokenizer's error, by kind of nonsense
             hint = nearest(unit, examples)
-            raise InputError(f"units.{name}: '{unit}' is not a unit of {name} that is known{hint}") from None
+            of = "speed of a driven slider" if known[name] is _SLIDING_SPEED else name
+            raise InputError(f"units.{name}: '{unit}' is not a unit of {of} that is known{hint}") from None
     return factors
 
 
 def _scene(table: SceneFile, file: str) -> Scene:
-    factor = _si_factors(table.units)
-    length, mass, force, angle = (factor[name] for name in ("length", "mass", "force", "angle"))
-
-    def point(pair: Vector) -> Vector:
-        return pair[0] * length, pair[1] * length
-
+    driven = table.bodies.get(table.drive.body)
+    slider_driven = driven is not None and driven.slides is not None and driven.slides.on == GROUND
+    factor = _si_factors(table.units, slider_driven=slider_driven)
+    length, mass, force = (factor[name] for name in ("length", "mass", "force"))
+    drive_unit = length if slider_driven else factor["angle"]
+    bodies = {name: _body(name, body, length, mass) for name, body in table.bodies.items()}
     scene = Scene(
         name=table.name,
         title=table.title or table.name,
         source=table.source,
         file=file,
-        ground=MappingProxyType({name: point(pair) for name, pair in table.ground.points.items()}),
-        bodies=MappingProxyType({name: _body(name, body, length, mass) for name, body in table.bodies.items()}),
-        drive=Drive(table.drive.body, table.drive.speed * factor["speed"], table.drive.start * angle),
-        loads=tuple(Load(load.body, load.at, (load.force[0] * force, load.force[1] * force)) for load in table.loads),
+        ground=MappingProxyType({name: _times(length, point) for name, point in table.ground.points.items()}),
+        bodies=MappingProxyType(bodies),
+        drive=_drive(table.drive, drive_unit, factor["speed"]),
+        loads=tuple(_load(f"loads.{i}", load, bodies, length, force) for i, load in enumerate(table.loads)),
+        springs=tuple(_spring(spring, length, force) for spring in table.springs),
         gravity=table.gravity,
         sketch=Sketch(
-            table.sketch.angle * angle,
-            MappingProxyType({name: point(pair) for name, pair in (table.sketch.model_extra or {}).items()}),
+            _sketched_drive(table.sketch, slider_driven=slider_driven) * drive_unit,
+            MappingProxyType({name: _times(length, point) for name, point in (table.sketch.model_extra or {}).items()}),
         ),
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(
@@ -120,10 +158,66 @@ def _scene(table: SceneFile, file: str) -> Scene:
     return scene
 
 
-def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
-    def point(pair: Vector) -> Vector:
-        return pair[0] * length, pair[1] * length
+def _times(factor: float, pair: Vector) -> Vector:
+    return pair[0] * factor, pair[1] * factor
 
+
+def _drive(table: DriveTable, unit: float, speed_unit: float) -> Drive:
+    if (table.law is None) == (table.speed is None):
+        raise InputError("drive: expected either 'speed' or 'law'")
+    if table.law is not None:
+        for key in ("start", "end"):
+            if getattr(table, key) is not None:
+                raise InputError(f"drive.{key}: expected none, since the law says it")
+        times, positions = zip(*table.law, strict=True)
+        return MotionLaw(table.body, times, tuple(p * unit for p in positions), periodic=bool(table.periodic))
+    if table.periodic is not None:
+        raise InputError("drive.periodic: expected a 'law' with it")
+    assert table.speed is not None
+    end = None if table.end is None else table.end * unit
+    return ConstantSpeed(table.body, table.speed * speed_unit, (table.start or 0.0) * unit, end)
+
+
+def _load(place: str, table: LoadTable, bodies: Mapping[str, Body], length: float, force: float) -> Load:
+    if (table.force is None) == (table.table is None):
+        raise InputError(f"{place}: expected either 'force' or 'table'")
+    if table.force is not None and table.last is None:
+        return Force(table.body, table.at, _times(force, table.force))
+    slide = bodies[table.body].slide if table.body in bodies else None
+    if table.body in bodies and (slide is None or slide.on != GROUND):
+        key = "table" if table.last is None else "last"
+        raise InputError(f"{place}.{key}: expected a body that slides on the ground, found '{table.body}'")
+    if table.force is None:
+        assert table.table is not None
+        if table.last is not None:
+            raise InputError(f"{place}.last: expected a 'force' with it, not a 'table'")
+        displacements, forces = zip(*table.table, strict=True)
+        return ForceTable(
+            table.body, table.at, tuple(x * length for x in displacements), tuple(f * force for f in forces)
+        )
+    assert table.last is not None
+    along = slide.along if slide is not None else (0.0, 0.0)
+    push = table.force[0] * along[0] + table.force[1] * along[1]
+    if slide is not None and push == 0:
+        raise InputError(f"{place}.force: expected a part along the guide, which the slider closes against")
+    closing = -1 if push > 0 else 1
+    return PressForce(table.body, table.at, _times(force, table.force), table.last * length, closing)
+
+
+def _spring(table: SpringTable, length: float, force: float) -> Spring:
+    first, second = ((body, point) for body, _, point in (text.partition(".") for text in table.between))
+    return Spring(first, second, table.stiffness * force / length, table.length * length)
+
+
+def _sketched_drive(table: SketchTable, *, slider_driven: bool) -> float:
+    right, wrong = ("displacement", "angle") if slider_driven else ("angle", "displacement")
+    if getattr(table, wrong) is not None:
+        driven = "slider" if slider_driven else "crank"
+        raise InputError(f"sketch.{wrong}: expected '{right}', since the drive moves a {driven}")
+    return getattr(table, right) or 0.0
+
+
+def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
     if (table.points is None) == (table.lengths is None):
         raise InputError(f"bodies.{name}: expected either 'points' or 'lengths'")
     if (table.com is None) != (table.inertia is None):
@@ -131,7 +225,7 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
     local = lengths = slide = None
     if table.points is not None:
         names = tuple(table.points)
-        local = MappingProxyType({p: point(pair) for p, pair in table.points.items()})
+        local = MappingProxyType({p: _times(length, pair) for p, pair in table.points.items()})
     else:
         assert table.lengths is not None
         names = tuple(dict.fromkeys(p for pair in table.lengths for p in pair.split("-")))
@@ -142,14 +236,14 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
         norm = hypot(*table.slides.along)
         if not norm > 0:
             raise InputError(f"bodies.{name}.slides.along: expected a direction, not zero")
-        slide = Slide(point(table.slides.through), (table.slides.along[0] / norm, table.slides.along[1] / norm))
+        slide = Slide(table.slides.on, _times(length, table.slides.through), _times(1 / norm, table.slides.along))
     return Body(
         name=name,
         points=names,
         local=local,
         lengths=lengths,
         mass=None if table.mass is None else table.mass * mass,
-        com=None if table.com is None else point(table.com),
+        com=None if table.com is None else _times(length, table.com),
         inertia=None if table.inertia is None else table.inertia * mass * length**2,
         slide=slide,
     )
@@ -163,16 +257,22 @@ def _explain(error: ValidationError) -> str:
     first, *rest = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     location = [part for part in first["loc"] if part != "[key]"]
     place = ".".join(str(part) for part in location)
+    entries = "points, each as 'body.point'" if "between" in location else "numbers"
     match first["type"]:
         case "extra_forbidden":
             text = f"unknown key{nearest(str(location[-1]), _keys_at(location[:-1]))}"
         case "missing" if isinstance(location[-1], int):
-            text = "expected two numbers, [x, y]"
+            text = f"expected two {entries}"
         case "missing":
             text = "missing; the scene needs it"
+        case "too_short":
+            text = f"expected {first['ctx']['min_length']} or more entries, found {first['ctx']['actual_length']}"
+        case "too_long":
+            text = f"expected two {entries}"
         case "string_pattern_mismatch":
-            pair = "lengths" in location
-            wanted = "two point names joined by '-'" if pair else "letters, digits and '_', starting with a letter"
+            wanted = "letters, digits and '_', starting with a letter"
+            wanted = "two point names joined by '-'" if "lengths" in location else wanted
+            wanted = "a point of a body, as 'body.point'" if "between" in location else wanted
             text = f"not a name: expected {wanted}"
         case "model_type" | "dict_type":
             text = "expected a table"

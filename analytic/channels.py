@@ -1,0 +1,78 @@
+"""The scene's channels, each with how it is taken from the kinematics and the reactions."""
+
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from scenes import Scene
+from scenes.motion import Samples
+from scenes.scene import Pin
+
+from .decomposition import Decomposition, Dyad, inner_joint, kind
+from .dyads import Vectors, dot
+from .kinetostatics import Reactions
+from .newton_group import Group, to_lock
+from .placing import Kinematics
+
+FromBoth: TypeAlias = Callable[[Kinematics, Reactions], Vectors | Samples]
+Channels: TypeAlias = tuple[tuple[str, ...], FromBoth]  # names, and what they are taken from
+
+
+def vector_channels(scene: Scene) -> Iterator[Channels]:
+    """Yield the channels that are a vector's x and y, with the vector."""
+    for point in scene.moving_points:
+        yield from _of_point(point)
+    if scene.has_masses:
+        for pin in scene.pins:
+            yield _of_pin(pin)
+
+
+def scalar_channels(scene: Scene, linkage: Decomposition) -> Iterator[Channels]:
+    """Yield the other channels, and those that only this model has."""
+    for body in scene.turning:
+        yield from _of_turning(body)
+    if scene.has_masses:
+        for body in (body.name for body in scene.bodies.values() if body.slide is not None):
+            yield from _of_slider(body)
+        yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
+    for group in linkage.groups:
+        yield from _lock_channels(linkage, group)
+
+
+def _of_point(p: str) -> Iterator[Channels]:
+    yield (f"{p}.x", f"{p}.y"), lambda k, _: k.z[p]
+    yield (f"{p}.vx", f"{p}.vy"), lambda k, _: k.v[p]
+    yield (f"{p}.ax", f"{p}.ay"), lambda k, _: k.a[p]
+
+
+def _of_pin(pin: Pin) -> Channels:
+    return (f"{pin.channel}.fx", f"{pin.channel}.fy"), lambda _, on: on.pin[pin.point, pin.second]
+
+
+def _of_turning(body: str) -> Iterator[Channels]:
+    yield (f"{body}.angle",), lambda k, _: np.arctan2(k.u[body].imag, k.u[body].real)
+    yield (f"{body}.omega",), lambda k, _: k.omega[body]
+    yield (f"{body}.alpha",), lambda k, _: k.alpha[body]
+
+
+def _of_slider(body: str) -> Iterator[Channels]:
+    yield (f"{body}.guide_force",), lambda _, on: on.guide[body][0]
+    yield (f"{body}.guide_moment",), lambda _, on: on.guide[body][1]
+
+
+def _lock_channels(linkage: Decomposition, group: Dyad | Group) -> Iterator[Channels]:
+    """Yield how near a group is to a lock; two crossing guides lock at no length."""
+    joint = inner_joint(group)
+    if isinstance(group, Group):
+        yield (f"{joint}.to_lock",), lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint])
+        return
+    yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
+    if kind(group) in ("RRR", "RRP", "RPR"):
+        yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]
+
+
+def _transmission(k: Kinematics, joint: str) -> Samples:
+    g1, g2, det = k.closure[joint]
+    angle: Samples = np.arctan2(np.abs(det), np.abs(dot(g1, g2)))
+    return angle
