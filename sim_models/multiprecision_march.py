@@ -1,20 +1,21 @@
 """Continuation of a pose along a moving right-hand side, and the proof that a pose is a solution.
 
-Only the angles make f(q) of `multiprecision_linkage` nonlinear, so every test here looks at them alone: it needs no
-scale and no unit.
+The constraints f(q) of `multiprecision_rows` are linear in q but for y = S q, the angles and what slides on moving
+bodies over the linkage's size. So every test here looks at y alone, which has no unit: a change of y by Δ, a turn by
+Δ rad or a way of Δ sizes, is called a turn for short.
 """
 
-from math import degrees, radians
+from math import radians
 
 import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
 
-from .multiprecision_linkage import Linkage, angles
+from .multiprecision_linkage import Linkage
 
 LARGEST_TURN = radians(2)  # of any body in one step
-SMALLEST_TURN = 1e-6  # rad; the predicted turn of the fastest body where a march gives up
+SMALLEST_TURN = 1e-6  # the predicted turn of the fastest body where a march gives up
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
 ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
@@ -26,15 +27,15 @@ class March:
     def __init__(self, linkage: Linkage, digits: int) -> None:
         self.linkage = linkage
         self.rows = linkage.constraints
-        self.converged = 10.0 ** (-digits / 2)  # rad; the next correction would be its square
-        unknowns = 3 * len(linkage.index)
-        self.halo = arb_mat(unknowns, 1, [arb(0, 10.0 ** (-2 * digits / 3))] * unknowns)
+        self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square
+        halo = 10.0 ** (-2 * digits / 3)
+        self.halo = arb_mat(len(linkage.units), 1, [arb(0, unit * halo) for unit in linkage.units])
         self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
 
     def follow(self, q: arb_mat, goal: arb_mat) -> arb_mat:
         """Return the pose with f(q) = goal that is connected to q: f moves to its goal along a straight line.
 
-        From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it turns the crank.
+        From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it moves the drive.
         A Taylor predictor of second order is followed by Newton; a step is halved unless Newton contracts and the
         Jacobian stays regular from one pose to the next, which keeps the assembly branch.
 
@@ -48,7 +49,7 @@ class March:
             J = rows.jacobian(q)
             rate = self._solve(J, left, q)
             curvature = self._solve(J, rows.centripetal(q, rate), q)
-            turn = _largest_turn(rate)
+            turn = self._largest_turn(rate)
             share = LARGEST_TURN / max(LARGEST_TURN, turn)
             while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
                 share /= 2
@@ -80,12 +81,12 @@ class March:
     ) -> arb_mat | None:
         """Return the pose a step further, or None where Newton does not contract or J changes too much."""
         h = arb(share)
-        reached = self._newton((q + rate * h + curvature * (h * h / 2)).mid(), goal, share * _largest_turn(rate))
+        reached = self._newton((q + rate * h + curvature * (h * h / 2)).mid(), goal, share * self._largest_turn(rate))
         if reached is None:
             return None
-        # J and its successor differ in the columns of the angles alone. Where the change, relative to J, is less than
-        # one for the angles, no matrix on the line between the two is singular.
-        change = self.rows.angle_jacobian(reached) - self.rows.angle_jacobian(q)
+        # J and its successor differ by ΔB S, and det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of
+        # S J^-1 ΔB is less than one, no matrix on the line between the two is singular.
+        change = self.rows.varying(reached) - self.rows.varying(q)
         relative = (self.rows.S * J.solve(change, algorithm="approx")).tolist()
         return reached if np.linalg.norm(np.array(relative, dtype=float), np.inf) <= HOMOTOPY else None
 
@@ -98,7 +99,7 @@ class March:
             except ZeroDivisionError:
                 return None
             q = (q + correction).mid()
-            last, turn = turn, _largest_turn(correction)
+            last, turn = turn, self._largest_turn(correction)
             if turn <= self.converged:
                 return q
             if not turn <= CONTRACTION * last:
@@ -111,14 +112,13 @@ class March:
         except ZeroDivisionError:
             raise self._singular(q) from None
 
+    def _largest_turn(self, change: arb_mat) -> float:
+        """Return the largest |Δy| of a change of pose."""
+        return float(np.max(np.abs([float(turn) for turn in (self.rows.S * change).entries()])))  # NaN stays NaN
+
     def _place(self, q: arb_mat) -> str:
-        return f"crank angle {degrees(float(self.linkage.crank_angle(q))):.6f} deg"
+        return self.linkage.scene.where(float(self.linkage.position.value(q)[0, 0]))
 
     def _singular(self, q: arb_mat) -> Failure:
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason)
-
-
-def _largest_turn(change: arb_mat) -> float:
-    """Return the largest |Δθ| of a change of pose, rad."""
-    return float(np.max(np.abs([float(angle) for angle in angles(change)])))  # NaN stays NaN

@@ -1,8 +1,10 @@
 """Newton and Newton-Euler at 50 significant digits: what certifies the floor of the analytic core.
 
-A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, marched in
-crank angle from the sketch; velocities and accelerations from the constraint Jacobian, reactions as its Lagrange
-multipliers. The scene's double-precision numbers and the commanded crank angles are taken as exact.
+A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, marched from
+the sketch in the position of the drive; velocities and accelerations from the constraint Jacobian, reactions as its
+Lagrange multipliers. The scene's double-precision numbers are taken as exact, and so are the positions, rates and
+accelerations that the drive asks for. Loads that depend on the pose are evaluated in the same arithmetic; only whether
+a press force acts is decided in doubles.
 
 Engine: python-flint, imported only when a run is built.
 """
@@ -26,6 +28,8 @@ class MultiprecisionSettings(Settings):
 DEFAULT = MultiprecisionSettings("50 digits")
 LADDER = (DEFAULT,)
 LONG_LADDER: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
+FAST = EXACT = DEFAULT
+ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
 
 
 def version() -> str:
@@ -40,10 +44,11 @@ def version() -> str:
 
 
 def build(scene: Scene, settings: MultiprecisionSettings, sampling: Sampling) -> "MultiprecisionSimulation":
-    """Set up the equations, close the linkage on the sketch's branch and turn it to the first sample.
+    """Set up the equations, close the linkage on the sketch's branch and move it to the drive's start.
 
     Raises:
-        Failure: the linkage cannot be assembled as sketched, or locks on the way to the first sample.
+        Failure: the linkage cannot be assembled as sketched, or locks on the way to the start, or within the
+            cycle where a press force asks for its end.
         ImportError: python-flint is not installed.
     """
     from .multiprecision_simulation import MultiprecisionSimulation

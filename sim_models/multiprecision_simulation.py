@@ -8,10 +8,14 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import Samples, force_channels
+from scenes.loads import PressForce
+from scenes.motion import Samples, channels, force_channels
 
-from .multiprecision_linkage import Linkage, angles
+from .multiprecision_linkage import Linkage
+from .multiprecision_loads import Loads
 from .multiprecision_march import March
+from .multiprecision_rows import angles
+from .multiprecision_stroke import end_of_stroke
 
 ENOUGH = 1e-20  # largest proven error of the motion, relative; far below what a double resolves
 
@@ -29,20 +33,24 @@ class MultiprecisionSimulation:
     """One prepared run, see `scenes.engine.Simulation`."""
 
     def __init__(self, scene: Scene, sampling: Sampling, digits: int) -> None:
-        """Find the pose at the first sample.
+        """Find the pose at the start, and where the strokes of press forces end.
 
         Raises:
-            Failure: the linkage cannot be assembled as sketched, or locks on the way to the first sample.
+            Failure: the linkage cannot be assembled as sketched, or locks on the way to the start, or within the
+                cycle where a press force asks for its end.
         """
         self._scene, self._sampling, self._digits = scene, sampling, digits
-        self._crank_angles = sampling.commanded(scene).tolist()
-        start = self._crank_angles[0]
-        sketched = start + remainder(scene.sketch.angle - start, tau)  # from there the short way round to the start
+        start, sketched = scene.drive.start, scene.sketch.drive
+        if scene.driven_slide is None:
+            sketched = start + remainder(sketched - start, tau)  # from there the short way round to the start
         with ctx.workdps(digits):  # puts back the precision it found
             self._linkage = Linkage(scene)
             march = March(self._linkage, digits)
-            q = march.follow(self._linkage.sketched_pose(sketched), self._linkage.goal(sketched))
-            self._start = march.follow(q, self._linkage.goal(start))
+            q = march.follow(self._linkage.sketched_pose(sketched), self._linkage.drive(sketched))
+            self._start = march.follow(q, self._linkage.drive(start))
+            meeting = [load for load in scene.loads if isinstance(load, PressForce)]
+            ends = {load: end_of_stroke(self._linkage, march, self._start, load) for load in meeting}
+            self._loads = Loads(self._linkage, ends)
         self._states: list[State] = []
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
@@ -51,16 +59,19 @@ class MultiprecisionSimulation:
         """March over the samples and enclose each.
 
         Raises:
-            Failure: the linkage locks at some crank angle, or the digits are too few.
+            Failure: the linkage locks at some position of the drive, or the digits are too few.
         """
+        scene = self._scene
+        _, rates, accelerations = scene.drive.at(self._sampling.times(scene))
+        driven = zip(self._sampling.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
         march = March(self._linkage, self._digits)
         self._states = []
         q = self._start
         with ctx.workdps(self._digits):
-            for crank_angle in self._crank_angles:
-                goal = self._linkage.goal(crank_angle)
+            for position, rate, acceleration in driven:
+                goal = self._linkage.drive(position)
                 q = march.follow(q, goal)
-                self._states.append(self._state(march.enclose(q, goal)))
+                self._states.append(self._state(march.enclose(q, goal), rate, acceleration))
             self.residuals = self._residuals()
         self.counters = march.counters
         if not self.residuals["constraints"] <= ENOUGH:
@@ -68,11 +79,11 @@ class MultiprecisionSimulation:
             raise Failure(Status.not_converged, reason)
 
     def read(self) -> Motion:
-        """Return every channel of the scene, rounded to double precision here and nowhere before."""
+        """Return the channels asked for, rounded to double precision here and nowhere before."""
         scene, linkage, states = self._scene, self._linkage, self._states
         samples = {"time": self._sampling.times(scene)}
         with ctx.workdps(self._digits):
-            samples["crank_angle"] = _table([linkage.crank_angle(state.q)] for state in states)[:, 0]
+            samples[scene.drive_channel] = _table(linkage.position.value(state.q).entries() for state in states)[:, 0]
             x, v, a = (np.array(rows) for rows in zip(*(self._points(state) for state in states), strict=True))
             angle = _table(map(_within_a_turn, angles(state.q)) for state in states)
             omega = _table(angles(state.velocity) for state in states)
@@ -83,23 +94,26 @@ class MultiprecisionSimulation:
                 samples[f"{point}.{axis}"] = x[:, column]
                 samples[f"{point}.v{axis}"] = v[:, column]
                 samples[f"{point}.a{axis}"] = a[:, column]
-        for i, body in enumerate(scene.bodies.values()):
-            if body.slide is None:
-                samples[f"{body.name}.angle"] = angle[:, i]
-                samples[f"{body.name}.omega"] = omega[:, i]
-                samples[f"{body.name}.alpha"] = alpha[:, i]
+        for body in scene.turning:
+            column = linkage.index[body]
+            samples[f"{body}.angle"] = angle[:, column]
+            samples[f"{body}.omega"] = omega[:, column]
+            samples[f"{body}.alpha"] = alpha[:, column]
         if scene.has_masses:
             samples |= zip(force_channels(scene), multipliers.T, strict=True)
-        return Motion(samples)
+        return Motion({channel: samples[channel] for channel in channels(scene)})
 
-    def _state(self, q: arb_mat) -> State:
-        """Return what follows from the pose: J q' = f', J q'' = centripetal, J^T λ = M q'' - Q."""
+    def _state(self, q: arb_mat, rate: float, acceleration: float) -> State:
+        """Return what follows from the pose, e being the drive's row.
+
+        J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
+        """
         linkage, rows = self._linkage, self._linkage.constraints
         J = rows.jacobian(q)
-        velocity = J.solve(linkage.drive_rate(self._scene.drive.speed))
-        acceleration = J.solve(rows.centripetal(q, velocity))
-        multipliers = J.transpose().solve(linkage.mass * acceleration - linkage.work.jacobian(q).transpose())
-        return State(q, velocity, acceleration, multipliers)
+        velocity = J.solve(linkage.drive(rate))
+        total = J.solve(linkage.drive(acceleration) + rows.centripetal(q, velocity))
+        multipliers = J.transpose().solve(linkage.mass * total - self._loads.generalised(q, velocity))
+        return State(q, velocity, total, multipliers)
 
     def _points(self, state: State) -> tuple[list[float], list[float], list[float]]:
         """Return x, y of the moving points and their first and second time derivatives, each of length 2 points."""
@@ -110,15 +124,22 @@ class MultiprecisionSimulation:
         return _floats(position.entries()), _floats(velocity.entries()), _floats(acceleration.entries())
 
     def _residuals(self) -> dict[str, float]:
-        """Return the proven errors: of the angles and their rates in crank angle, and of the largest multiplier."""
-        speed = abs(self._scene.drive.speed)
+        """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
+
+        A drive's pace is its rate, in rad/s, or in lengths of a driven slider's way a second. The error of the forces
+        is that of any relative to the largest.
+        """
+        drive = self._scene.drive
+        pace = drive.peak_rate / (1.0 if self._scene.driven_slide is None else float(np.ptp(drive.extent)))
+        units = np.array(self._linkage.units)
         motion = [
-            [_radius(angles(derivative)) / speed**order for order, derivative in enumerate(state[:3])]
+            np.max(_radii(derivative) / units) / pace**order
             for state in self._states
+            for order, derivative in enumerate(state[:3])
         ]
         residuals = {"constraints": float(np.max(motion))}
         if self._scene.has_masses:
-            force = np.max([_radius(state.multipliers.entries()) for state in self._states])
+            force = np.max([_radii(state.multipliers) for state in self._states])
             peak = np.max(np.abs(_table(state.multipliers.entries() for state in self._states)))
             residuals["newton-euler"] = float(force / peak if peak > 0 else force)
         return residuals
@@ -129,8 +150,8 @@ def _within_a_turn(angle: arb) -> arb:
     return angle - 2 * arb.pi() * ceil(float(angle) / tau - 0.5)
 
 
-def _radius(balls: Iterable[arb]) -> float:
-    return float(np.max([float(ball.rad()) for ball in balls]))
+def _radii(balls: arb_mat) -> Samples:
+    return np.array([float(ball.rad()) for ball in balls.entries()])
 
 
 def _floats(balls: Iterable[arb]) -> list[float]:

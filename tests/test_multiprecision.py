@@ -1,24 +1,32 @@
 """The arbitrary-precision model against hand calculations, an independent solve and the laws of mechanics."""
 
 import re
-from math import acos, degrees, pi, sqrt
+from dataclasses import replace
+from math import acos, cos, degrees, pi, sin, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.optimize import root
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.loads import Force, PressForce
 from scenes.motion import channels
+from scenes.scene import GROUND, MotionLaw
+
+from .mechanisms import DRIVEN_TOGGLE, MECHANISMS, QUICK_RETURN, SWINGING_BLOCK
 
 flint = pytest.importorskip("flint")
 
-from sim_models import multiprecision_linkage, multiprecision_march  # noqa: E402  (their engine is there)
+from sim_models import multiprecision_linkage, multiprecision_march, multiprecision_stroke  # noqa: E402  (their engine is there)
 from sim_models import multiprecision_model as model  # noqa: E402
 
 EPS = 2.0**-52
 Array = NDArray[np.float64]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 SLIDER_CRANK = """
 format = 1
@@ -129,12 +137,18 @@ def toggle() -> Motion:
     return run(scenes.load("toggle_press"), samples=720)
 
 
-@pytest.fixture(scope="module", params=["toggle_press", "four_bar", "two_rods"])
+SMOOTH = {"four_bar": FOUR_BAR, "two_rods": TWO_RODS.replace("ROD", "1.4")}
+ALL = ["toggle_press", *SMOOTH, *MECHANISMS]
+
+
+def named(folder: Path, name: str) -> Scene:
+    texts = SMOOTH | MECHANISMS
+    return scene_of(folder, texts[name]) if name in texts else scenes.load(name)
+
+
+@pytest.fixture(scope="module", params=ALL)
 def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    texts = {"four_bar": FOUR_BAR, "two_rods": TWO_RODS.replace("ROD", "1.4")}
-    if request.param in texts:
-        return scene_of(tmp_path_factory.mktemp("scenes"), texts[request.param])
-    return scenes.load(request.param)
+    return named(tmp_path_factory.mktemp("scenes"), request.param)
 
 
 @pytest.fixture(scope="module")
@@ -217,7 +231,7 @@ def inertia(scene: Scene, motion: Motion, name: str) -> float:
     return body.mass * float(squares) / {1: 1, 2: 12, 3: 36}[len(p)]
 
 
-def point_motion(scene: Scene, motion: Motion, point: str) -> list[NDArray[np.complex128]]:
+def point_motion(scene: Scene, motion: Motion, point: str) -> list[Complex]:
     """Return position, velocity and acceleration as complex numbers."""
     if point in scene.ground:
         still = np.zeros(len(motion["time"]), complex)
@@ -232,17 +246,50 @@ def turning(motion: Motion, name: str) -> tuple[Array, Array, Array]:
     return still, still, still
 
 
-def mass_centre(scene: Scene, motion: Motion, name: str) -> list[NDArray[np.complex128]]:
+def carried(scene: Scene, motion: Motion, name: str, at: complex) -> list[Complex]:
+    """Return the motion of what a body carries at a place of its own frame; the ground's frame stands still."""
+    if name == GROUND:
+        still = np.zeros(len(motion["time"]), complex)
+        return [still + at, still, still]
     body = scene.bodies[name]
-    if body.com is None:
-        every = [point_motion(scene, motion, point) for point in body.points]
-        return [sum(derivatives) / len(every) for derivatives in zip(*every, strict=True)]
-    assert body.local is not None
-    first = body.points[0]
     angle, omega, alpha = turning(motion, name)
-    arm = (complex(*body.com) - complex(*body.local[first])) * np.exp(1j * angle)
-    p, v, a = point_motion(scene, motion, first)
+    arm = (at - (complex(*body.local[body.points[0]]) if body.local is not None else 0)) * np.exp(1j * angle)
+    p, v, a = point_motion(scene, motion, body.points[0])
     return [p + arm, v + 1j * omega * arm, a + (1j * alpha - omega**2) * arm]
+
+
+def mass_centre(scene: Scene, motion: Motion, name: str) -> list[Complex]:
+    body = scene.bodies[name]
+    if body.com is not None:
+        return carried(scene, motion, name, complex(*body.com))
+    every = [point_motion(scene, motion, point) for point in body.points]
+    return [sum(derivatives) / len(every) for derivatives in zip(*every, strict=True)]
+
+
+def slid(scene: Scene, motion: Motion, name: str) -> list[Complex]:
+    """Return a slider's first point less `through`, over `along`, and its derivatives, as the guide's frame has them.
+
+    The real part is the displacement, the imaginary one the offset; by the rule of Coriolis.
+    """
+    slide = scene.bodies[name].slide
+    assert slide is not None
+    angle, omega, alpha = turning(motion, slide.on)
+    p, v, a = (
+        point - guide
+        for point, guide in zip(
+            point_motion(scene, motion, scene.bodies[name].points[0]),
+            carried(scene, motion, slide.on, complex(*slide.through)),
+            strict=True,
+        )
+    )
+    guide = complex(*slide.along) * np.exp(1j * angle)
+    seen = v - 1j * omega * p
+    return [p / guide, seen / guide, (a - (1j * alpha - omega**2) * p - 2j * omega * seen) / guide]
+
+
+def size_of(scene: Scene, motion: Motion, q: str) -> float:
+    """Return the largest coordinate of any point, or its derivative."""
+    return max(float(np.abs(motion[f"{point}.{q}{axis}"]).max()) for point in scene.moving_points for axis in "xy")
 
 
 def test_every_channel_is_there_and_finite(scene: Scene, motion: Motion) -> None:
@@ -250,38 +297,213 @@ def test_every_channel_is_there_and_finite(scene: Scene, motion: Motion) -> None
     assert all(values.shape == (37,) and np.isfinite(values).all() for values in motion.samples.values())
 
 
+def test_the_drive_is_where_it_is_to_be(scene: Scene, motion: Motion) -> None:
+    sampling = Sampling(36)
+    _, rate, acceleration = scene.drive.at(sampling.times(scene))
+    none = 1e-40  # of digits that a zero keeps
+    if scene.driven_slide is None:
+        assert np.abs(motion["crank_angle"] - sampling.commanded(scene)).max() <= none
+        assert np.abs(motion[f"{scene.drive.body}.omega"] - rate).max() <= none
+        assert np.abs(motion[f"{scene.drive.body}.alpha"] - acceleration).max() <= none
+    else:
+        x, v, a = (values.real for values in slid(scene, motion, scene.drive.body))
+        assert np.abs(motion["drive.displacement"] - sampling.commanded(scene)).max() <= none
+        assert np.abs(x - sampling.commanded(scene)).max() <= 4 * EPS  # of metres: points rounded, products
+        assert np.abs(v - rate).max() <= 4 * EPS * np.abs(rate).max()
+        assert np.abs(a - acceleration).max() <= none
+
+
+def test_bodies_are_rigid_and_joints_closed_at_all_three_levels(scene: Scene, motion: Motion) -> None:
+    """Lengths, frames and guides as the file has them; of rounded channels, hence to rounding of their sizes."""
+    for name, body in scene.bodies.items():
+        mine = [point_motion(scene, motion, point) for point in body.points]
+        for point, (p, v, a) in zip(body.points[1:], mine[1:], strict=True):
+            first = body.points[0]
+            if body.local is not None:
+                expected = carried(scene, motion, name, complex(*body.local[point]))
+            else:
+                # Its place in the frame, from the very first pose.
+                at = (p - mine[0][0])[0] * np.exp(-1j * turning(motion, name)[0][0])
+                expected = carried(scene, motion, name, at)
+                assert body.lengths is not None
+                for base in body.bases(point):
+                    distance = np.abs(p - point_motion(scene, motion, base)[0])
+                    assert np.abs(distance - body.lengths[frozenset((base, point))]).max() <= 16 * EPS
+                assert point != body.points[1] or (abs(at.imag) <= 16 * EPS and at.real > 0), first
+            for q, got, wanted in zip(("", "v", "a"), (p, v, a), expected, strict=True):
+                assert np.abs(got - wanted).max() <= 32 * EPS * size_of(scene, motion, q)
+        if body.slide is not None:
+            for q, seen in zip(("", "v", "a"), slid(scene, motion, name), strict=True):
+                assert np.abs(seen.imag).max() <= 32 * EPS * size_of(scene, motion, q)
+            for mine_too, others in zip(turning(motion, name), turning(motion, body.slide.on), strict=True):
+                assert np.array_equal(mine_too, others)
+
+
+def independently_assembled(scene: Scene) -> dict[str, complex]:
+    """Return where the points are at the start: their places and the bodies' angles are the unknowns, to doubles.
+
+    The branch is the one that Newton's method finds from the sketch, followed in steps of a hundredth of the way.
+    """
+    names, bodies = list(scene.moving_points), list(scene.bodies)
+    ground = {name: complex(*at) for name, at in scene.ground.items()}
+
+    def equations(unknowns: Array, drive: float) -> Array:
+        places = unknowns[: 2 * len(names)].view(complex)
+        p = ground | dict(zip(names, places, strict=True))
+        turn = {GROUND: 1 + 0j} | dict(zip(bodies, np.exp(1j * unknowns[2 * len(names) :]), strict=True))
+        angle = {GROUND: 0.0} | dict(zip(bodies, unknowns[2 * len(names) :], strict=True))
+        left: list[float] = []
+        for name, body in scene.bodies.items():
+            first, *others = body.points
+            for point in others:
+                if body.local is not None:
+                    arm = complex(*body.local[point]) - complex(*body.local[first])
+                elif point == body.points[1]:
+                    assert body.lengths is not None
+                    arm = complex(body.lengths[frozenset((first, point))])
+                else:
+                    assert body.lengths is not None
+                    left += [abs(p[point] - p[q]) - body.lengths[frozenset((q, point))] for q in body.bases(point)]
+                    continue
+                off = p[point] - p[first] - turn[name] * arm
+                left += [off.real, off.imag]
+            if body.slide is not None:
+                on = scene.bodies.get(body.slide.on)
+                origin = 0j
+                if on is not None:
+                    own = complex(*on.local[on.points[0]]) if on.local is not None else 0j
+                    origin = p[on.points[0]] - turn[on.name] * own
+                seen = (p[first] - origin) / turn[body.slide.on] - complex(*body.slide.through)
+                left += [(seen / complex(*body.slide.along)).imag, angle[name] - angle[body.slide.on]]
+        driven = scene.bodies[scene.drive.body]
+        if driven.slide is None:
+            left.append(angle[driven.name] - drive)
+        else:
+            seen = (p[driven.points[0]] - complex(*driven.slide.through)) / complex(*driven.slide.along)
+            left.append(seen.real - drive)
+        return np.array(left)
+
+    known = ground | {name: complex(*at) for name, at in scene.sketch.points.items()}
+    middle = sum(known.values()) / len(known)
+    guess = {}
+    for name in bodies:
+        shown = next((b for b in (name, *scene.aligned[name]) if b != GROUND and shows(scene, b)), None)
+        if scene.drive.body in scene.aligned[name] and scene.driven_slide is None:
+            guess[name] = scene.sketch.drive
+        elif GROUND in scene.aligned[name] or shown is None:
+            guess[name] = 0.0
+        else:
+            points = [point for point in scene.bodies[shown].points if point in known][:2]
+            local = scene.bodies[shown].local or {points[0]: (0.0, 0.0), points[1]: (1.0, 0.0)}
+            own = complex(*local[points[1]]) - complex(*local[points[0]])
+            guess[name] = float(np.angle((known[points[1]] - known[points[0]]) / own))
+    at = scene.sketch.drive
+    start = scene.drive.start
+    if scene.driven_slide is None:
+        at = start + (at - start + pi) % (2 * pi) - pi
+        turned = at - scene.sketch.drive
+        guess |= {b: guess[b] + turned for b in scene.aligned[scene.drive.body] if b in guess}
+    places = np.array([known.get(name, middle) for name in names])
+    unknowns = np.concatenate([places.view(float), [guess[name] for name in bodies]])
+    for drive in np.linspace(at, start, 101):
+        solution = root(equations, unknowns, args=(drive,), tol=1e-13)
+        assert np.abs(solution.fun).max() <= 1e-12  # doubles, of metres
+        unknowns = solution.x
+    return dict(zip(names, unknowns[: 2 * len(names)].view(complex), strict=True))
+
+
+def shows(scene: Scene, name: str) -> bool:
+    return len(set(scene.bodies[name].points) & {*scene.ground, *scene.sketch.points}) > 1
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_the_linkage_is_assembled_as_sketched(tmp_path: Path, name: str) -> None:
+    scene = named(tmp_path, name)
+    motion = run(scene, samples=4)
+    for point, at in independently_assembled(scene).items():
+        assert (
+            abs(complex(motion[f"{point}.x"][0], motion[f"{point}.y"][0]) - at) <= 1e-14
+        )  # doubles, of metres, by the condition
+
+
+def acting(scene: Scene, motion: Motion) -> list[tuple[str, str, Complex, Array]]:
+    """Return body, point, force and the size of its terms for every load and spring."""
+    none = np.zeros(len(motion["time"]))
+    found: list[tuple[str, str, Complex, Array]] = []
+    for load in scene.loads:
+        if isinstance(load, Force):
+            force = complex(*load.force) + none
+        elif isinstance(load, PressForce):
+            x, v, _ = (values.real for values in slid(scene, motion, load.body))
+            fine = slid(scene, run(scene, 720), load.body)[0].real * load.closing
+            acts = load.acts(x, v, load.closing * float(fine.max()))  # no sample is so near to where it begins
+            assert 0 < acts.sum() < len(acts)
+            force = complex(*load.force) * acts
+        else:
+            slide = scene.bodies[load.body].slide
+            assert slide is not None
+            force = complex(*slide.along) * load.along(np.asarray(slid(scene, motion, load.body)[0].real, float))
+        found.append((load.body, load.at, force, none + np.abs(force).max()))
+    for spring in scene.springs:
+        ends = [point_motion(scene, motion, point)[0] for _, point in (spring.first, spring.second)]
+        length = np.abs(ends[1] - ends[0])
+        pull = spring.stiffness * (length - spring.length) * (ends[1] - ends[0]) / length
+        size = spring.stiffness * (length + spring.length)
+        found += [(*spring.first, pull, size), (*spring.second, -pull, size)]
+    return found
+
+
+def reactions(scene: Scene, motion: Motion, name: str) -> list[tuple[str, Complex, Array]]:
+    """Return point, force and couple of every joint and the drive on a body."""
+    none = np.zeros(len(motion["time"]))
+    found: list[tuple[str, Complex, Array]] = []
+    for pin in scene.pins:
+        if name in (pin.first, pin.second):
+            of_first = motion[f"{pin.channel}.fx"] + 1j * motion[f"{pin.channel}.fy"]
+            found.append((pin.point, of_first if name == pin.second else -of_first, none))
+    for slider in scene.bodies.values():
+        if slider.slide is not None and name in (slider.name, slider.slide.on):
+            guide = complex(*slider.slide.along) * np.exp(1j * turning(motion, slider.slide.on)[0])
+            sign = 1 if name == slider.name else -1
+            force = sign * 1j * guide * motion[f"{slider.name}.guide_force"]
+            found.append((slider.points[0], force, sign * motion[f"{slider.name}.guide_moment"]))
+    if name == scene.drive.body:
+        if scene.driven_slide is None:
+            found.append((scene.bodies[name].points[0], none + 0j, motion["drive.torque"]))
+        else:
+            along = complex(*scene.driven_slide.along)
+            found.append((scene.bodies[name].points[0], along * motion["drive.force"], none))
+    return found
+
+
 def test_every_body_obeys_newton_and_euler(scene: Scene, motion: Motion) -> None:
     gravity = complex(*(scene.gravity or (0, 0)))
+    loads = acting(scene, motion)
     for name, body in scene.bodies.items():
         assert body.mass is not None
         c, _, a = mass_centre(scene, motion, name)
         force, moment = body.mass * (gravity - a), -inertia(scene, motion, name) * turning(motion, name)[2]
-        size = np.abs(force) + np.abs(moment)
-        none = np.zeros(len(c))
-        acting = [(load.at, complex(*load.force) + none, none) for load in scene.loads if load.body == name]
-        for pin in scene.pins:
-            if name in (pin.first, pin.second):
-                of_first = motion[f"{pin.channel}.fx"] + 1j * motion[f"{pin.channel}.fy"]
-                acting.append((pin.point, of_first if name == pin.second else -of_first, none))
-        if body.slide is not None:
-            normal = 1j * complex(*body.slide.along)
-            acting.append((body.points[0], normal * motion[f"{name}.guide_force"], motion[f"{name}.guide_moment"]))
-        if name == scene.drive.body:
-            moment = moment + motion["drive.torque"]
-        for point, f, couple in acting:
+        size = np.abs(force) + np.abs(moment) + body.mass * size_of(scene, motion, "a")  # what `carried` sums up
+        on = [(point, f, 0 * s, s) for owner, point, f, s in loads if owner == name]
+        on += [(point, f, couple, np.abs(f) + np.abs(couple)) for point, f, couple in reactions(scene, motion, name)]
+        for point, f, couple, terms in on:
             force = force + f
             moment = moment + couple + (np.conj(point_motion(scene, motion, point)[0] - c) * f).imag
-            size = size + np.abs(f) * (1 + np.abs(c)) + np.abs(couple)
+            size = size + terms * (1 + np.abs(c))
         # Rounded channels: a dozen terms, each to half a unit in its last place, and arms to as much.
         assert np.max(np.abs(force) / size) <= 16 * EPS
         assert np.max(np.abs(moment) / size) <= 16 * EPS
 
 
 def test_power_of_drive_loads_and_weight_is_the_rate_of_kinetic_energy(scene: Scene, motion: Motion) -> None:
-    power = motion["drive.torque"] * motion[f"{scene.drive.body}.omega"]
+    if scene.driven_slide is None:
+        power = motion["drive.torque"] * motion[f"{scene.drive.body}.omega"]
+    else:
+        power = motion["drive.force"] * slid(scene, motion, scene.drive.body)[1].real
     size = np.abs(power)
-    for load in scene.loads:
-        power = power + (np.conj(complex(*load.force)) * point_motion(scene, motion, load.at)[1]).real
+    for _, point, force, terms in acting(scene, motion):
+        v = point_motion(scene, motion, point)[1]
+        power, size = power + (np.conj(force) * v).real, size + terms * np.abs(v)
     for name, body in scene.bodies.items():
         assert body.mass is not None
         _, v, a = mass_centre(scene, motion, name)
@@ -291,8 +513,10 @@ def test_power_of_drive_loads_and_weight_is_the_rate_of_kinetic_energy(scene: Sc
     assert np.abs(power).max() <= 64 * EPS * size.max()  # rounded channels, some twenty products
 
 
-def test_velocity_and_acceleration_are_the_derivatives(scene: Scene) -> None:
+@pytest.mark.parametrize("name", ["toggle_press", *SMOOTH])
+def test_velocity_and_acceleration_are_the_derivatives(tmp_path: Path, name: str) -> None:
     """Central differences are of second order: the error falls by four when the step is halved."""
+    scene = named(tmp_path, name)
     coarse, fine = run(scene, 90), run(scene, 180)
 
     def error(motion: Motion, of: str, derivative: str) -> float:
@@ -304,6 +528,28 @@ def test_velocity_and_acceleration_are_the_derivatives(scene: Scene) -> None:
     for axis in axes:  # the sliders move along one only
         assert abs(error(coarse, axis, f"v{axis}") / error(fine, axis, f"v{axis}") - 4) <= 0.4  # the next order
         assert abs(error(coarse, f"v{axis}", f"a{axis}") / error(fine, f"v{axis}", f"a{axis}") - 4) <= 0.4
+
+
+def test_differences_of_poses_are_the_derivatives_in_multiple_precision(scene: Scene) -> None:
+    """A step of 1e-10 leaves 1e-20 of the third and fourth derivatives, which are below 1e4 here."""
+    with flint.ctx.workdps(50):
+        linkage = multiprecision_linkage.Linkage(scene)
+        march, rows = multiprecision_march.March(linkage, 50), linkage.constraints
+        at, h = flint.arb(scene.drive.start), flint.arb("1e-10").mid()
+        q = march.follow(closed(linkage, march), linkage.drive(at))
+        after, before = (march.follow(q, linkage.drive(at + step)) for step in (h, -h))
+        J = rows.jacobian(q)
+        slope = J.solve(linkage.drive(1.0))
+        curvature = J.solve(rows.centripetal(q, slope))
+        first = (after - before) * (1 / (2 * h)) - slope
+        second = (after - q * flint.arb(2) + before) * (1 / (h * h)) - curvature
+        assert max(abs(float(entry)) for entry in first.entries()) <= 1e-16
+        assert max(abs(float(entry)) for entry in second.entries()) <= 1e-16
+
+
+def closed(linkage: multiprecision_linkage.Linkage, march: multiprecision_march.March) -> Any:
+    at = linkage.scene.sketch.drive
+    return march.follow(linkage.sketched_pose(at), linkage.drive(at))
 
 
 # --- hand calculations -----------------------------------------------------------------------------------------------
@@ -417,6 +663,115 @@ def test_result_does_not_depend_on_the_way_there(tmp_path: Path) -> None:
         assert error <= 100 * EPS * np.abs(there[channel]).max()
 
 
+def test_bodies_that_slides_align_start_with_one_angle(tmp_path: Path) -> None:
+    """Near half a turn, where the roundings of two sketches would put their angles a whole turn apart."""
+    turned = SWINGING_BLOCK.replace("points = { C = [0, 0] }", "points = { C = [0, 0], Q = [-100, 0] }")
+    turned = turned.replace("C = [300, 50]", "C = [-300, 1]").replace("along = [1, 0]", "along = [-1, 0]")
+    turned = turned.replace("A = [80, 0]\nT = [570, 120]", "A = [80, 0]\nT = [-420, -25]\nQ = [-200, 2]")
+    turned = turned.replace("speed = -120", "speed = -120\nstart = -90")
+    scene = scene_of(tmp_path, turned)
+    with flint.ctx.workdps(50):
+        q = multiprecision_linkage.Linkage(scene).sketched_pose(scene.sketch.drive)
+    assert abs(float(q[5, 0])) > 3
+    assert float(q[5, 0]) == float(q[8, 0])
+    motion = run(scene, samples=4)
+    assert np.array_equal(motion["rod.angle"], motion["block.angle"])
+
+
+def test_a_slider_that_no_sketch_shows_is_found(tmp_path: Path) -> None:
+    """A cross slide: a carriage on the ground, and on it what the crank pin moves up and down."""
+    text = """
+format = 1
+name = "cross_slide"
+ground.points = { O = [0, 0] }
+drive = { body = "crank", speed = 2.0, start = 1.0 }
+output = { point = "A" }
+sketch = { angle = 0.0, A = [1, 0] }
+bodies.crank.points = { O = [0, 0], A = [1, 0] }
+bodies.block.points = { A = [0, 0] }
+bodies.block.slides = { on = "carriage", through = [0, 0], along = [0, 1] }
+bodies.carriage.points = { K = [0, 0.5] }
+bodies.carriage.slides = { through = [0, 3], along = [1, 0] }
+"""
+    motion = run(scene_of(tmp_path, text))
+    np.testing.assert_allclose(motion["K.x"], np.cos(motion["crank_angle"]), rtol=0, atol=2 * EPS)
+    np.testing.assert_allclose(motion["K.y"], 3.0, rtol=0, atol=0)
+
+
+def test_a_unit_of_length_changes_nothing(tmp_path: Path) -> None:
+    """Steps and proof are relative to the linkage's size, from picometres to petametres."""
+    head, _, tail = QUICK_RETURN.replace("gravity = [0, -9.81]\n", "").partition("[[loads]]")
+    kinematic = re.sub(r"(?m)^(mass|com|inertia) = .*\n", "", head + tail[tail.index("[sketch]") :])
+    counters, tracks = [], []
+    for unit in ("pm", "mm", "Tm"):
+        scene = scene_of(tmp_path, kinematic.replace('length = "mm"', f'length = "{unit}"'))
+        simulation = model.build(scene, model.DEFAULT, Sampling(36))
+        simulation.solve()
+        counters.append({**simulation.counters})
+        tracks.append(simulation.read()["E.ax"] / scene.bodies["link"].lengths[frozenset("DE")])  # type: ignore[index]
+    assert counters[0] == counters[1] == counters[2]
+    np.testing.assert_allclose(tracks[0], tracks[1], rtol=0, atol=1e-12 * np.ptp(tracks[1]))  # lengths were rounded
+    np.testing.assert_allclose(tracks[2], tracks[1], rtol=0, atol=1e-12 * np.ptp(tracks[1]))
+
+
+# --- loads -----------------------------------------------------------------------------------------------------------
+
+
+def stroke_end(scene: Scene, force: float) -> float:
+    load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
+    with flint.ctx.workdps(50):
+        linkage = multiprecision_linkage.Linkage(scene)
+        march = multiprecision_march.March(linkage, 50)
+        q = march.follow(closed(linkage, march), linkage.drive(scene.drive.start))
+        return multiprecision_stroke.end_of_stroke(linkage, march, q, load)
+
+
+def test_a_closing_stroke_ends_at_the_dead_point(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SLIDER_CRANK)
+    offset = scene_of(tmp_path, SLIDER_CRANK.replace("through = [0, 0]", "through = [0.5, 0.3]"))
+    for force, closed_by in ((-1.0, 3.0), (1.0, 1.0)):
+        assert abs(stroke_end(scene, force) - closed_by) <= 4 * EPS
+        assert abs(stroke_end(offset, force) - (sqrt(closed_by**2 - 0.3**2) - 0.5)) <= 4 * EPS
+
+
+def reach(angle: float) -> float:
+    return cos(angle) + sqrt(4 - sin(angle) ** 2)
+
+
+def test_a_closing_stroke_ends_where_a_run_does(tmp_path: Path) -> None:
+    """Away from the dead points: at the run's ends, or where the law turns round, there also between two samples."""
+    way = scene_of(tmp_path, SLIDER_CRANK.replace("speed = 2.0", "speed = 2.0, start = 0.5, end = 2.5"))
+    assert abs(stroke_end(way, -1.0) - reach(0.5)) <= 4 * EPS
+    assert abs(stroke_end(way, 1.0) - reach(2.5)) <= 4 * EPS
+    law = MotionLaw("crank", (0.0, 1.0, 2.0, 3.0), (1.0, 1.0 + 4 / 9, 1.0 + 2 / 9, 1.0), periodic=False)
+    a, b, c = np.polyfit(law.times, law.positions, 3)[:3]  # four entries: the spline is one cubic
+    turn = (-b - sqrt(b * b - 3 * a * c)) / (3 * a)
+    farthest = float(law.at(turn).position)
+    assert abs(stroke_end(replace(way, drive=law), 1.0) - reach(farthest)) <= 4 * EPS
+    assert abs(stroke_end(replace(way, drive=law), -1.0) - reach(float(law.extent[0]))) <= 4 * EPS
+
+
+def test_table_in_a_press_by_hand(tmp_path: Path) -> None:
+    """Massless: the drive's power is the load's. Below, between and beyond the entries."""
+    loads = '[[loads]]\nbody = "slider"\nat = "C"\ntable = [[1.5, -10], [2, -50], [2.5, 40]]\n'
+    motion = run(scene_of(tmp_path, SLIDER_CRANK.replace("[sketch]", loads + "[sketch]")), samples=24)
+    force = np.interp(motion["B.x"], [1.5, 2, 2.5], [-10, -50, 40])
+    assert {-10.0, 40.0} < set(force)
+    assert np.abs(motion["drive.torque"] * 2 + force * motion["B.vx"]).max() <= 1e-12  # of 100 W, in doubles
+
+
+def test_spring_without_a_direction_is_refused(tmp_path: Path) -> None:
+    """The slider's corner C, half a metre above B, meets the ground point P at the start."""
+    text = SLIDER_CRANK.replace("O = [0, 0] }", "O = [0, 0], P = [3, 0.5] }", 1)
+    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 5\nlength = LENGTH\n'
+    text = text.replace("[sketch]", spring + "[sketch]")
+    with pytest.raises(Failure, match=r"ground\.P and slider\.C meet at crank angle 0\.0000 deg") as failure:
+        run(scene_of(tmp_path, text.replace("LENGTH", "0.1")))
+    assert failure.value.status is Status.nonfinite
+    motion = run(scene_of(tmp_path, text.replace("LENGTH", "0")))
+    assert np.abs(motion["A.fx"] + 5 * (3 - motion["B.x"])).max() <= 16 * EPS  # of 10 N; the crank holds it
+
+
 # --- failures and manners --------------------------------------------------------------------------------------------
 
 
@@ -446,7 +801,7 @@ B = [2.9, 2]
     assert failure.value.status is Status.cannot_assemble
     found = re.search(r"crank angle ([\d.]+) deg", failure.value.reason)
     assert found
-    assert abs(float(found[1]) - lock) <= 1e-6  # as printed
+    assert abs(float(found[1]) - lock) <= 1e-4  # as printed
 
 
 def test_lengths_that_cannot_meet_are_refused(tmp_path: Path) -> None:
@@ -472,14 +827,36 @@ def test_too_few_digits_are_not_passed_off_as_proof(tmp_path: Path) -> None:
     assert failure.value.status is Status.not_converged
 
 
-def test_pose_that_is_no_solution_is_not_enclosed() -> None:
-    scene = scenes.load("toggle_press")
+def test_driven_slider_out_of_reach_is_found_where_the_rods_line_up(tmp_path: Path) -> None:
+    """D is 300 mm from A and 120 from E, which runs 235 above A: they line up at sqrt(420^2 - 235^2)."""
+    outward = DRIVEN_TOGGLE.replace("speed = -150", "speed = 150").replace("end = -150", "end = 400")
+    simulation = model.build(scene_of(tmp_path, outward), model.DEFAULT, Sampling(36))
+    with pytest.raises(Failure) as failure:
+        simulation.solve()
+    assert failure.value.status is Status.cannot_assemble
+    found = re.search(r"crosshead at ([\d.]+) m", failure.value.reason)
+    assert found
+    assert abs(float(found[1]) - sqrt(0.42**2 - 0.235**2)) <= 1e-6  # as printed
+
+
+def test_lengths_of_a_body_that_do_not_meet_are_refused(tmp_path: Path) -> None:
+    """K hangs on D and M, whose distance no length gives."""
+    within = '"A-D" = 300, "B-D" = 120, "A-M" = 340, "B-M" = 40, "D-K" = 5, "M-K" = 5'
+    apart = re.sub('"A-D".* }', f"{within} }}", DRIVEN_TOGGLE).replace("K = [230", "M = [260, 240]\nK = [230")
+    with pytest.raises(Failure, match="'plate' cannot be put together: the lengths from D and M to K") as failure:
+        model.build(scene_of(tmp_path, apart), model.DEFAULT, Sampling(36))
+    assert failure.value.status is Status.cannot_assemble
+
+
+@pytest.mark.parametrize(("name", "coordinate"), [("toggle_press", 2), *(("quick_return", k) for k in (3, 4, 5))])
+def test_pose_that_is_no_solution_is_not_enclosed(tmp_path: Path, name: str, coordinate: int) -> None:
+    scene = named(tmp_path, name)
     with flint.ctx.workdps(50):
         linkage = multiprecision_linkage.Linkage(scene)
-        march, goal = multiprecision_march.March(linkage, 50), linkage.goal(scene.sketch.angle)
-        pose = march.follow(linkage.sketched_pose(scene.sketch.angle), goal)
+        march, goal = multiprecision_march.March(linkage, 50), linkage.drive(scene.sketch.drive)
+        pose = closed(linkage, march)
         march.enclose(pose, goal)
-        pose[2, 0] += 1e-9
+        pose[coordinate, 0] += 1e-9
         with pytest.raises(Failure) as failure:
             march.enclose(pose, goal)
     assert failure.value.status is Status.not_converged

@@ -1,0 +1,53 @@
+"""What a family varies: numbers of the scene file by their paths, over a grid of values."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import isfinite, prod
+
+import numpy as np
+
+from scenes import InputError
+
+MOST_MEMBERS = 200
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One number of the scene file and the values it takes, in the units of the file."""
+
+    path: str
+    values: tuple[float, ...]
+
+
+def variation(text: str) -> Variation:
+    """Read `PATH=FROM:TO:COUNT`: evenly spaced values, both ends included.
+
+    Raises:
+        InputError: it does not read so.
+    """
+    path, _, span = text.partition("=")
+    try:
+        first, last, count = span.split(":")
+        start, stop, members = float(first), float(last), int(count)
+    except ValueError:
+        example = "bodies.rocker.lengths.O-P3=280:320:5"
+        raise InputError(f"--vary {text}: expected PATH=FROM:TO:COUNT, as in {example}") from None
+    if not (isfinite(start) and isfinite(stop)) or start == stop:
+        raise InputError(f"--vary {text}: expected two different values, FROM and TO")
+    if not 2 <= members <= MOST_MEMBERS:
+        raise InputError(f"--vary {text}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
+    return Variation(path, tuple(np.linspace(start, stop, members).tolist()))
+
+
+def grid(variations: Sequence[Variation]) -> list[Mapping[str, float]]:
+    """Return the changes of every member, path -> value: all combinations, the last of the paths changing fastest.
+
+    Raises:
+        InputError: there are too many.
+    """
+    count = prod(len(variation.values) for variation in variations)
+    if count > MOST_MEMBERS:
+        raise InputError(f"--vary: expected {MOST_MEMBERS} members at most, found {count}")
+    paths = [variation.path for variation in variations]
+    return [dict(zip(paths, values, strict=True)) for values in product(*(v.values for v in variations))]

@@ -1,0 +1,82 @@
+"""Press forces at their switches, where rounding decides whether they act.
+
+A press force jumps where its slider turns round, and where the last part of the stroke begins. On the switch itself
+displacement and velocity say the one or the other by their last digits, and every model has its own: there an engine is
+right on either side, as long as everything it says is on the same.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.motion import Samples
+from scenes.scene import Force, PressForce
+
+from .state import State
+
+HAIR = 1e-6  # of the slider's range and peak speed: far above all rounding, far below the way between two samples
+TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
+
+Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, what may be said of one force; on a switch both
+
+
+def press_forces(scene: Scene) -> tuple[PressForce, ...]:
+    """Return the loads that depend on the direction of motion."""
+    return tuple(load for load in scene.loads if isinstance(load, PressForce))
+
+
+def stroke_end(state: State, load: PressForce) -> float:
+    """Return where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
+    x, v, a = (load.closing * samples for samples in state.displacement(state.scene.bodies[load.body]))
+    time = state.motion["time"]
+    turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))
+    inside = [_peak(time[k + 1] - time[k], x[k : k + 2], v[k : k + 2], a[k : k + 2]) for k in turns]
+    return load.closing * max([float(x.max()), *inside])
+
+
+def _peak(h: float, x: Samples, v: Samples, a: Samples) -> float:
+    """Return the largest value between two samples h apart, of the quintic with their values and derivatives."""
+    v, a = h * v, h**2 * a
+    d, e, f = x[1] - x[0] - v[0] - a[0] / 2, v[1] - v[0] - a[0], a[1] - a[0]
+    rest = (10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2)
+    path = np.polynomial.Polynomial([0.0, v[0], a[0] / 2, *rest])  # of what x gains, over the time from 0 to 1
+    roots = path.deriv().roots()
+    real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real < 1)]
+    return float(x[0] + path(real).max(initial=0.0))
+
+
+def acts(state: State, load: PressForce, end: float) -> Acts:
+    """Return whether the force acts with displacement and velocity a hair less and a hair more, shape (4, n)."""
+    x, v, _ = state.displacement(state.scene.bodies[load.body])
+    dx = HAIR * np.ptp(x)
+    dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
+    return np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
+
+
+def sides(may: Sequence[Acts]) -> Iterator[list[NDArray[np.bool_]]]:
+    """Yield every way in which the forces can stand, each acting wherever it may, or only where it must."""
+    may_or_must = [(np.logical_or.reduce(act), np.logical_and.reduce(act)) for act in may]
+    yield from (list(way) for way in product(*may_or_must))
+
+
+def fixed(scene: Scene, may: Sequence[Acts]) -> Iterator[tuple[Scene, NDArray[np.intp]]]:
+    """Yield scenes whose press forces always or never act, with the samples on a switch where they may stand so."""
+    on_switch = np.any([act.any(axis=0) & ~act.all(axis=0) for act in may], axis=0) if may else np.array(False)
+    if not on_switch.any():
+        return
+    for way in product((True, False), repeat=len(may)):
+        possible = [(act == one).any(axis=0) for act, one in zip(may, way, strict=True)]
+        rows = np.flatnonzero(on_switch & np.all(possible, axis=0))
+        if rows.size:
+            standing = iter(way)
+            loads = (
+                load if not isinstance(load, PressForce) else Force(load.body, load.at, load.force)
+                for load in scene.loads
+                if not isinstance(load, PressForce) or next(standing)
+            )
+            yield replace(scene, loads=tuple(loads)), rows

@@ -1,0 +1,61 @@
+"""Units that suit what is shown: prefixes, and what curves and tables run over."""
+
+from dataclasses import dataclass
+from math import floor, log10, pi
+
+from scenes import Motion, Scene
+from scenes.motion import Samples
+from scenes.scene import ConstantSpeed
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What curves run over, and where tables say that something happened."""
+
+    quantity: str
+    unit: str
+    channel: str
+    factor: float  # from SI
+
+    @property
+    def title(self) -> str:
+        """Return the axis' title."""
+        return f"{self.quantity} [{self.unit}]"
+
+    def of(self, motion: Motion) -> Samples:
+        """Return where a motion's samples are on the axis, shape (n,)."""
+        return self.factor * motion[self.channel]
+
+
+def axis(scene: Scene) -> Axis:
+    """Return the drive's position at a constant speed; the time under a law, which may go to and fro."""
+    if not isinstance(scene.drive, ConstantSpeed):
+        factor, unit = prefixed(scene.drive.cycle, "s")
+        return Axis("time", unit, "time", factor)
+    if scene.driven_slide is None:
+        return Axis("crank angle", "deg", scene.drive_channel, 180 / pi)
+    least, largest = scene.drive.extent
+    factor, unit = prefixed(largest - least, "m")
+    return Axis(position_name(scene), unit, scene.drive_channel, factor)
+
+
+def position_name(scene: Scene) -> str:
+    """Return what the drive's position is called."""
+    return "crank angle" if scene.driven_slide is None else f"{scene.drive.body} displacement"
+
+
+def turns_fully(scene: Scene) -> bool:
+    """Return whether a crank turns for ever at constant speed, so that a cycle is a turn."""
+    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.repeats
+
+
+def cycle_name(scene: Scene) -> str:
+    """Return what a cycle of the drive is called."""
+    return "turn" if turns_fully(scene) else "cycle"
+
+
+def prefixed(scale: float, unit: str) -> tuple[float, str]:
+    """Return the factor from SI to the unit with the prefix that suits the scale, and that unit."""
+    prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+    power = min(max(3 * floor(log10(scale) / 3), min(prefixes)), max(prefixes))
+    return 10.0**-power, prefixes[power] + unit

@@ -1,0 +1,161 @@
+"""The one form that every equation of a planar linkage has in absolute coordinates, in arbitrary-precision balls.
+
+The coordinates are q = (x, y, θ) of every body's centre of mass and x axis. A point of a body is r + e^{iθ} s, so every
+pin, drive, observed point, load and slide on the ground is a row that is linear but for the angles:
+
+    f(q) = k + C q + U cos θ - V sin θ                                       (1)
+
+A slide on a moving body a projects the way d = r_b - r_a to its slider b on a direction n that turns with a, and
+(e^{iθ} n)·d is a row (1) whose U and V are linear in q. All that f is nonlinear in is y = S q: the angles, and such d
+over the linkage's size L, so that y has no unit. Jacobian and second derivative along a motion q(t) follow without
+further geometry:
+
+    J = df/dq = C + B S,   B = [-(U diag(sin θ) + V diag(cos θ)), L e^{iθ} n]           (2)
+    f'' = J q'' - (U diag(cos θ) - V diag(sin θ)) θ'^2 - 2 (U' diag(sin θ) + V' diag(cos θ)) θ'    (3)
+
+U' vanishes but for the slides on moving bodies, whose Coriolis term that is.
+
+Needs python-flint; every function works at the precision that the caller has set in `flint.ctx`.
+"""
+
+from typing import NamedTuple, TypeAlias
+
+from flint import arb, arb_mat
+
+Point: TypeAlias = tuple[arb, arb]
+
+
+class Guide(NamedTuple):
+    """A term (e^{iθ} n)·d of a row: the way from one body's centre of mass to another's, on a turning direction n."""
+
+    row: int
+    column: int  # of B, the first of two
+    carrier: int  # the body that turns n, and where the way begins
+    slider: int
+    normal: Point  # n, in the carrier's frame
+
+    def way(self, q: arb_mat) -> Point:
+        """Return d = r_b - r_a of a pose, or its derivative of a rate."""
+        a, b = 3 * self.carrier, 3 * self.slider
+        return q[b, 0] - q[a, 0], q[b + 1, 0] - q[a + 1, 0]
+
+
+class Rows:
+    """Rows of the form (1) over the coordinates of `bodies` bodies; zero until terms are added.
+
+    `guides` of them may be of slides on moving bodies, in a linkage of a given size, m.
+    """
+
+    def __init__(self, count: int, bodies: int, guides: int = 0, size: float = 1.0) -> None:
+        self.k = arb_mat(count, 1)
+        self.C = arb_mat(count, 3 * bodies)
+        self.U = arb_mat(count, bodies)
+        self.V = arb_mat(count, bodies)
+        self.S = arb_mat(bodies + 2 * guides, 3 * bodies)
+        for i in range(bodies):
+            self.S[i, 3 * i + 2] = arb(1)
+        self._guides: list[Guide] = []
+        self._size = arb(size)
+
+    def add_angle(self, row: int, body: int, factor: arb) -> None:
+        """Add a body's angle θ times a factor to a row."""
+        self.C[row, 3 * body + 2] += factor
+
+    def add_point(self, row: int, weight: Point, body: int, arm: Point) -> None:
+        """Add the projection w·p of a body's point p = r + e^{iθ} s to a row, s being the `arm` in the body's frame."""
+        self.C[row, 3 * body] += weight[0]
+        self.C[row, 3 * body + 1] += weight[1]
+        u, v = _lever(weight, arm)
+        self.U[row, body] += u
+        self.V[row, body] += v
+
+    def add_guide(self, row: int, normal: Point, carrier: int, slider: int) -> None:
+        """Add the projection of the way from the carrier's to the slider's centre of mass on a normal of the carrier's.
+
+        A row holds one such term at most.
+        """
+        column = self.U.ncols() + 2 * len(self._guides)
+        self._guides.append(Guide(row, column, carrier, slider, normal))
+        for axis in (0, 1):
+            self.S[column + axis, 3 * slider + axis] = 1 / self._size
+            self.S[column + axis, 3 * carrier + axis] = -1 / self._size
+
+    def value(self, q: arb_mat) -> arb_mat:
+        """Return f(q) of (1), shape (rows, 1)."""
+        U, V = self._levers(q)
+        sin, cos = _sin_cos(q)
+        return self.k + self.C * q + U * _column(cos) - V * _column(sin)
+
+    def varying(self, q: arb_mat) -> arb_mat:
+        """Return B of (2), the part of J that varies, as columns for y = S q alone, shape (rows, len(y))."""
+        U, V = self._levers(q)
+        sin, cos = _sin_cos(q)
+        columns = self.S.nrows()
+        B = -(U * _diagonal(sin, columns) + V * _diagonal(cos, columns))
+        for guide in self._guides:
+            (x, y), s, c = guide.normal, sin[guide.carrier], cos[guide.carrier]
+            B[guide.row, guide.column] = self._size * (x * c - y * s)
+            B[guide.row, guide.column + 1] = self._size * (x * s + y * c)
+        return B
+
+    def jacobian(self, q: arb_mat) -> arb_mat:
+        """Return J of (2), shape (rows, 3 bodies)."""
+        return self.C + self.varying(q) * self.S
+
+    def centripetal(self, q: arb_mat, rate: arb_mat) -> arb_mat:
+        """Return J q'' - f'' of (3), shape (rows, 1), for q' = `rate`: the centripetal and the Coriolis terms."""
+        U, V = self._levers(q)
+        sin, cos = _sin_cos(q)
+        omega = angles(rate)
+        total = U * _column([c * w * w for c, w in zip(cos, omega, strict=True)]) - V * _column(
+            [s * w * w for s, w in zip(sin, omega, strict=True)]
+        )
+        for guide in self._guides:
+            u, v = _lever(guide.way(rate), guide.normal)
+            s, c = sin[guide.carrier], cos[guide.carrier]
+            total[guide.row, 0] += 2 * omega[guide.carrier] * (u * s + v * c)
+        return total
+
+    def _levers(self, q: arb_mat) -> tuple[arb_mat, arb_mat]:
+        """Return U and V of (1), each of shape (rows, bodies)."""
+        if not self._guides:
+            return self.U, self.V
+        U, V = arb_mat(self.U), arb_mat(self.V)
+        for guide in self._guides:
+            u, v = _lever(guide.way(q), guide.normal)
+            U[guide.row, guide.carrier] += u
+            V[guide.row, guide.carrier] += v
+        return U, V
+
+
+def angles(q: arb_mat) -> list[arb]:
+    """Return the angle, or its derivative, of every body."""
+    return [q[k, 0] for k in range(2, q.nrows(), 3)]
+
+
+def axis_vector(axis: int, sign: int = 1) -> Point:
+    """Return the unit vector of x, 0, or y, 1."""
+    return (arb(sign), arb(0)) if axis == 0 else (arb(0), arb(sign))
+
+
+def _lever(weight: Point, arm: Point) -> Point:
+    """Return u and v of w·(e^{iθ} s) = u cos θ - v sin θ."""
+    (wx, wy), (x, y) = weight, arm
+    return wx * x + wy * y, wx * y - wy * x
+
+
+def _sin_cos(q: arb_mat) -> tuple[list[arb], list[arb]]:
+    sin, cos = zip(*(angle.sin_cos() for angle in angles(q)), strict=True)
+    return list(sin), list(cos)
+
+
+def _column(entries: list[arb]) -> arb_mat:
+    return arb_mat(len(entries), 1, entries)
+
+
+def _diagonal(entries: list[arb], columns: int) -> arb_mat:
+    """Return a matrix with the entries on its diagonal, and more columns if wanted."""
+    matrix = arb_mat(len(entries), columns)
+    for i, entry in enumerate(entries):
+        matrix[i, i] = entry
+    return matrix
