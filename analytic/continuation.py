@@ -5,7 +5,7 @@ Every position asked for starts from the nearest of these poses, so that its ans
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import copysign, inf, pi
+from math import copysign, inf, pi, remainder
 from typing import TypeAlias
 
 import numpy as np
@@ -14,10 +14,23 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .geometry import RigidBody, sketched, sketched_attitude
-from .newton_group import Group, Placed, Pose, System, assemble, coordinates, own_jacobian, rates, refine, system
+from .newton_group import (
+    ROUGHLY,
+    Group,
+    Placed,
+    Pose,
+    System,
+    assemble,
+    coordinates,
+    own_jacobian,
+    rates,
+    refine,
+    system,
+)
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 SMALLEST = 2.0**-20  # of a step: a lock is found to that
+ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
 SAME = 1e-6  # rad: two poses
 
 PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
@@ -44,6 +57,8 @@ class Track:
         guess = self.q[nearest] + h * (self.dq[nearest] + h / 2 * self.ddq[nearest])
         near = np.abs(h) <= 1.01 * self.step  # a step, and its roundings; further off there is no pose to start from
         q, found = refine(self.equations, np.where(near, guess, np.nan), placed)
+        move, off = self.equations.length(guess - self.q[nearest]), self.equations.length(q - guess)
+        found &= off <= ASTRAY * move + ROUGHLY * self.equations.size
         pose = self.equations.pose(q, placed)
         J = own_jacobian(self.equations, pose)
         found &= np.linalg.slogdet(J)[0] == self.branch
@@ -58,10 +73,10 @@ class Track:
 
 
 def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
-    """Follow the sketch's branch round the whole turn, or a driven slider's way, or to the locks on both sides.
+    """Follow the sketch's branch round the turn, along a driven slider's way, or to the locks on both sides.
 
     Raises:
-        Failure: `cannot_assemble` at the sketch; `unsupported` when a turn of the crank ends in another pose.
+        Failure: `cannot_assemble` at the sketch; `unsupported` when a crank turns all the way and ends in another pose.
     """
     equations = system(scene, bodies, group)
     start = scene.sketch.drive
@@ -81,10 +96,14 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     ahead = forward[-1].position[0] - start
     if ahead < turn - SMALLEST * step:
         return _joined([*_march(first, placed, ahead - turn)[:0:-1], *forward])
-    if np.abs(np.exp(1j * forward[-1].q[:, 2::3]) - np.exp(1j * first.q[:, 2::3])).max() > SAME:
+    if np.abs(np.exp(1j * forward[-1].q[:, 2::3]) - np.exp(1j * first.q[:, 2::3])).max() <= SAME:
+        return _joined(forward)
+    if most - least > turn - step:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
         raise Failure(Status.unsupported, why)
-    return _joined(forward)
+    middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, on which the angle does tell
+    poses = [*_march(first, placed, -turn)[:0:-1], *forward]
+    return _joined([pose for pose in poses if abs(pose.position[0] - middle) <= turn / 2])
 
 
 def _march(first: Track, placed: PlacedAt, way: float) -> list[Track]:

@@ -63,14 +63,21 @@ def _locked(scene: Scene, linkage: Decomposition, position: Samples) -> np.ndarr
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0))).reach
     joints = np.array(["", *reach])
-    fails = np.array([np.broadcast_to(~(r >= 0), position.shape) for r in reach.values()])
-    return joints[np.where(fails.any(axis=0), fails.argmax(axis=0) + 1, 0)]
+    none = np.zeros(position.shape, bool)
+    fails = np.array([none, *(np.broadcast_to(~(r >= 0), position.shape) for r in reach.values())])
+    first: np.ndarray[tuple[int], np.dtype[np.str_]] = joints[fails.argmax(axis=0)]
+    return first
 
 
 def describe(scene: Scene, linkage: Decomposition) -> str:
     """Return in one sentence how far the drive moves, and what is in line where it stops."""
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
+    if not intervals and not _locked(scene, linkage, np.array([scene.drive.start]))[0]:
+        least, most = scene.drive.extent
+        if turns:
+            return f"the {body} turns freely but for gaps narrower than {360 / SAMPLES:g} deg"
+        return f"the {body} slides freely all its way, from {least:.6g} m to {most:.6g} m"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
     locks = {inner_joint(group): _lock(group) for group in linkage.groups} | {"": "the end of its way"}

@@ -252,14 +252,15 @@ def joint_forces(equations: System, J: Samples, force: Complex, moment: Samples)
 
 
 def to_lock(equations: System, J: Samples) -> Samples:
-    """Return the least singular value of J, shape (n,), m, angles being counted as moves of the group's longest arm.
+    """Return how much arms would have to be off for J to be singular, shape (n,), m: its least singular value.
 
-    By Eckart and Young's theorem so much is J, in that sense, away from the next singular matrix.
+    So it is by Eckart and Young's theorem when all its entries are arms: moves and differences of angles count as those
+    of the group's longest arm.
     """
     p, s = len(equations.S), len(equations.T)
     rows = np.repeat([1.0, equations.size], [2 * p + s, s])
-    scaled = J * rows[:, None] / np.tile([1, 1, equations.size], equations.bodies)
-    least: Samples = np.linalg.svd(scaled, compute_uv=False)[:, -1]
+    arms = J * rows[:, None] * np.tile([equations.size, equations.size, 1], equations.bodies)
+    least: Samples = np.linalg.svd(arms, compute_uv=False)[:, -1]
     return least
 
 

@@ -96,7 +96,7 @@ def solve_decomposed(
     for (x, y), row in zip(vectors, planes, strict=True):
         samples |= {x: row.real, y: row.imag}
     samples |= {name: row for (name,), row in zip(scalars, lines, strict=True)}
-    known = channels(scene)
+    known = dict.fromkeys(channels(scene))
     own = (name for (name,) in scalars if name not in known)
     return Motion({channel: samples[channel] for channel in (*known, *own)})
 

@@ -1,25 +1,24 @@
-"""Linkages drawn at random that turn fully, clear of lock; their geometry is worked out here, by circles and lines.
+"""Linkages drawn at random that move all the way, clear of lock; their geometry is found here, by circles and lines.
 
-The crank is 1 m long. Every dyad is sized to its foot's path over the whole turn, so no drawing is thrown away: the two
-bars of an RRR dyad stay at 20 to 160 degrees to each other, the bar of an RRP dyad within 70 degrees of its guide.
+The crank is 1 m long, a driven slider moves 1 m to either side. Every dyad is sized to the paths of what it hangs on,
+so no drawing is thrown away: two bars meet at 20 to 160 degrees, a bar is within 70 degrees of its guide, two guides
+cross at 27 degrees or more, and the pins of a dyad with an inner guide are never squarer to it than 45 degrees.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from math import cos, pi, radians, sin, sqrt
-from types import MappingProxyType
 
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from scenes import Scene
-from scenes.scene import Body, Drive, Load, Sketch, Slide, Vector
+from scenes.scene import GROUND, Vector
 
-Path = NDArray[np.complex128]  # positions at each step of the crank, m
+Path = NDArray[np.complex128]  # positions at each step of the drive, m
 
-STEPS = np.linspace(0, 2 * pi, 96, endpoint=False)
+STEPS = np.linspace(0, 2 * pi, 96, endpoint=False)  # of the crank, rad; a driven slider follows their sine
 
 
 def xy(z: complex) -> Vector:
@@ -43,74 +42,98 @@ signs = st.sampled_from((1, -1))
 
 
 @dataclass
-class _Drawing:
-    """What is drawn so far: each point's path over one turn, each body's points, each slider's guide."""
+class Drawing:
+    """What is drawn so far, on the ground and on moving bodies, over all steps."""
 
-    path: dict[str, Path]
-    points: dict[str, list[str]]
-    ground: list[str] = field(default_factory=lambda: ["O"])
-    slides: dict[str, Slide] = field(default_factory=dict)
+    path: dict[str, Path]  # by point
+    u: dict[str, Path]  # by body: how it has turned since the first step
+    points: dict[str, list[str]]  # by body
+    ground: list[str] = field(default_factory=list)
+    slides: dict[str, tuple[str, complex]] = field(default_factory=dict)  # by slider: on what, along what at first
 
+    def add(self, body: str, points: list[str], u: Path) -> None:
+        self.points[body], self.u[body] = points, u
 
-@st.composite
-def drawn_linkages(draw: st.DrawFn) -> tuple[Scene, dict[str, Path]]:
-    """Draw a linkage of one dyad or two, and where its moving points are at the steps after the sketched angle."""
-    pivot = draw(vectors(2))
-    path = {"O": np.full(STEPS.shape, pivot), "A": pivot + draw(directions()) * np.exp(1j * STEPS)}
-    drawing = _Drawing(path, {"crank": ["O", "A"]})
-    _hang(draw, drawing, "A", 1)
-    if draw(st.booleans()):
-        _hang(draw, drawing, _coupler_point(draw, drawing), 2)
-    return _scene(draw, drawing), {point: z for point, z in path.items() if point not in drawing.ground}
+    def slide(self, draw: st.DrawFn, body: str, on: str, t: complex) -> None:
+        """Let two bodies slide on each other, and draw which of them is the slider."""
+        free = on not in (GROUND, "driver") and on not in self.slides
+        if body in self.slides or (free and draw(st.booleans())):
+            body, on = on, body
+        self.slides[body] = on, t
 
-
-def linkages() -> st.SearchStrategy[Scene]:
-    return drawn_linkages().map(lambda drawn: drawn[0])
-
-
-def _coupler_point(draw: st.DrawFn, drawing: _Drawing) -> str:
-    """Return where the second dyad hangs: a bar's point beside its pins, or a pin that the first dyad has already."""
-    feet = {"bar1": "A"} | ({"rocker1": "B1"} if "rocker1" in drawing.points else {})
-    carrier = draw(st.sampled_from(["A", "P1", *feet, *feet]))
-    if carrier not in feet:
-        return carrier
-    foot = drawing.path[feet[carrier]]
-    drawing.path["T"] = foot + complex(draw(numbers(-0.5, 1.5)), draw(signs) * draw(numbers(0.2, 1))) * (
-        drawing.path["P1"] - foot
-    )
-    drawing.points[carrier].append("T")
-    return "T"
+    def carried(self, body: str, point: str, off: complex) -> str:
+        """Give a body one point more, off another one of the body."""
+        name = f"T{len(self.path)}"
+        self.path[name] = self.path[point] + off * self.u[body]
+        self.points[body].append(name)
+        return name
 
 
-def _hang(draw: st.DrawFn, drawing: _Drawing, A: str, number: int) -> None:
-    """Hang a dyad on point A: a bar to P, and there a rocker about a new ground point B or a slider."""
+# --- the linkage ------------------------------------------------------------------------------------------------------
+
+
+def _foot(draw: st.DrawFn, drawing: Drawing) -> str:
+    """Return where a dyad hangs: at a pin that there is, or at a new point of a body."""
+    body = draw(st.sampled_from(list(drawing.points)))
+    point = draw(st.sampled_from(drawing.points[body]))
+    if point not in drawing.ground and draw(st.booleans()):
+        return point
+    return drawing.carried(body, point, draw(numbers(0.3, 1.2)) * draw(directions()))
+
+
+def _around(path: Path) -> tuple[complex, float]:
+    """Return the middle of a path and how far it goes from there, at least as far as half a crank."""
+    middle = complex(np.ptp(path.real), np.ptp(path.imag)) / 2 + complex(path.real.min(), path.imag.min())
+    return middle, max(0.5, float(np.abs(path - middle).max()))
+
+
+def _other_foot(draw: st.DrawFn, drawing: Drawing, A: str, B: str) -> str:
+    """Return a point whose distance from A does not change too much: on the ground, B, or another one that moves."""
     foot = drawing.path[A]
-    centre = complex(np.ptp(foot.real), np.ptp(foot.imag)) / 2 + complex(foot.real.min(), foot.imag.min())
-    radius = max(0.5, float(np.abs(foot - centre).max()))  # not much smaller than the crank
-    P, B, slider = f"P{number}", f"B{number}", f"slider{number}"
-    drawing.points[f"bar{number}"] = [A, P]
+    apart = {point: np.abs(z - foot) for point, z in drawing.path.items() if point not in drawing.ground}
+    moving = [point for point, d in apart.items() if d.min() > 3 / 7 * d.max() > 0.2 and np.ptp(d) > 0.01]
+    if moving and draw(signs) > 0:
+        return draw(st.sampled_from(moving))
+    middle, radius = _around(foot)
+    inside = np.ptp(np.abs(foot - middle)) < 1e-9 and draw(st.booleans())  # a circle: four-bars with two cranks
+    pivot = middle + radius * draw(numbers(0.2, 0.4) if inside else numbers(2.5, 4)) * draw(directions())
+    drawing.path[B] = np.full(STEPS.shape, pivot)
+    drawing.ground.append(B)
+    return B
+
+
+def _guide(draw: st.DrawFn, drawing: Drawing, on: str, near: Path) -> Path:
+    """Return a point of a guide, fixed to a body, over all steps."""
+    if on == GROUND:
+        middle, radius = _around(near)
+        return np.full(STEPS.shape, middle + 0.8 * radius * draw(vectors(1)))
+    at: Path = drawing.path[drawing.points[on][0]] + draw(vectors(1)) * drawing.u[on]
+    return at
+
+
+def _bar(drawing: Drawing, body: str, A: str, P: str) -> None:
+    arm = drawing.path[P] - drawing.path[A]
+    drawing.add(body, [A, P], arm / arm[0])
+
+
+def _sliding(draw: st.DrawFn, drawing: Drawing, body: str, on: str, P: str) -> None:
+    """Add a block with its pin P, and perhaps another point before it, that turns with what it slides on."""
+    drawing.add(body, [P], drawing.u[on])
     if draw(st.booleans()):
-        around = draw(st.booleans()) and A == "A"  # a crank about B: four-bars with two cranks
-        pivot = centre + radius * draw(numbers(0.2, 0.4) if around else numbers(2.5, 4)) * draw(directions())
-        drawing.path[B], drawing.path[P] = np.full(STEPS.shape, pivot), _meet(draw, foot, pivot)
-        drawing.points[f"rocker{number}"] = [P, B]
-        drawing.ground.append(B)
-    else:
-        t, offset = draw(directions()), draw(st.just(0.0) | numbers(-0.8, 0.8))
-        r = radius * (1 + abs(offset)) / sin(radians(draw(numbers(25, 70))))
-        through = centre + radius * offset * 1j * t
-        e = (foot - through) * t.conjugate()
-        drawing.path[P] = through + t * (e.real + draw(signs) * np.sqrt(r**2 - e.imag**2))
-        drawing.points[slider] = [P]
-        if draw(st.booleans()):  # the guided point beside the pin
-            aside = 0.1 + draw(vectors(1))
-            drawing.path[f"G{number}"] = drawing.path[P] - aside
-            drawing.points[slider] = [f"G{number}", P]
-            through -= aside
-        drawing.slides[slider] = Slide(xy(through + draw(numbers(-2, 2)) * t), xy(t))
+        drawing.carried(body, P, 0.1 + draw(vectors(1)))
 
 
-def _meet(draw: st.DrawFn, A: Path, B: complex) -> Path:
+# --- dyads ------------------------------------------------------------------------------------------------------------
+
+
+def _rrr(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
+    B, P = _other_foot(draw, drawing, A, f"B{n}"), f"P{n}"
+    drawing.path[P] = _meet(draw, drawing.path[A], drawing.path[B])
+    _bar(drawing, f"bar{n}", A, P)
+    _bar(drawing, f"rocker{n}", B, P)
+
+
+def _meet(draw: st.DrawFn, A: Path, B: Path) -> Path:
     """Return where bars of drawn lengths from A and from B meet, on either side of A-B.
 
     With lengths r and k r at an angle mu, |A - B| = r f(mu). B was drawn so that the least distance is over 3/7 of the
@@ -125,55 +148,98 @@ def _meet(draw: st.DrawFn, A: Path, B: complex) -> Path:
     return meet
 
 
-def _scene(draw: st.DrawFn, drawing: _Drawing) -> Scene:
-    """Return the scene with its bodies in any order, masses, loads and weights."""
-    at = {point: complex(z[0]) for point, z in drawing.path.items()}
-    bodies, angle = {}, 0.0
-    for name in draw(st.permutations(list(drawing.points))):
-        bodies[name], turned = _body(draw, name, drawing.points[name], at, drawing.slides.get(name))
-        angle = turned if name == "crank" else angle
-    places = [(name, point) for name, body in bodies.items() for point in body.points]
-    loads = draw(st.lists(st.tuples(st.sampled_from(places), vectors(20)), max_size=3))
-    return Scene(
-        name="drawn",
-        title="drawn",
-        source="",
-        file="drawn.toml",
-        ground=MappingProxyType({point: xy(at[point]) for point in drawing.ground}),
-        bodies=MappingProxyType(bodies),
-        drive=Drive("crank", draw(signs) * draw(numbers(0.5, 20)), draw(numbers(-3, 3))),
-        loads=tuple(Load(*place, xy(force)) for place, force in loads),
-        gravity=draw(vectors(10).map(xy) | st.none()),
-        sketch=Sketch(angle, MappingProxyType({p: _rough(z) for p, z in at.items() if p not in drawing.ground})),
-        output="A",
-        tolerances=MappingProxyType({}),
+def _rrp(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
+    """Hang a bar on A whose end runs on a guide of the ground or of a body that A is not on."""
+    on = draw(st.sampled_from([GROUND, *(body for body, points in drawing.points.items() if A not in points)]))
+    foot, t = drawing.path[A], draw(directions()) * drawing.u[on]
+    across = ((_guide(draw, drawing, on, foot) - foot) * t.conj()).imag
+    r = max(0.5, float(np.abs(across).max())) / sin(radians(draw(numbers(25, 70))))
+    drawing.path[f"P{n}"] = foot + t * (draw(signs) * np.sqrt(r**2 - across**2) + 1j * across)
+    _bar(drawing, f"bar{n}", A, f"P{n}")
+    _sliding(draw, drawing, f"block{n}", on, f"P{n}")
+    drawing.slide(draw, f"block{n}", on, complex(t[0]))
+
+
+def _rpr(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
+    """Hang a block on A and a lever elsewhere, with d = A - B = w (sigma + i h), h constant and w turning with both."""
+    B = _other_foot(draw, drawing, A, f"B{n}")
+    d = drawing.path[A] - drawing.path[B]
+    h = 0.7 * float(np.abs(d).min()) * draw(st.just(0.0) | numbers(-1, 1))
+    w = d / (draw(signs) * np.sqrt(np.abs(d) ** 2 - h**2) + 1j * h)
+    drawing.add(f"lever{n}", [B], w / w[0])
+    drawing.carried(f"lever{n}", B, draw(numbers(0.3, 1.5)) * draw(directions()))
+    drawing.add(f"block{n}", [A], w / w[0])
+    if draw(st.booleans()):
+        drawing.carried(f"block{n}", A, 0.1 + draw(vectors(1)))
+    drawing.slide(draw, f"block{n}", f"lever{n}", complex(w[0]))
+
+
+def _prp(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
+    """Pin two blocks to each other, on guides of two bodies that turn little against each other; A is unused."""
+    pairs = {pair: np.unwrap(np.angle(drawing.u[pair[1]] / drawing.u[pair[0]])) for pair in combinations(drawing.u, 2)}
+    one, two = draw(st.sampled_from([pair for pair, turned in pairs.items() if np.ptp(turned) < 2.2] or [("", "")]))
+    if not one:
+        return _rrp(draw, drawing, A, n)
+    turned = pairs[one, two]
+    room = 1.1 - np.ptp(turned) / 2
+    square = draw(signs) * pi / 2 - (turned.max() + turned.min()) / 2 + draw(numbers(-room, room))
+    t = draw(directions())
+    t1, t2 = t * drawing.u[one], t * np.exp(1j * square) * drawing.u[two]
+    drawing.path[f"P{n}"] = _crossing(
+        _guide(draw, drawing, one, drawing.path[A]), t1, _guide(draw, drawing, two, drawing.path[A]), t2
     )
+    for body, on, along in ((f"first{n}", one, t1), (f"second{n}", two, t2)):
+        _sliding(draw, drawing, body, on, f"P{n}")
+        drawing.slide(draw, body, on, complex(along[0]))
+    return None
 
 
-def _rough(z: complex) -> Vector:
-    return round(z.real, 2), round(z.imag, 2)
+def _rpp(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
+    """Hang a block on A that runs in a yoke, which slides on the ground or a body."""
+    on = draw(st.sampled_from(list(drawing.u)))
+    u, crossing = drawing.u[on], radians(draw(numbers(30, 150)))
+    t1 = draw(directions()) * u
+    t2 = t1 * np.exp(1j * draw(signs) * crossing)
+    through = drawing.path[A] + draw(vectors(0.5)) * u
+    drawing.path[f"Y{n}"] = _crossing(_guide(draw, drawing, on, drawing.path[A]), t1, through, t2)
+    drawing.add(f"block{n}", [A], u)
+    _sliding(draw, drawing, f"yoke{n}", on, f"Y{n}")
+    drawing.slide(draw, f"yoke{n}", on, complex(t1[0]))
+    drawing.slide(draw, f"block{n}", f"yoke{n}", complex(t2[0]))
 
 
-def _body(
-    draw: st.DrawFn, name: str, points: list[str], at: dict[str, complex], slide: Slide | None
-) -> tuple[Body, float]:
-    """Return a body, by its lengths or in some frame of its own, and the angle of its x axis as sketched."""
-    local = lengths = None
-    if slide is None:
-        points = draw(st.permutations(points))
-    if slide is None and draw(st.booleans()):
-        lengths = MappingProxyType({frozenset(pair): abs(a - b) for pair, a, b in _pairs(points, at)})
-        angle = float(np.angle(at[points[1]] - at[points[0]]))
+def _crossing(G1: Path, t1: Path, G2: Path, t2: Path) -> Path:
+    along = ((G2 - G1).conj() * t2).imag / (t1.conj() * t2).imag
+    crossing: Path = G1 + along * t1
+    return crossing
+
+
+_DYADS: Mapping[str, Callable[[st.DrawFn, Drawing, str, str], None]] = {
+    "RRR": _rrr,
+    "RRP": _rrp,
+    "RPR": _rpr,
+    "PRP": _prp,
+    "RPP": _rpp,
+}
+
+
+# --- all together -----------------------------------------------------------------------------------------------------
+
+
+@st.composite
+def drawing_of(draw: st.DrawFn, first: str) -> Drawing:
+    """Draw the bodies of one dyad or two; `first` says of which kind the first one is."""
+    pivot, t = draw(vectors(2)), draw(directions())
+    drawing = Drawing({}, {GROUND: np.ones(STEPS.shape, complex)}, {})
+    if draw(st.booleans()):
+        drawing.path |= {"O": np.full(STEPS.shape, pivot), "A": pivot + t * np.exp(1j * STEPS)}
+        drawing.ground.append("O")
+        drawing.add("driver", ["O", "A"], np.exp(1j * STEPS))
     else:
-        angle = 0.0 if slide is not None else draw(numbers(-3, 3))
-        origin, back = at[points[-1]] + draw(vectors(1)), complex(cos(angle), -sin(angle))
-        local = MappingProxyType({point: xy((at[point] - origin) * back) for point in points})
-    mass = draw(numbers(0.1, 10) if name == "bar1" else st.just(0.0) | numbers(0.1, 10))  # bar1: never all without
-    com = draw(vectors(1).map(xy) | st.none())
-    inertia = None if com is None else mass * draw(numbers(0.01, 2))
-    return Body(name, tuple(points), local, lengths, mass, com, inertia, slide), angle
-
-
-def _pairs(points: list[str], at: dict[str, complex]) -> Iterator[tuple[tuple[str, str], complex, complex]]:
-    for p, q in combinations(points, 2):
-        yield (p, q), at[p], at[q]
+        drawing.path["A"] = pivot + t * np.sin(STEPS)
+        drawing.add("driver", ["A"], drawing.u[GROUND])
+        drawing.slides["driver"] = GROUND, t
+    _DYADS[first or draw(st.sampled_from(list(_DYADS)))](draw, drawing, "A", "1")
+    if draw(st.booleans()):
+        _DYADS[draw(st.sampled_from(list(_DYADS)))](draw, drawing, _foot(draw, drawing), "2")
+    return drawing

@@ -1,0 +1,308 @@
+"""A linkage solved from its scene alone, in redundant coordinates: a second opinion that shares no formula.
+
+A body's coordinates are its frame's origin and the unit vector (c, s) of its x axis. Every point of a body is linear in
+them, so that pins are linear equations, and guides, like c^2 + s^2 = 1, quadratic ones: Garcia de Jalon and Bayo,
+"Kinematic and Dynamic Simulation of Multibody Systems" (1994), chapter 2. With a constant 1 as the last coordinate,
+
+    C = Q' H Q,    0 = 2 Q' H dQ,    0 = 2 Q' H ddQ + 2 dQ' H dQ,                                                   (1)
+
+but for what the drive asks for, are exact with their derivatives. Reactions and the drive's effort follow from Newton's
+and Euler's equations of all bodies, each about its centre of mass, as one linear system.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import hypot, inf, pi
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scenes import Scene
+from scenes.motion import channels
+from scenes.scene import GROUND, Force, ForceTable, Load, PressForce
+
+from .absolute_bodies import TURNED, Floats, local_points, mass_properties, sketched
+
+ITERATIONS = 100
+STEPS = 240  # over a turn, or over the drive's way: from one pose to the next
+
+
+def solve(scene: Scene, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> dict[str, Floats]:
+    """Return every channel of the scene but the time, shape (n,), at positions of the drive and its rates there.
+
+    Raises:
+        AssertionError: a position cannot be reached from the sketch along the way of the drive.
+    """
+    model = Absolute(scene)
+    asked = np.stack(
+        np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in (position, rate, acceleration)))
+    )
+    found: list[dict[str, float]] = [{} for _ in asked.T]
+    q = model.assembled()
+    at = scene.sketch.drive
+    for row in np.argsort(asked[0], kind="stable"):
+        q, at = model.follow(q, at, asked[0, row]), asked[0, row]
+        found[row] = model.channels(q, *asked[:, row])
+    return {name: np.array([row[name] for row in found]) for name in channels(scene) if name != "time"}
+
+
+@dataclass(frozen=True)
+class Absolute:
+    """The equations of one scene; Q has four coordinates a body, x, y, c, s, and a last one that is 1."""
+
+    scene: Scene
+
+    # --- the equations
+
+    @cached_property
+    def forms(self) -> Floats:
+        """Return H of every equation, shape (4 bodies, N, N); the drive's is the last."""
+        zero = np.zeros((2, self.size))
+        forms = []
+        for name in self.scene.bodies:
+            u = self.vector(name, (1.0, 0.0))
+            one = zero.copy()
+            one[0, -1] = 1
+            forms.append(u.T @ u - one.T @ one)
+        for pin in self.scene.pins:
+            gap = self.point(pin.first, pin.point) - self.point(pin.second, pin.point)
+            forms += [self.linear(gap[0]), self.linear(gap[1])]
+        for slider, body in self.scene.bodies.items():
+            if body.slide is not None:
+                on = body.slide.on
+                off = self.point(slider, body.points[0]) - self.place(on, body.slide.through)
+                forms.append((TURNED @ self.vector(on, body.slide.along)).T @ off)
+                forms.append((TURNED @ self.vector(on, (1.0, 0.0))).T @ self.vector(slider, (1.0, 0.0)))
+        stacked: Floats = np.array([*forms, np.zeros((self.size, self.size))])
+        symmetric: Floats = (stacked + stacked.transpose(0, 2, 1)) / 2
+        return symmetric
+
+    @property
+    def size(self) -> int:
+        return 4 * len(self.scene.bodies) + 1
+
+    def place(self, body: str, local: ArrayLike) -> Floats:
+        """Return the matrix, shape (2, N), that takes Q to the point at a place in a body's frame, or the ground's."""
+        matrix = self.vector(body, local)
+        if body != GROUND:
+            first = 4 * list(self.scene.bodies).index(body)
+            matrix[:, first : first + 2] += np.eye(2)
+        return matrix
+
+    def vector(self, body: str, local: ArrayLike) -> Floats:
+        """Return the matrix that takes Q to a vector that is fixed in a body's frame, or the ground's."""
+        matrix: Floats = np.zeros((2, self.size))
+        x, y = np.asarray(local, float)
+        if body == GROUND:
+            matrix[:, -1] = x, y
+        else:
+            first = 4 * list(self.scene.bodies).index(body)
+            matrix[:, first + 2 : first + 4] = (x, -y), (y, x)
+        return matrix
+
+    def point(self, body: str, point: str) -> Floats:
+        return self.place(body, self.scene.ground[point] if body == GROUND else self.local[body][point])
+
+    def linear(self, row: Floats) -> Floats:
+        form = np.zeros((self.size, self.size))
+        form[:, -1] = row
+        return form
+
+    def drive(self, position: float) -> tuple[Floats, float]:
+        """Return the row and the value of the drive's equation, row . Q = value; its rates are the drive's own."""
+        name = self.scene.drive.body
+        slide = self.scene.bodies[name].slide
+        if slide is None:  # the part of the x axis square to where it is to be
+            square: Floats = np.array([-np.sin(position), np.cos(position)]) @ self.vector(name, (1.0, 0.0))
+            return square, 0.0
+        return self.displacement(name), position
+
+    def residual(self, Q: Floats, position: float) -> Floats:
+        row, value = self.drive(position)
+        open_by: Floats = np.einsum("i,kij,j->k", Q, self.forms, Q)
+        open_by[-1] = row @ Q - value
+        return open_by
+
+    def jacobian(self, Q: Floats, position: float) -> Floats:
+        J: Floats = (2 * self.forms @ Q)[:, :-1]
+        J[-1] = self.drive(position)[0][:-1]
+        return J
+
+    # --- positions
+
+    def assembled(self) -> Floats:
+        """Return Q near the sketch, where all closes."""
+        Q = sketched(self.scene, self.local)
+        for _ in range(ITERATIONS):
+            step = self.correction(Q, self.scene.sketch.drive)
+            length = np.abs(step).max()
+            Q[:-1] -= step / max(1.0, length / (0.1 * self.span))
+            if length < 1e-13 * self.span:
+                return Q
+        raise AssertionError("does not assemble near the sketch")
+
+    def follow(self, Q: Floats, start: float, end: float) -> Floats:
+        """Return Q at another position of the drive, by short steps."""
+        least, most = self.scene.drive.extent
+        step = 2 * pi / STEPS if self.scene.driven_slide is None else (most - least) / STEPS
+        for position in np.linspace(start, end, 1 + int(np.ceil(abs(end - start) / step)))[1:]:
+            h, (dQ, ddQ) = position - start, self.rates(Q, start, 1.0, 0.0)
+            expected = Q + h * dQ + h**2 / 2 * ddQ
+            move, Q, start = np.abs(expected - Q).max(), self.closed(expected, position), position
+            assert np.abs(Q - expected).max() < 0.1 * move + 1e-7 * self.span, "lost the branch"
+        return self.closed(Q, end)
+
+    def closed(self, Q: Floats, position: float) -> Floats:
+        """Return Q with the least corrections that roundings allow."""
+        Q, last = Q.copy(), inf
+        for _ in range(ITERATIONS):
+            step = self.correction(Q, position)
+            length = float(np.abs(step).max())
+            if not length < last / 2:
+                assert last < 1e-7 * max(1.0, self.span), f"does not close, {self.scene.where(position)}"
+                return Q
+            Q[:-1], last = Q[:-1] - step, length
+        raise AssertionError("Newton's method does not end")
+
+    def correction(self, Q: Floats, position: float) -> Floats:
+        step: Floats = np.asarray(np.linalg.solve(self.jacobian(Q, position), self.residual(Q, position)), float)
+        return step
+
+    def rates(self, Q: Floats, position: float, rate: float, acceleration: float) -> tuple[Floats, Floats]:
+        """Return Q' and Q''."""
+        J, driven = self.jacobian(Q, position), np.zeros(len(self.forms))
+        driven[-1] = rate
+        dQ = np.append(np.linalg.solve(J, driven), 0.0)
+        right = -2 * np.einsum("i,kij,j->k", dQ, self.forms, dQ)
+        right[-1] = acceleration
+        return dQ, np.append(np.linalg.solve(J, right), 0.0)
+
+    @cached_property
+    def local(self) -> Mapping[str, Mapping[str, Floats]]:
+        """Return the points of each body in its own frame."""
+        return {name: local_points(self.scene, body) for name, body in self.scene.bodies.items()}
+
+    @cached_property
+    def span(self) -> float:
+        """Return how far points are from their frames' origins, m."""
+        return max(hypot(*xy) for local in self.local.values() for xy in local.values()) or 1.0
+
+    # --- channels
+
+    def channels(self, Q: Floats, position: float, rate: float, acceleration: float) -> dict[str, float]:
+        """Return every channel but the time at one position of the drive."""
+        scene, motion = self.scene, (Q, *self.rates(Q, position, rate, acceleration))
+        found = {scene.drive_channel: position}
+        for point in scene.moving_points:
+            matrix = self.point(scene.owners[point][0], point)
+            for prefix, of in zip(("", "v", "a"), motion, strict=True):
+                found[f"{point}.{prefix}x"], found[f"{point}.{prefix}y"] = matrix @ of
+        for name in scene.turning:
+            angle, omega, alpha = self.turning(name, *motion)
+            found |= {f"{name}.angle": angle, f"{name}.omega": omega, f"{name}.alpha": alpha}
+        return found | (self.reactions(*motion) if scene.has_masses else {})
+
+    def turning(self, name: str, Q: Floats, dQ: Floats, ddQ: Floats) -> tuple[float, float, float]:
+        matrix = self.vector(name, (1.0, 0.0))
+        u, du, ddu = matrix @ Q, matrix @ dQ, matrix @ ddQ
+        normal = TURNED @ u
+        return float(np.arctan2(u[1], u[0])), float(normal @ du), float(normal @ ddu)
+
+    def reactions(self, Q: Floats, dQ: Floats, ddQ: Floats) -> dict[str, float]:
+        """Return what holds the bodies and drives them: three equations a body, force, force, moment about its com."""
+        scene, names = self.scene, list(self.scene.bodies)
+        unknown = [name for name in channels(scene) if name.endswith((".fx", ".fy", ".guide_force", ".guide_moment"))]
+        unknown.append("drive.torque" if scene.driven_slide is None else "drive.force")
+        A, b = np.zeros((3 * len(names), len(unknown))), np.zeros(3 * len(names))
+        com = {}
+        for number, body in enumerate(scene.bodies.values()):
+            mass, local, inertia = mass_properties(body, self.local[body.name])
+            matrix = self.place(body.name, local)
+            com[body.name] = matrix @ Q
+            b[3 * number : 3 * number + 2] = mass * (matrix @ ddQ)
+            b[3 * number + 2] = inertia * self.turning(body.name, Q, dQ, ddQ)[2]
+            if scene.gravity is not None:
+                b[3 * number : 3 * number + 2] -= mass * np.asarray(scene.gravity)
+
+        def wrench(body: str, force: Floats, at: Floats, moment: float = 0.0) -> Floats:
+            rows = np.zeros(3 * len(names))
+            if body != GROUND:
+                first, arm = 3 * names.index(body), at - com[body]
+                rows[first : first + 3] = *force, arm[0] * force[1] - arm[1] * force[0] + moment
+            return rows
+
+        for body_name, force, point in self.applied(Q, dQ):
+            b -= wrench(body_name, force, self.point(body_name, point) @ Q)
+        for pin in scene.pins:
+            at = self.point(pin.second, pin.point) @ Q
+            for axis, of in ((np.array([1.0, 0.0]), "fx"), (np.array([0.0, 1.0]), "fy")):
+                column = unknown.index(f"{pin.channel}.{of}")
+                A[:, column] = wrench(pin.second, axis, at) - wrench(pin.first, axis, at)
+        for name, body in scene.bodies.items():
+            if body.slide is not None:
+                at, on = self.point(name, body.points[0]) @ Q, body.slide.on
+                normal = TURNED @ (self.vector(on, body.slide.along) @ Q)
+                A[:, unknown.index(f"{name}.guide_force")] = wrench(name, normal, at) - wrench(on, normal, at)
+                couple = wrench(name, np.zeros(2), at, 1.0) - wrench(on, np.zeros(2), at, 1.0)
+                A[:, unknown.index(f"{name}.guide_moment")] = couple
+        driven = scene.bodies[scene.drive.body]
+        at = self.point(driven.name, driven.points[0]) @ Q
+        push, turn = (np.zeros(2), 1.0) if driven.slide is None else (np.asarray(driven.slide.along), 0.0)
+        A[:, -1] = wrench(driven.name, push, at, turn)
+        return dict(zip(unknown, np.linalg.solve(A, b).tolist(), strict=True))
+
+    def applied(self, Q: Floats, dQ: Floats) -> Iterator[tuple[str, Floats, str]]:
+        """Yield body, force and point of every load and spring."""
+        for load in self.scene.loads:
+            yield load.body, self.load(load, Q, dQ), load.at
+        for spring in self.scene.springs:
+            apart = (self.point(*spring.second) - self.point(*spring.first)) @ Q
+            pull = spring.stiffness * (1 - spring.length / hypot(*apart)) * apart
+            yield spring.first[0], pull, spring.first[1]
+            yield spring.second[0], -pull, spring.second[1]
+
+    def load(self, load: Load, Q: Floats, dQ: Floats) -> Floats:
+        if isinstance(load, Force):
+            return np.array(load.force)
+        slide = self.scene.bodies[load.body].slide
+        assert slide is not None
+        if isinstance(load, ForceTable):
+            return float(load.along(self.displacement(load.body) @ Q)) * np.asarray(slide.along)
+        row = self.displacement(load.body)
+        return float(load.acts(row @ Q, row @ dQ, self.stroke_ends[load])) * np.array(load.force)
+
+    def displacement(self, name: str) -> Floats:
+        """Return the row that takes Q to the displacement of a body that slides on the ground."""
+        body = self.scene.bodies[name]
+        assert body.slide is not None
+        off = self.point(name, body.points[0]) - self.place(GROUND, body.slide.through)
+        row: Floats = np.asarray(body.slide.along) @ off
+        return row
+
+    @cached_property
+    def stroke_ends(self) -> dict[PressForce, float]:
+        """Return the furthest displacement of each pressed slider in its closing direction, over one cycle."""
+        presses = [load for load in self.scene.loads if isinstance(load, PressForce)]
+        ends = dict.fromkeys(presses, -inf)
+        if presses:
+            Q, before = self.assembled(), self.scene.sketch.drive
+            for position in np.linspace(*self.scene.drive.extent, STEPS):
+                Q, before = self.follow(Q, before, position), position
+                for load in presses:
+                    ends[load] = max(ends[load], load.closing * self._peak(load, Q, position))
+        return {load: load.closing * end for load, end in ends.items()}
+
+    def _peak(self, load: PressForce, Q: Floats, position: float) -> float:
+        """Return the displacement at the dead point next to a position, or there if there is none within a step."""
+        row, (least, most) = self.displacement(load.body), self.scene.drive.extent
+        best, here = float(row @ Q), position
+        for _ in range(8):
+            dQ, ddQ = self.rates(Q, here, 1.0, 0.0)
+            if not abs(row @ dQ) < abs(row @ ddQ) * (most - least) / STEPS:
+                return best
+            step = float(-(row @ dQ) / (row @ ddQ))
+            if not least <= here + step <= most:
+                return best
+            Q, here = self.follow(Q, here, here + step), here + step
+        return float(row @ Q)
