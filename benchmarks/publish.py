@@ -7,11 +7,12 @@ import pandas as pd
 import scenes
 from compare.drawing import linkage
 from compare.environment import environment
-from compare.figures import over_angle, panels, speed_against_error
+from compare.figures import over_angle, panels
 from compare.registry import DEFAULT_ENGINES
-from compare.speed import Budget
+from compare.speed_figure import work_precision
 from compare.study import study
 from compare.tables import by_group, checks, notes, overview, setup
+from compare.timing import Budget
 
 FOLDER = Path(__file__).parents[1] / "results" / "published"
 PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on toggle": "pin_P3"}
@@ -26,7 +27,7 @@ def main() -> None:
         if panel.title in PICTURED:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
             figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
-    speed_against_error(result).write_image(FOLDER / "speed.svg", width=1180, height=430)
+    work_precision(result).write_image(FOLDER / "speed.svg", width=1180, height=930)
     linkage(result).write_image(FOLDER / "linkage.svg", width=1180, height=620)
     speed = result.speed[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]

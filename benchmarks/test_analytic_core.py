@@ -1,8 +1,12 @@
-"""How fast the analytic core is, beside the time to write its answer once: `pytest benchmarks`.
+"""How fast the analytic core is, beside the time to write its answer once, and how it grows: `pytest benchmarks`.
 
 The table's figures in brackets are ratios within one run. `write_fresh` allocates and writes an array of the answer's
 size, as `solve` must; `write_again` writes it into memory that is already there.
 """
+
+from math import inf, sqrt
+from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -10,6 +14,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 import analytic
 import scenes
+from scenes import Scene
 from scenes.motion import channels
 
 ANGLES = np.linspace(0, 2 * np.pi, 360_000)
@@ -36,3 +41,68 @@ def test_write_again(benchmark: BenchmarkFixture) -> None:
 @pytest.mark.benchmark(group="cost against the number of angles")
 def test_count(benchmark: BenchmarkFixture, count: int) -> None:
     benchmark(analytic.solve, SCENE, np.linspace(0, 2 * np.pi, count))
+
+
+# --- cost against the number of dyads ---------------------------------------------------------------------------------
+
+LENGTHS = (1, 2, 4, 8, 16)  # of the chain, dyads
+ROUNDS = 100
+DEGREES = ANGLES[::1000]  # few enough that the answer stays in memory at hand: fresh pages cost more than the dyads
+
+
+@pytest.mark.parametrize("dyads", LENGTHS)
+@pytest.mark.benchmark(group="cost against the number of dyads, 360 angles")
+def test_dyads(benchmark: BenchmarkFixture, dyads: int, tmp_path: Path) -> None:
+    benchmark(analytic.solver(chain(dyads, tmp_path)), DEGREES)
+
+
+def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
+    """The time is a line over the number of dyads, and the last dyads cost no more each than the first."""
+    solvers = {dyads: analytic.solver(chain(dyads, tmp_path)) for dyads in LENGTHS}
+    seconds = dict.fromkeys(LENGTHS, inf)
+    for _ in range(ROUNDS):  # interleaved, so that a busy machine is so for all
+        for dyads, solve in solvers.items():
+            start = perf_counter()
+            solve(DEGREES)
+            seconds[dyads] = min(seconds[dyads], perf_counter() - start)
+    took = np.array(list(seconds.values()))
+    slope, offset = np.polyfit(LENGTHS, took, 1)
+    residual = np.abs(took - offset - slope * np.array(LENGTHS)).max()
+    each = np.diff(took) / np.diff(LENGTHS)
+    print(f"\n{1e3 * slope:.3f} ms a dyad, {1e3 * offset:.3f} ms besides, off the line by {1e3 * residual:.3f} ms")
+    print("ms a dyad, from chain to chain:", np.round(1e3 * each, 3))
+    assert residual <= 0.1 * took[-1]
+    assert each[-1] <= 1.5 * each[1]  # from 8 to 16 dyads as from 2 to 4, but for the caches
+
+
+def chain(dyads: int, folder: Path) -> Scene:
+    """Return four-bars in a row: each rocker's middle drives the next coupler, on and on, less and less far."""
+    foot, pivot = 1 + 0j, 0j
+    ground, bodies, sketch = ["O = [0, 0]"], ['[bodies.crank]\nlengths = { "O-T0" = 1 }\nmass = 1'], ["T0 = [1, 0]"]
+    for n in range(1, dyads + 1):
+        pivot += 4
+        tip = _meet(foot, pivot, 4.0, 2.5)
+        ground.append(f"C{n} = [{pivot.real}, 0]")
+        bodies.append(f'[bodies.coupler{n}]\nlengths = {{ "T{n - 1}-B{n}" = 4 }}\nmass = 1')
+        bodies.append(f"[bodies.rocker{n}]\npoints = {{ C{n} = [0, 0], T{n} = [1.25, 0], B{n} = [2.5, 0] }}\nmass = 1")
+        foot = (pivot + tip) / 2
+        sketch += [f"B{n} = [{tip.real}, {tip.imag}]", f"T{n} = [{foot.real}, {foot.imag}]"]
+        bodies[-1] += "\ncom = [1.25, 0]\ninertia = 1"
+    file = folder / f"chain_{dyads}.toml"
+    parts = [
+        f'format = 1\nname = "chain_{dyads}"\n[ground.points]',
+        *ground,
+        *bodies,
+        '[drive]\nbody = "crank"\nspeed = 1\n[sketch]',
+        *sketch,
+        f'[output]\npoint = "B{dyads}"\n',
+    ]
+    file.write_text("\n".join(parts), encoding="utf-8")
+    return scenes.load(file)
+
+
+def _meet(A: complex, B: complex, a: float, b: float) -> complex:
+    """Return the upper one of the points that are a from A and b from B."""
+    d = abs(B - A)
+    x = (d**2 + a**2 - b**2) / (2 * d)
+    return A + complex(x, sqrt(a**2 - x**2)) * (B - A) / d

@@ -73,9 +73,10 @@ def _member(
         Failure: the reference cannot solve it.
         InputError: there is nothing to compare, since its output stands still.
     """
+    reference_at = registry.reference(scene)
 
     def solve(time: Samples) -> Motion:
-        return registry.reference()(scene, scene.drive.at(time).position, time)
+        return reference_at(scene.drive.at(time).position, time)
 
     found = cycle(scene, solve(SAMPLING.times(scene)), solve)
     reference = establish(scene)

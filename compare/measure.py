@@ -1,10 +1,10 @@
 """One engine, one setting: run it, compare it, check it, judge it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pandas as pd
 
-from scenes import Sampling, Settings
+from scenes import Failure, Sampling, Settings, Status
 
 from .checks import Check, checks
 from .errors import Comparison, compare, error_table
@@ -28,7 +28,13 @@ def measure(reference: Reference, engine: str, sampling: Sampling, settings: Set
     outcome = run(engine, reference.scene, sampling, settings)
     if outcome.motion is None:
         return Measurement(outcome, None, [], pd.DataFrame())
-    comparison = compare(reference, sampling, outcome.motion)
+    try:
+        comparison = compare(reference, sampling, outcome.motion)
+    except Failure as failure:
+        strayed = replace(
+            outcome, status=Status.diverged, reason=f"its drive is where no reference is: {failure.reason}"
+        )
+        return Measurement(strayed, None, [], pd.DataFrame())
     found = checks(reference.scene, outcome.motion, reference.stroke)
     verdict = judged(outcome, reference.scene, found, comparison)
     return Measurement(verdict, comparison, found, error_table(engine, comparison, reference))

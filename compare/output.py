@@ -2,8 +2,10 @@
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, fields, is_dataclass
+from enum import Enum
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,11 +16,13 @@ import pandas as pd
 from scenes import InputError, Motion
 from scenes.motion import header
 
-from . import tables
+from . import tables, work_precision
 from .environment import environment
+from .errors import group_floors
 from .registry import route
 from .report import page
 from .study import Study
+from .units import axis
 
 
 def check_writable(folder: Path) -> None:
@@ -36,22 +40,34 @@ def write(study: Study, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    target = folder / study.scene.name
+    stale = "motion.*.csv"  # an engine that did not run this time must not look as if it had
+    with placed(folder, study.scene.name, stale) as aside:
+        _write_all(study, aside)
+    return folder / study.scene.name
+
+
+@contextmanager
+def placed(folder: Path, name: str, stale: str) -> Iterator[Path]:
+    """Yield a folder to write files into; once all are complete they go to `folder/<name>/` in place of the stale ones.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    target = folder / name
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{study.scene.name}-", dir=folder) as aside:
-            written = _write_all(study, Path(aside))
+        with TemporaryDirectory(prefix=f".{name}-", dir=folder) as aside:
+            yield Path(aside)
             target.mkdir(exist_ok=True)
-            for stale in target.glob("motion.*.csv"):
-                stale.unlink()  # an engine that did not run this time must not look as if it had
-            for path in written:
+            for path in target.glob(stale):
+                path.unlink()
+            for path in Path(aside).iterdir():
                 path.replace(target / path.name)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
-    return target
 
 
-def _write_all(study: Study, folder: Path) -> list[Path]:
+def _write_all(study: Study, folder: Path) -> None:
     study.errors.to_csv(folder / "errors.csv", index=False)
     study.speed.to_csv(folder / "speed.csv", index=False)
     for m in study.measurements:
@@ -60,7 +76,6 @@ def _write_all(study: Study, folder: Path) -> list[Path]:
     summary = json.dumps(_plain(_summary(study)), indent=1, allow_nan=False)
     (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
     (folder / "report.html").write_text(page(study), encoding="utf-8")
-    return sorted(folder.iterdir())
 
 
 def _table(motion: Motion) -> pd.DataFrame:
@@ -71,6 +86,7 @@ def _summary(study: Study) -> dict[str, Any]:
     return {
         "scene": study.scene,
         "sampling": asdict(study.sampling),
+        "axis": asdict(axis(study.scene)),
         "reference": {
             "route": route(study.scene),
             "stroke_m": study.reference.stroke,
@@ -92,6 +108,9 @@ def _summary(study: Study) -> dict[str, Any]:
         },
         "errors": study.errors.to_dict("records"),
         "gates": tables.gates(study).to_dict("records"),
+        "cheapest": work_precision.choices(study.speed).to_dict("records"),
+        "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
+        "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
         "environment": environment(),
     }
 
@@ -102,6 +121,10 @@ def _plain(value: Any) -> Any:
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
         return {"-".join(sorted(k)) if isinstance(k, frozenset) else str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, frozenset):
+        return sorted(value)
+    if isinstance(value, Enum):
+        return value.name
     if isinstance(value, Iterable) and not isinstance(value, str):
         return [_plain(item) for item in value]
     if isinstance(value, float):

@@ -11,7 +11,7 @@ from scenes import Engine, InputError, Motion, Scene
 from scenes.errors import nearest
 from scenes.motion import Samples
 
-Solve: TypeAlias = Callable[[Scene, Samples], Motion]
+Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,15 @@ def engine(name: str) -> Engine[Any]:
     return cast("Engine[Any]", import_module(ENTRIES[name].module))
 
 
-def reference() -> Solve:
-    """Return the analytic core's `solve(scene, crank_angle)`, against which every engine is measured."""
-    return cast("Solve", import_module("analytic").solve)
+def reference(scene: Scene) -> Solve:
+    """Return the analytic core's solver of a scene, against which every engine is measured.
+
+    It raises Failure where the linkage has no motion, as where a drive was taken beyond its end.
+
+    Raises:
+        Failure: the core cannot take the scene apart.
+    """
+    return cast("Solve", import_module("analytic").solver(scene))
 
 
 def route(scene: Scene) -> str:

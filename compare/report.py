@@ -8,47 +8,92 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from . import tables
+from scenes.scene import ConstantSpeed
+
+from . import speed_tables, tables
 from .drawing import linkage
 from .environment import environment
-from .figures import over_angle, panels, speed_against_error
+from .figures import assur_groups, over_angle, panels
+from .speed import SAMPLING
+from .speed_figure import work_precision
 from .study import Study
+from .units import axis, cycle_name, position_name
+from .work_precision import TIE
+
+ONLY_ANALYTIC = (
+    "By the inner joint of each group. From the reference: only the analytic core knows Assur groups. To lock: by how"
+    " much the nearest length, or guide, would have to be off for the group to lock as it stands."
+)
 
 
 def page(study: Study) -> str:
     """Return the whole report as HTML."""
     template = Template((files("compare") / "report.html").read_text(encoding="utf-8"))
     scene = study.scene
-    curves = [(panel.title, over_angle(study, panel)) for panel in panels(study.reference)]
+    curves = "".join(_section(panel.title, over_angle(study, panel)) for panel in panels(study.reference))
+    locks = assur_groups(study)
+    if locks is not None:
+        curves += _section("Assur groups: transmission angle, and distance to lock", locks, ONLY_ANALYTIC)
     return template.substitute(
         title=escape(scene.title),
         source=escape(scene.source),
         setup=escape(tables.setup(study)),
         verdict=escape(tables.verdict(study)),
         notes="".join(f"<li>{escape(note)}</li>" for note in tables.notes(study)),
-        overview=_table(tables.overview(study)),
-        gates=_table(tables.gates(study)),
-        linkage=_figure(linkage(study)),
-        curves="".join(f"<section><h3>{escape(title)}</h3>{_figure(figure)}</section>" for title, figure in curves),
-        groups=_table(tables.by_group(study)),
-        channels=_table(study.errors),
-        checks=_table(tables.checks(study)),
-        residuals=_table(tables.residuals(study)),
-        speed_figure=_figure(speed_against_error(study)),
-        speed=_table(study.speed),
-        settings=_table(tables.settings(study), "text"),
-        environment=_table(pd.DataFrame(environment().items(), columns=["environment", ""]), "text"),
+        overview=table_html(tables.overview(study)),
+        gates=table_html(tables.gates(study)),
+        linkage=figure_html(linkage(study)),
+        axis=escape(axis(scene).quantity),
+        position=escape(position_name(scene)),
+        steady="" if isinstance(scene.drive, ConstantSpeed) else ", as if the drive were steady",
+        springs=", springs" if scene.springs else "",
+        scales=escape(tables.scales(scene)),
+        curves=curves,
+        groups=table_html(tables.by_group(study)),
+        channels=table_html(study.errors),
+        checks=table_html(tables.checks(study)),
+        residuals=table_html(tables.residuals(study)),
+        speed_verdict=escape(speed_tables.verdict(study)),
+        speed_figure=figure_html(work_precision(study)),
+        cheapest=_cheapest(study),
+        speed_notes="".join(f"<li>{escape(note)}</li>" for note in speed_tables.notes(study)),
+        orders=table_html(speed_tables.orders(study)),
+        step_costs=table_html(speed_tables.step_costs(study)),
+        ablations=table_html(speed_tables.ablations(study)),
+        speed=table_html(study.speed),
+        speed_samples=SAMPLING.samples,
+        cycle=cycle_name(scene),
+        tie=f"{TIE:.0%}".replace("%", " %"),
+        settings=table_html(tables.settings(study), "text"),
+        environment=table_html(pd.DataFrame(environment().items(), columns=["environment", ""]), "text"),
         plotly=get_plotlyjs(),
     )
 
 
-def _figure(figure: go.Figure) -> str:
+def _cheapest(study: Study) -> str:
+    tables = speed_tables.cheapest_settings(study).items()
+    first = speed_tables.said_group(study)
+    said = (
+        f"<details{' open' * (group == first)}><summary>{group}</summary>{table_html(table, 'text')}</details>"
+        for group, table in tables
+    )
+    return "".join(said)
+
+
+def _section(title: str, figure: go.Figure, note: str = "") -> str:
+    said = f'<p class="source">{escape(note)}</p>' if note else ""
+    return f"<section><h3>{escape(title)}</h3>{said}{figure_html(figure)}</section>"
+
+
+def figure_html(figure: go.Figure) -> str:
+    """Return a figure as a piece of a page."""
     return str(
         figure.to_html(full_html=False, include_plotlyjs=False, config={"displayModeBar": False, "responsive": True})
     )
 
 
-def _table(table: pd.DataFrame, kind: str = "") -> str:
+def table_html(table: pd.DataFrame, kind: str = "") -> str:
+    """Return a table as a piece of a page."""
     if table.empty:
         return "<p>None.</p>"
     html = table.to_html(index=False, border=0, na_rep="–", float_format=lambda value: f"{value:.3g}", justify="right")

@@ -3,22 +3,26 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
+from rich.status import Status
 
-from scenes import InputError, Sampling, Scene, load, shipped, write_starter
+from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
 
 from . import registry
+from .asked import TIERS, accuracy, narrowed
+from .family_grid import grid, variation
 
 if TYPE_CHECKING:
+    from .gates import Gate
     from .study import Study
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--full] [--check] [--list] [--new NAME]"
+    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
 )
 
 
@@ -38,8 +42,8 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:  # whoever read the output has seen enough; what is still to be flushed goes nowhere
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except KeyboardInterrupt:
-        print("stopped; nothing was written for the scene under way", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(str(stop) or "stopped; nothing was written for the scene under way", file=sys.stderr)
         return 130
 
 
@@ -58,9 +62,23 @@ def _parser() -> argparse.ArgumentParser:
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples a turn (360)")
-    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="turns of the crank (1)")
+    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples a cycle of the drive (360)")
+    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
+    parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
+    parser.add_argument(
+        "--accuracy",
+        type=accuracy,
+        help=f"the engines' settings: {', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)",
+    )
+    parser.add_argument(
+        "--vary",
+        type=variation,
+        action="append",
+        default=[],
+        metavar="PATH=FROM:TO:COUNT",
+        help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
+    )
     parser.add_argument("--full", action="store_true", help="take the long ladders, and time them for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
@@ -68,8 +86,12 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _names(text: str) -> list[str]:
+    return list(dict.fromkeys(name.strip() for name in text.split(",")))
+
+
 def _engines(text: str) -> list[str]:
-    names = list(dict.fromkeys(name.strip() for name in text.split(",")))
+    names = _names(text)
     registry.check_names(names)
     return names
 
@@ -94,35 +116,104 @@ def _list() -> int:
 
 def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
-    names = [scene.name for scene in scenes]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"arguments: two scenes are named '{name}', and both would write {options.out / name}")
+    if options.channels is not None:
+        scenes = [narrowed(scene, options.channels) for scene in scenes]
+    _check(options, scenes)
 
     from . import output  # late: the tables and plots are slow to import, and bad input should be told at once
-    from .speed import Budget
-    from .study import study
 
     output.check_writable(options.out)
-    budget = Budget(rounds=100, seconds=60.0, long_ladders=True) if options.full else Budget(rounds=10, seconds=1.0)
-    missed = False
+    run = _family if options.vary else _report
+    with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
+        missed = [run(scene, options, status) for scene in scenes]
+    return 1 if any(missed) else 0
+
+
+def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
+    """Raise InputError for arguments that do not fit the scenes."""
+    names = [scene.name for scene in scenes]
     for scene in scenes:
-        with Console(stderr=True).status(scene.name) as status:  # says nothing when it is not a terminal
+        if names.count(scene.name) > 1:
+            target = options.out / scene.name
+            raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
+        if options.turns > 1 and not scene.drive.repeats:
+            raise InputError(
+                f"arguments: --turns {options.turns}: expected 1, since {scene.name} runs once from start to end"
+            )
+        numbers_in(scene.file, [variation.path for variation in options.vary])
+    for name, why in (
+        ("full", "a family takes no ladders"),
+        ("accuracy", "a family takes the engines' defaults"),
+        ("channels", "a family is about all of them"),
+    ):
+        if options.vary and getattr(options, name):
+            raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
 
-            def progress(doing: str, scene: Scene = scene) -> None:
-                status.update(f"{scene.name}: {doing}")
 
-            result = study(scene, options.engines, Sampling(options.samples, options.turns), budget, progress)
-            progress("writing the report")
-            folder = output.write(result, options.out)
-        _tell(result)
-        print(f"report: {folder / 'report.html'}")
-        missed |= options.check and _missed(result)
-    return 1 if missed else 0
+def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
+    """Write one scene's report, and return whether it misses a tolerance."""
+    from . import output
+    from .study import study
+    from .timing import Budget
+
+    def progress(doing: str) -> None:
+        status.update(f"{scene.name}: {doing}")
+
+    budget = Budget(rounds=10, seconds=1.0)
+    if options.full:
+        budget = Budget(rounds=100, seconds=60.0, long_ladders=True, point_s=10.0)
+    sampling = Sampling(options.samples, options.turns)
+    result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
+    progress("writing the report")
+    folder = output.write(result, options.out)
+    _tell(result)
+    print(f"report: {folder / 'report.html'}")
+    return bool(options.check) and _missed(scene, {scene.name: result.gates})
+
+
+def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
+    """Write one scene's family, and return whether a member misses a tolerance, or none runs.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was solved till then is written.
+    """
+    from . import family_report
+    from .family import Family, members
+    from .family_tables import label, on_a_line
+
+    def progress(doing: str) -> None:
+        status.update(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
+
+    changes = grid(options.vary)
+    family = Family(scene, options.vary, options.engines)
+    sampling = Sampling(options.samples, options.turns)
+    stopped = False
+    try:
+        for member in members(scene.file, changes, options.engines, sampling, progress):
+            family.members.append(member)
+            print(f"{scene.name}  {on_a_line(family, member)}")
+    except KeyboardInterrupt:
+        if not family.members:
+            raise
+        stopped = True
+    progress("writing the report")
+    page = family_report.write(family, options.out) / "family.html"
+    print(f"family: {page}")
+    if stopped:
+        raise KeyboardInterrupt(
+            f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
+        )
+    able = {f"{scene.name}  {label(family, m)}": m.gates for m in family.members if m.cycle is not None}
+    if options.check and not able:
+        print(f"{scene.name}  missed: every tolerance, since no member runs")
+        return True
+    return bool(options.check) and _missed(scene, able)
 
 
 def _tell(result: "Study") -> None:
-    from .tables import SHOWN_GROUPS, overview
+    from .errors import SHOWN_GROUPS
+    from .speed_tables import verdict
+    from .tables import overview
 
     for row in overview(result).to_dict("records"):
         errors = "  ".join(f"{group} {row[group]:.1e}" for group in SHOWN_GROUPS if row[group] == row[group])
@@ -130,16 +221,18 @@ def _tell(result: "Study") -> None:
     for m in result.measurements:
         if m.run.reason:
             print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
+    for said in (*result.reasons, verdict(result)):
+        print(f"{result.scene.name}  {said}")
 
 
-def _missed(result: "Study") -> bool:
-    """Name every tolerance that was missed."""
-    if not result.gates:
-        print(f"{result.scene.name}  no tolerance is declared for these engines")
-    for gate in result.gates:
-        if gate.missed:
-            print(f"{result.scene.name}  missed: {gate}")
-    return any(gate.missed for gate in result.gates)
+def _missed(scene: Scene, gates: Mapping[str, Sequence["Gate"]]) -> bool:
+    """Name every tolerance that was missed, given the gates by what they are about."""
+    if not any(gates.values()):
+        print(f"{scene.name}  no tolerance is declared for these engines")
+    missed = [(name, gate) for name, of in gates.items() for gate in of if gate.missed]
+    for name, gate in missed:
+        print(f"{name}  missed: {gate}")
+    return bool(missed)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ from scenes.motion import channels
 
 from . import registry
 
+ON_TIME = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
+
 
 @dataclass(frozen=True)
 class Run:
@@ -65,7 +67,7 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
 
 
 def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
-    """Refuse a result that is short, holds NaN, or drops a channel without a word."""
+    """Refuse a result that is short, holds NaN, is of other instants, or drops a channel without a word."""
     for channel in channels(scene):
         if channel not in motion:
             if channel not in motion.unsupported:
@@ -76,5 +78,8 @@ def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
             raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {sampling.count}")
         bad = ~np.isfinite(values)
         if bad.any():
-            degrees = np.degrees(sampling.commanded(scene)[bad.argmax()])
-            raise Failure(Status.nonfinite, f"{channel} is not finite at crank angle {degrees:.4g} deg")
+            where = scene.where(float(sampling.commanded(scene)[bad.argmax()]))
+            raise Failure(Status.nonfinite, f"{channel} is not finite at {where}")
+    late = np.abs(motion["time"] - sampling.times(scene)).max()
+    if not late <= ON_TIME * scene.drive.cycle:
+        raise Failure(Status.crashed, f"the engine's samples are off the instants asked for, by up to {late:.3g} s")

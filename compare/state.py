@@ -38,19 +38,31 @@ class State:
         """Return two channels as one vector."""
         return self.motion[f"{stem}{x}"] + 1j * self.motion[f"{stem}{y}"]
 
+    def place(self, point: str) -> Vectors:
+        """Return where a point is."""
+        if point in self.scene.ground:
+            return np.full(self.motion["time"].shape, complex(*self.scene.ground[point]))
+        return self.vector(f"{point}.", "x", "y")
+
     def point(self, point: str) -> tuple[Vectors, Vectors, Vectors]:
         """Return position, velocity and acceleration."""
         if point in self.scene.ground:
             still = np.zeros(self.motion["time"].shape, complex)
-            return still + complex(*self.scene.ground[point]), still, still
-        return tuple(self.vector(f"{point}.", *pair) for pair in (("x", "y"), ("vx", "vy"), ("ax", "ay")))  # type: ignore[return-value]
+            return self.place(point), still, still
+        return self.place(point), self.vector(f"{point}.", "vx", "vy"), self.vector(f"{point}.", "ax", "ay")
+
+    def angle(self, body: str) -> Samples:
+        """Return the angle of a body's x axis, or of the ground's."""
+        if body not in self.scene.turning:
+            return np.zeros(self.motion["time"].shape)
+        return self.motion[f"{body}.angle"]
 
     def turning(self, body: str) -> tuple[Samples, Samples, Samples]:
         """Return angle, omega and alpha of a body or the ground."""
         if body not in self.scene.turning:
             still = np.zeros(self.motion["time"].shape)
             return still, still, still
-        return self.motion[f"{body}.angle"], self.motion[f"{body}.omega"], self.motion[f"{body}.alpha"]
+        return self.angle(body), self.motion[f"{body}.omega"], self.motion[f"{body}.alpha"]
 
     def com(self, body: Body) -> tuple[Vectors, Vectors, Vectors]:
         """Return position, velocity and acceleration of the centre of mass; of uniform bodies, the corners' mean."""
@@ -64,17 +76,17 @@ class State:
 
     def frame(self, name: str) -> tuple[Vectors, Vectors]:
         """Return the origin of a body's frame, or of the ground's, and the unit vector of its x axis."""
-        x_axis = np.exp(1j * self.turning(name)[0])
+        x_axis = np.exp(1j * self.angle(name))
         if name == GROUND:
             return np.zeros_like(x_axis), x_axis
         body = self.scene.bodies[name]
-        return self.point(body.points[0])[0] - x_axis * _first(body), x_axis
+        return self.place(body.points[0]) - x_axis * _first(body), x_axis
 
     def on_guide(self, body: Body) -> Vectors:
         """Return where a slider's first point is on its guide, from `through`: along it, and i times beside it, m."""
         assert body.slide is not None
         origin, x_axis = self.frame(body.slide.on)
-        own = x_axis.conjugate() * (self.point(body.points[0])[0] - origin)
+        own = x_axis.conjugate() * (self.place(body.points[0]) - origin)
         return (own - complex(*body.slide.through)) * complex(*body.slide.along).conjugate()
 
     def displacement(self, body: Body) -> tuple[Samples, Samples, Samples]:
@@ -96,7 +108,7 @@ class State:
             for (name, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if name == body.name:
                     z, v, _ = self.point(point)
-                    towards = self.point(other)[0] - z
+                    towards = self.place(other) - z
                     distance = np.abs(towards)
                     unit = towards / np.where(distance > 0, distance, 1.0)
                     yield Push(spring.stiffness * (distance - spring.length) * unit, z, v)
@@ -120,10 +132,10 @@ class State:
         for pin in self.scene.pins:
             if body.name in (pin.first, pin.second):
                 force = self.vector(f"{pin.channel}.", "fx", "fy")
-                yield (force if body.name == pin.second else -force), self.point(pin.point)[0]
+                yield (force if body.name == pin.second else -force), self.place(pin.point)
         for sign, slider, slide in self._guides(body):
-            normal = np.exp(1j * self.turning(slide.on)[0]) * 1j * complex(*slide.along)
-            yield sign * self.motion[f"{slider.name}.guide_force"] * normal, self.point(slider.points[0])[0]
+            normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
+            yield sign * self.motion[f"{slider.name}.guide_force"] * normal, self.place(slider.points[0])
 
     def couples(self, body: Body) -> Samples:
         """Return the pure moments on the body, N m."""

@@ -1,17 +1,19 @@
 """The report's tables, as data frames: what `summary.json`, the page and the terminal all show."""
 
 from dataclasses import asdict
-from math import pi
+from math import degrees, pi
 
 import pandas as pd
 
-from scenes import Status
+from scenes import Scene, Status
+from scenes.motion import channels
+from scenes.scene import ConstantSpeed
 
 from . import registry
+from .errors import SHOWN_GROUPS
 from .registry import REFERENCE
 from .study import Study
-
-SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")
+from .units import axis, cycle_name
 
 
 def overview(study: Study) -> pd.DataFrame:
@@ -32,7 +34,7 @@ def overview(study: Study) -> pd.DataFrame:
 
 
 def by_group(study: Study) -> pd.DataFrame:
-    """Return the largest errors of every engine and group: whole run, last turn, toggle windows, commanded angle."""
+    """Return the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
     columns = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms"]
     errors = study.errors
     if errors.empty:
@@ -40,7 +42,8 @@ def by_group(study: Study) -> pd.DataFrame:
     groups = errors.groupby(["engine", "group"], sort=False)
     worst = pd.DataFrame([rows.iloc[int(rows["max"].to_numpy().argmax())] for _, rows in groups])
     table = groups[columns].max(skipna=False).reset_index()  # a NaN counts as the largest, here and above
-    return table.assign(worst_channel=worst["channel"].to_numpy(), at_deg=worst["max_at_deg"].to_numpy())
+    at = {f"max_at [{axis(study.scene).unit}]": worst["max_at"].to_numpy()}
+    return table.assign(worst_channel=worst["channel"].to_numpy(), **at)
 
 
 def checks(study: Study) -> pd.DataFrame:
@@ -51,7 +54,7 @@ def checks(study: Study) -> pd.DataFrame:
             "check": c.check,
             "of": c.of,
             "worst": c.worst,
-            "at_deg": c.at_deg,
+            f"max_at [{axis(study.scene).unit}]": c.max_at,
             "relative to": c.relative_to,
         }
         for m in study.measurements
@@ -95,6 +98,11 @@ def notes(study: Study) -> list[str]:
     said = [f"Floor of the reference: {floor.by}."]
     if floor.by_channel:
         said = [f"Floor of the reference: {max(floor.by_channel.values()):.1e} at most, certified by {floor.by}."]
+    if study.scene.asked is not None:
+        said.append(
+            f"Asked for: {', '.join(channels(study.scene)[2:])}; checks and tolerances of other channels are left out."
+        )
+    said += [f"{reason}." for reason in study.reasons]
     for m in study.measurements:
         if m.run.status is not Status.ok:
             said.append(f"{m.run.engine}: {m.run.status.name}. {m.run.status.value} Here: {m.run.reason}.")
@@ -105,14 +113,35 @@ def notes(study: Study) -> list[str]:
 
 def setup(study: Study) -> str:
     """Return what was run, in one sentence."""
-    scene, sampling = study.scene, study.sampling
-    turns = "one turn" if sampling.turns == 1 else f"{sampling.turns} turns"
-    rpm = scene.drive.speed * 30 / pi
+    scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
+    cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
     stroke = 1e3 * study.reference.stroke
     return (
-        f"The {scene.drive.body} at {rpm:g} rpm, {turns}, {sampling.samples} samples a turn; stroke {stroke:.4f} mm."
-        f" The reference's way: {registry.route(scene)}."
+        f"The {scene.drive.body} {_driven(scene)}, {cycles}, {sampling.samples} samples a {cycle};"
+        f" stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
     )
+
+
+def scales(scene: Scene) -> str:
+    """Return what the errors' scales are where the drive is more than a crank at constant speed."""
+    said = ""
+    if scene.driven_slide is not None:
+        said = " ω is the drive's peak speed over its travel; the force of the drive stands under torque."
+    elif not isinstance(scene.drive, ConstantSpeed):
+        said = " ω is the drive's peak rate."
+    return said
+
+
+def _driven(scene: Scene) -> str:
+    """Return how the drive moves its body, in a few words."""
+    drive = scene.drive
+    if not isinstance(drive, ConstantSpeed):
+        again = ", again and again" if drive.repeats else ""
+        return f"by a motion law of {drive.cycle:g} s{again}"
+    if scene.driven_slide is not None:
+        return f"at {1e3 * drive.speed:g} mm/s from {1e3 * drive.start:g} to {1e3 * drive.after(1):g} mm"
+    rpm = f"at {drive.speed * 30 / pi:g} rpm"
+    return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
 
 
 def verdict(study: Study) -> str:

@@ -1,201 +1,207 @@
-"""Poses of an Exudyn system: Newton's method on the constraints C(q, t) = 0 as Exudyn itself evaluates them.
+"""Poses of an Exudyn system: Newton's method on the constraints C(q) = 0 as Exudyn itself evaluates them.
 
-Its solver gives the residual C and the Jacobian C_q; the steps taken with them are made here. From the sketch, the pose
-is found at the sketch's crank angle and then followed to wherever it is wanted.
+A pose belongs to a position s of the drive, whenever that may be, and is followed from one to others. With it come its
+derivatives by s, of which velocities and accelerations of any motion are made, and the multipliers by its forces:
+
+    C_q q' = -C_s,    C_q q'' = -(C_q q')_q q',    C_q^T lambda = f - M a.
+
+Arrays of one state have the shapes given; those of many have a leading axis besides.
 """
 
-from cmath import phase
-from math import pi, remainder, tau
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Status
 
-from .exudyn_system import System, engine, sketched
+from .exudyn_equations import Array, Equations
+from .exudyn_system import System
 
-Array: TypeAlias = NDArray[np.float64]
-
-ASSEMBLY_ITERATIONS = 50  # the sketch may be rough
-ITERATIONS = 8  # from a predicted pose
-CONVERGED = 1e-9  # a last correction, over the size; Newton is quadratic, so round-off is all that it leaves
+KNOTS = 18  # poses of a cycle that are followed one by one; those between are then found from them all at once
+ITERATIONS = 12  # from a predicted pose, with the Jacobian there
+CONVERGED = 1e-9  # the largest last correction, over the size
+ROUND_OFF = 1e-15  # of the size: what is left after it, going by how fast corrections get smaller
 STRAY = 0.1  # largest correction of a predicted pose, over the length of the step to it
 BISECTIONS = 30  # of a step, before it counts as impossible
+DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
 
 class State(NamedTuple):
-    """A pose that meets the constraints, and its velocity."""
+    """A pose that meets the constraints, and how it changes with the drive's position; or many."""
 
-    time: float  # s, of Exudyn's clock
+    position: Array  # s, of the drive, shape (), rad or m
     q: Array  # shape (3 bodies,), m and rad
-    v: Array  # shape (3 bodies,), m/s and rad/s
-    branch: float  # sign of det C_q, which changes only where two branches meet
+    tangent: Array  # q' = dq/ds, shape (3 bodies,)
+    curvature: Array  # q'', shape (3 bodies,)
+    inverse: Array  # of C_q, shape (3 bodies, constraints)
+    branch: Array  # sign of det C_q, which changes only where two branches meet, shape ()
+
+    def rows(self, chosen: NDArray[np.intp] | slice | int) -> "State":
+        """Return some of many states."""
+        return State(*(field[chosen] for field in self))
+
+    def velocities(self, rate: ArrayLike) -> Array:
+        """Return the velocities for a rate of the drive, shape (3 bodies,)."""
+        velocities: Array = self.tangent * np.asarray(rate)[..., np.newaxis]
+        return velocities
+
+    def accelerations(self, rate: ArrayLike, acceleration: ArrayLike) -> Array:
+        """Return the accelerations for a rate and an acceleration of the drive, shape (3 bodies,)."""
+        rate, acceleration = np.asarray(rate)[..., np.newaxis], np.asarray(acceleration)[..., np.newaxis]
+        accelerations: Array = self.curvature * rate**2 + self.tangent * acceleration
+        return accelerations
 
 
 class Poses:
-    """The poses of one system, on the sketch's branch."""
+    """The poses of one system."""
 
     def __init__(self, system: System) -> None:
-        self.system = system
-        self.newton_iterations = 0  # so far
-        self._solver: Any = engine().MainSolverImplicitSecondOrder()
-        self._solver.InitializeSolver(system.mbs, system.settings)
-        self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
-        self._zeros = np.zeros((2 * self._n, 2 * self._n))
+        self.system, self.equations = system, Equations(system)
+        self.newton_iterations = self.curvatures = 0  # found so far
         # Corrections are measured with lengths over the linkage's size and angles in rad.
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
-    def start(self) -> State:
-        """Return the state at time zero of Exudyn's clock, assembled from the sketch.
+    def through(self, state: State, positions: Array, *, curved: bool = True) -> State:
+        """Return the states at many positions, passed one after the other from the state given.
 
-        Raises:
-            Failure: the constraints leave a freedom or repeat each other; no pose is found near the sketch; or none
-                from there to the start.
-        """
-        speed, first = self.system.scene.drive.speed, self.system.crank_angle(0.0)
-        back = remainder(first - self.system.scene.sketch.angle, tau)  # the shorter way round
-        rough, time = self._rough(first - back), -back / speed
-        assembled = self._assemble(rough, time)
-        self._check_freedoms(assembled)
-        sketch = self._state(assembled, time)
-        self._check_branch(rough, sketch)
-        return self.follow(sketch, 0.0)
-
-    def follow(self, state: State, time: float, bisections: int = BISECTIONS) -> State:
-        """Return the state at another time: predicted along the velocity, corrected, in smaller steps where it strays.
+        Without curvatures, those of most states are not a number, and have cost nothing.
 
         Raises:
             Failure: no pose continues the motion on this branch.
         """
-        path = (time - state.time) * state.v
-        reached = self._correct(state.q + path, time, STRAY * self._length(path) + CONVERGED)
-        if reached is not None and reached.branch == state.branch:
+        knots = self._knots(np.append(state.position, positions))
+        followed = [state]
+        for position in positions[knots]:
+            followed.append(self.follow(followed[-1], float(position)))
+        known = State(*map(np.array, zip(*followed, strict=True)))
+        between = np.setdiff1d(np.arange(len(positions)), knots)
+        if not len(between):
+            return known.rows(slice(1, None))
+        last = np.searchsorted(knots, between)  # of the states that are known before each
+        before, after = known.rows(last), known.rows(last + 1)
+        guess = _interpolated(before, after, positions[between])
+        reached, found = self._at(guess, positions[between], before, curved=curved)
+        for row in np.flatnonzero(~found):
+            alone = self.follow(followed[last[row]], float(positions[between[row]]))
+            for field, value in zip(reached, alone, strict=True):
+                field[row] = value
+        order = np.argsort(np.append(knots, between))
+        return State(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
+
+    def _knots(self, positions: Array) -> NDArray[np.intp]:
+        """Return which positions after the first to follow one by one: every so far along the way, and the last.
+
+        Where the drive rests or turns back is one too, so that the others lie between two of them.
+        """
+        least, most = self.system.scene.drive.extent
+        steps = np.diff(positions)
+        blocks = np.abs(steps).cumsum() // ((most - least) / KNOTS)
+        ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
+        return np.flatnonzero(ends)
+
+    def follow(self, state: State, position: float, bisections: int = BISECTIONS) -> State:
+        """Return the state at another position: predicted, corrected, in smaller steps if it strays.
+
+        Raises:
+            Failure: no pose continues the motion on this branch.
+        """
+        if position == state.position:
+            return state
+        reached, found = self._reached(state, np.asarray(position))
+        if found:
             return reached
         if bisections == 0:
             raise Failure(
                 Status.cannot_assemble,
-                f"the bodies cannot follow the drive past crank angle {self.system.degrees(state.time)}:"
+                f"the bodies cannot follow the drive past {self.system.scene.where(float(state.position))}:"
                 " the linkage locks there, or two ways of assembling it meet",
             )
-        middle = self.follow(state, (state.time + time) / 2, bisections - 1)
-        return self.follow(middle, time, bisections - 1)
+        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1)
+        return self.follow(middle, position, bisections - 1)
 
-    def accelerations(self, state: State) -> tuple[Array, Array]:
-        """Return accelerations and Lagrange multipliers of a state, each of shape (3 bodies,).
+    def state(self, q: Array, position: Array, *, curved: bool = True) -> State:
+        """Return the state in a pose that meets the constraints."""
+        jacobian = self.equations.jacobian(q)
+        inverse = _inverse(jacobian)
+        tangent = -inverse @ self.equations.drive_rate
+        curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
+        return State(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
-        They are what Exudyn's generalised-alpha solver computes to begin with: M a + C_q^T lambda = f together with
-        C_q a = -d(C_q)/dt v. It takes no C_tt, which is zero for a drive of constant speed.
-        """
-        initial, values = engine().ConfigurationType.Initial, self.system.state
-        values.SetODE2Coordinates(state.q, initial)
-        values.SetODE2Coordinates_t(state.v, initial)
-        self.system.settings.timeIntegration.startTime = state.time
-        self._solver.InitializeSolverInitialConditions(self.system.mbs, self.system.settings)
-        return values.GetODE2Coordinates_tt(), values.GetAECoordinates()
+    def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, clock: ArrayLike) -> Array:
+        """Return the Lagrange multipliers of a motion that is there at an instant of Exudyn's clock, s."""
+        forces = self.equations.forces(state.q, state.velocities(rate), clock)
+        inertia = self.equations.masses * state.accelerations(rate, acceleration)
+        return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 
-    def _rough(self, crank_angle: float) -> Array:
-        """Return every body laid on the sketch as well as a rigid body can be, shape (3 bodies,)."""
-        scene, places = self.system.scene, sketched(self.system.scene)
-        pose = []
-        for name, body in self.system.bodies.items():
-            known = [point for point in body.points if point in places]
-            if not known:
-                raise Failure(Status.unsupported, f"nothing moves {name}: it shares no point with another body")
-            own = np.array([body.points[point] for point in known])
-            drawn = np.array([places[point] for point in known])
-            # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2
-            angle = phase(np.vdot(own - own.mean(), drawn - drawn.mean()))
-            if scene.bodies[name].slide is not None:
-                angle = 0.0
-            if name == scene.drive.body:
-                angle = crank_angle
-            com = drawn.mean() - np.exp(1j * angle) * own.mean()
-            pose += [com.real, com.imag, angle]
-        return np.array(pose)
+    def speed(self, state: State) -> Array:
+        """Return how fast the bodies move when the drive's rate is one, over the linkage's size, or turn."""
+        return self.length(state.tangent)
 
-    def _assemble(self, rough: Array, time: float) -> Array:
-        """Return a pose that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""
-        q = rough
-        for _ in range(ASSEMBLY_ITERATIONS):
-            residual = self._residual(q, time)
-            step = np.linalg.lstsq(self._jacobian(q), -residual, rcond=None)[0]
-            length = self._length(step)
-            if length < CONVERGED and np.abs(residual).max() < CONVERGED * self.system.size:
-                return q + step
-            q = q + step / max(1.0, 2 * length)
-            self.newton_iterations += 1
-        raise Failure(
-            Status.cannot_assemble,
-            f"the bodies do not fit together at crank angle {self.system.degrees(time)}, where the sketch shows them",
-        )
+    def branch(self, jacobian: Array) -> Array:
+        """Return the sign of det C_q."""
+        sign: Array = np.linalg.slogdet(jacobian)[0]
+        return sign
 
-    def _check_freedoms(self, q: Array) -> None:
-        """Refuse a system that Exudyn finds to be movable with the drive held, or held twice."""
-        mbs = self.system.mbs
-        mbs.systemData.SetODE2Coordinates(q, engine().ConfigurationType.Initial)
-        counts = mbs.ComputeSystemDegreeOfFreedom()
-        free, redundant = int(counts["degreeOfFreedom"]), int(counts["redundantConstraints"])
-        if free or redundant:
-            raise Failure(
-                Status.unsupported,
-                f"with the drive held, Exudyn counts {free} degrees of freedom and {redundant} redundant constraints;"
-                " it needs 0 and 0 to tell every reaction",
-            )
+    def length(self, step: Array) -> Array:
+        """Return the largest change of a coordinate, over the linkage's size, or in rad."""
+        length: Array = np.abs(step / self.scale).max(axis=-1)
+        return length
 
-    def _check_branch(self, rough: Array, state: State) -> None:
-        """Refuse a pose that Newton's method found on another branch than the sketch's."""
-        turned = np.abs(state.q - rough)[2::3].max()
-        if turned > pi / 2 or self._branch(self._jacobian(rough)) != state.branch:
-            raise Failure(
-                Status.wrong_branch,
-                f"the sketch at crank angle {self.system.degrees(state.time)} is too rough to tell"
-                " which of two ways of assembling the bodies it shows",
-            )
+    def _reached(self, start: State, position: Array) -> tuple[State, NDArray[np.bool_]]:
+        """Return the state at another position, predicted by derivatives; and whether it was found."""
+        travel = (position - start.position)[..., np.newaxis]
+        return self._at(start.q + travel * (start.tangent + travel / 2 * start.curvature), position, start)
 
-    def _correct(self, guess: Array, time: float, reach: float) -> State | None:
-        """Return the state that Newton's method finds within reach of a guess."""
-        q = guess
+    def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
+        """Return q'', with the change of C_q q' along q' by a symmetric difference."""
+        rates, h = self.equations.rates, (DIFFERENCE / self.length(tangent))[..., np.newaxis]
+        change = (rates(q + h * tangent, tangent) - rates(q - h * tangent, tangent)) / (2 * h)
+        self.curvatures += change.size // change.shape[-1]
+        return -_times(inverse, change)
+
+    def _at(
+        self, guess: Array, position: Array, start: State, *, curved: bool = True
+    ) -> tuple[State, NDArray[np.bool_]]:
+        """Return the state that is near a guess, which was made from a first one; and whether it was found."""
         try:
-            for _ in range(ITERATIONS):
-                step = np.linalg.solve(self._jacobian(q), -self._residual(q, time))
-                self.newton_iterations += 1
-                q = q + step
-                if self._length(q - guess) > reach:
-                    break
-                if self._length(step) < CONVERGED:
-                    return self._state(q, time)
-        except np.linalg.LinAlgError:  # two branches meet here
-            pass
-        return None
+            q, found = self._corrected(guess, position, STRAY * self.length(guess - start.q) + CONVERGED)
+            reached = self.state(np.where(found[..., np.newaxis], q, start.q), position, curved=curved)
+        except np.linalg.LinAlgError:  # two branches meet at one of them
+            return start, np.zeros(position.shape, dtype=bool)
+        return reached, found & (reached.branch == start.branch)
 
-    def _state(self, q: Array, time: float) -> State:
-        """Solve the constraints at velocity level, C_q v + C_t = 0."""
-        jacobian = self._jacobian(q)
-        self.system.state.SetODE2Coordinates_t(np.zeros(self._n))
-        self.system.state.SetTime(time)
-        self._solver.ComputeAlgebraicEquations(self.system.mbs, velocityLevel=True)
-        rate = self._solver.GetSystemResidual()[self._n :]
-        return State(time, q, np.linalg.solve(jacobian, -rate), self._branch(jacobian))
+    def _corrected(self, guess: Array, position: Array, reach: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return what Newton's method finds with the Jacobian of the guess, and whether it is within reach of that."""
+        inverse = _inverse(self.equations.jacobian(guess))
+        q, found, length = guess, np.zeros(position.shape, dtype=bool), reach
+        for _ in range(ITERATIONS):
+            step = _times(inverse, self.equations.residual(q, position))
+            self.newton_iterations += position.size
+            q, before, length = q - step, length, self.length(step)
+            found = found | (length < CONVERGED) & ((length**2 < ROUND_OFF * before) | (length >= before))
+            if (found | (length > reach)).all():
+                break
+        return q, found & (self.length(q - guess) <= reach)
 
-    def _residual(self, q: Array, time: float) -> Array:
-        """Return C(q, t), shape (constraints,), m and rad."""
-        self.system.state.SetODE2Coordinates(q)
-        self.system.state.SetTime(time)
-        self._solver.ComputeAlgebraicEquations(self.system.mbs)
-        residual: Array = self._solver.GetSystemResidual()[self._n :]
-        return residual
 
-    def _jacobian(self, q: Array) -> Array:
-        """Return C_q, shape (constraints, 3 bodies)."""
-        self.system.state.SetODE2Coordinates(q)
-        self._solver.SetSystemJacobian(self._zeros)
-        self._solver.ComputeJacobianAE(self.system.mbs)
-        jacobian: Array = self._solver.GetSystemJacobian()[self._n :, : self._n]
-        return jacobian
+def _inverse(matrix: Array) -> Array:
+    return cast("Array", np.linalg.inv(matrix))
 
-    def _branch(self, jacobian: Array) -> float:
-        return float(np.linalg.slogdet(jacobian)[0])
 
-    def _length(self, step: NDArray[np.floating[Any]]) -> float:
-        return float(np.abs(step / self.scale).max())
+def _times(matrix: Array, vector: Array) -> Array:
+    product: Array = (matrix @ vector[..., np.newaxis])[..., 0]
+    return product
+
+
+def _interpolated(before: State, after: State, position: Array) -> Array:
+    """Return poses between others by the quintic that meets those with both derivatives."""
+    h = (after.position - before.position)[:, np.newaxis]
+    x = (position - before.position)[:, np.newaxis] / h
+
+    def part(x: Array, q: Array, dq: Array, ddq: Array) -> Array:
+        return (1 - x) ** 3 * ((1 + 3 * x + 6 * x**2) * q + x * (1 + 3 * x) * dq + x**2 / 2 * ddq)
+
+    return part(x, before.q, h * before.tangent, h**2 * before.curvature) + part(
+        1 - x, after.q, -h * after.tangent, h**2 * after.curvature
+    )

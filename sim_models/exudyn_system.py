@@ -1,22 +1,25 @@
-"""A scene as an Exudyn system: rigid bodies, joints, the drive, loads.
+"""A scene as an Exudyn system: rigid bodies, joints, the drive.
 
 Every moving body is a RigidBody2D whose node is its centre of mass, with the coordinates x, y (m) and the angle of its
-x axis (rad). A pin is a RevoluteJoint2D; a slide and the drive are constraints on coordinates. All hold at position
-level, and all say "marker 1 minus marker 0 is zero", so that -lambda is what acts on marker 1.
+x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJoint2D; a slide on the ground and the
+drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
 """
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from math import degrees, sqrt
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Body
+from scenes.scene import GROUND, Body, Slide
+
+from .exudyn_bodies import RigidBody, rigid_body
+from .exudyn_course import Course
+
+Chosen: TypeAlias = slice | NDArray[np.intp]
 
 
 def engine() -> ModuleType:
@@ -28,77 +31,30 @@ def engine() -> ModuleType:
     return exudyn
 
 
-# --- bodies; a point of the plane is a complex number, x + iy --------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class RigidBody:
-    """A body with its points measured from its centre of mass, along its own axes."""
-
-    points: Mapping[str, complex]  # m
-    mass: float  # kg
-    inertia: float  # kg m^2, about the centre of mass
-
-
-def rigid_body(scene: Scene, body: Body) -> RigidBody:
-    """Return a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it."""
-    points = _local_points(scene, body)
-    mass = 1.0 if body.mass is None else body.mass
-    if body.com is None or body.inertia is None:
-        com, inertia = _uniform(mass, list(points.values()))
-    else:
-        com, inertia = complex(*body.com), body.inertia
-    return RigidBody({name: point - com for name, point in points.items()}, mass, inertia)
-
-
-def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
-    if body.local is not None:
-        return {name: complex(*point) for name, point in body.local.items()}
-    assert body.lengths is not None
-    first, second, *third = body.points
-    base = body.lengths[frozenset((first, second))]
-    points = {first: 0j, second: complex(base)}
-    for apex in third:
-        a, b = (body.lengths[frozenset((corner, apex))] for corner in (first, second))
-        x = (base**2 + a**2 - b**2) / (2 * base)
-        p, q, r = (sketched(scene)[name] for name in body.points)
-        side = ((q - p).conjugate() * (r - p)).imag
-        points[apex] = complex(x, np.copysign(sqrt(a**2 - x**2), side))
-    return points
-
-
-def _uniform(mass: float, points: list[complex]) -> tuple[complex, float]:
-    """Return centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36)."""
-    squares = sum(abs(p - q) ** 2 for i, p in enumerate(points) for q in points[:i])
-    return sum(points) / len(points), mass * squares / {1: 1, 2: 12, 3: 36}[len(points)]
-
-
-def sketched(scene: Scene) -> dict[str, complex]:
-    """Return where the points are, roughly: name -> m, for those that the scene says."""
-    return {name: complex(*point) for name, point in (*scene.ground.items(), *scene.sketch.points.items())}
-
-
-# --- the system ------------------------------------------------------------------------------------------------------
-
-
 class System:
-    """One scene as an assembled Exudyn system.
+    """One scene as an assembled Exudyn system, yet without loads; a point of the plane is a complex number, x + iy."""
 
-    Exudyn's clock cannot start below zero, so it runs ahead of the scene's by `lead`, s.
-    """
+    node_size = 3  # coordinates of a body
+    in_plane = (0, 1, 2)  # which of them are x, y and the angle
 
-    def __init__(self, scene: Scene, lead: float) -> None:
-        self.scene, self.lead = scene, lead
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.course = scene, Course(scene.drive)
         exudyn = engine()
         self._items: Any = exudyn.itemInterface
         self.bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
         self.mbs: Any = self._container.AddSystem()
-        self._add_bodies()
+        self._ground_node = self.mbs.AddNode(self._items.NodePointGround())
+        self._ground = self.mbs.AddObject(self._items.ObjectGround())
+        self.nodes = {name: self._add_node() for name in self.bodies}
+        self.objects = {name: self._add_body(body, self.nodes[name]) for name, body in self.bodies.items()}
         self.pins = {pin.channel: self._add_pin(pin.point, pin.first, pin.second) for pin in scene.pins}
-        self.slides = {name: self._add_slide(body) for name, body in scene.bodies.items() if body.slide is not None}
-        self.drive = self._add_drive()
-        self._add_loads()
+        self.slides = {
+            name: self._add_guide(name, body.slide) if body.slide.on == GROUND else self._add_slot(body, body.slide)
+            for name, body in scene.bodies.items()
+            if body.slide is not None
+        }
+        self.drive, self.drive_factor = self._add_drive()
         self.mbs.Assemble()
         self.state: Any = self.mbs.systemData
         self.settings: Any = exudyn.SimulationSettings()
@@ -106,87 +62,146 @@ class System:
 
     @cached_property
     def size(self) -> float:
-        """The linkage's size, m: its longest distance from a centre of mass to a point, or between ground points."""
+        """The linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
+
+        It is at least what a driven slider travels, since all bodies may be points.
+        """
         arms = [abs(point) for body in self.bodies.values() for point in body.points.values()]
         ground = [complex(*point) for point in self.scene.ground.values()]
-        return max(*arms, *(abs(p - q) for p in ground for q in ground))
+        least, most = (0.0, 0.0) if self.scene.driven_slide is None else self.scene.drive.extent
+        return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
 
-    def crank_angle(self, time: float) -> float:
-        """Return the angle that the drive asks for at a time of Exudyn's clock, rad."""
-        return self.scene.drive.start + self.scene.drive.speed * (time - self.lead)
+    @property
+    def coordinates(self) -> Chosen:
+        """Where x, y and angle of every body in turn stand among all coordinates."""
+        return slice(None)
 
-    def degrees(self, time: float) -> str:
-        """Return that angle as messages say it, within one turn."""
-        return f"{degrees(self.crank_angle(time)) % 360:.6g} deg"
+    @property
+    def multipliers(self) -> Chosen:
+        """Where two of every pin, two of every slide and the drive's stand among all multipliers."""
+        return slice(None)
 
-    @staticmethod
-    def normal(body: Body) -> complex:
-        """Return the unit normal of a slide, `along` turned +90 degrees."""
-        assert body.slide is not None
-        return 1j * complex(*body.slide.along)
+    def counts(self) -> dict[str, int]:
+        """Return how large the system is: bodies, coordinates, constraint equations and sensors."""
+        return {
+            "bodies": len(self.bodies),
+            "coordinates": self.node_size * len(self.bodies),
+            "constraints": len(self.mbs.systemData.GetAECoordinates()),
+            "sensors": int(self.mbs.systemData.NumberOfSensors()),
+        }
+
+    def com(self, body: str, q: NDArray[np.float64]) -> complex:
+        """Return a body's centre of mass from coordinates, or its rate from theirs, of shape (3 bodies,)."""
+        number = 3 * list(self.bodies).index(body)
+        return complex(q[number], q[number + 1])
+
+    def slide(self, body: str) -> Slide:
+        """Return the guide of a body that slides."""
+        slide = self.scene.bodies[body].slide
+        assert slide is not None
+        return slide
+
+    def along(self, body: str) -> complex:
+        """Return the direction of a body's guide, in the frame of the guide."""
+        return complex(*self.slide(body).along)
+
+    def lever(self, body: str) -> complex:
+        """Return where the first point of a body is, seen from its centre of mass, along its own axes."""
+        return self.bodies[body].points[self.scene.bodies[body].points[0]]
+
+    def displaced(self, body: str, com: Any) -> Any:
+        """Return the displacement on the ground of a slider, m, whose centre of mass is there."""
+        first = com + self.lever(body) - complex(*self.slide(body).through)
+        return (self.along(body).conjugate() * first).real
+
+    def at(self, body: str, point: str) -> Any:
+        """Return a marker at a point of a body or of the ground."""
+        if body == GROUND:
+            return self._marker(body, complex(*self.scene.ground[point]))
+        return self._marker(body, self.bodies[body].points[point])
 
     def columns(self, constraint: Any) -> list[int]:
         """Return where the multipliers of a constraint stand among all."""
         return list(self.mbs.systemData.GetObjectLTGAE(constraint))
 
-    def _add_bodies(self) -> None:
-        self._nodes = {GROUND: self.mbs.AddNode(self._items.NodePointGround())}
-        self._objects = {GROUND: self.mbs.AddObject(self._items.ObjectGround())}
-        for name, body in self.bodies.items():
-            node = self.mbs.AddNode(self._items.NodeRigidBody2D())
-            self._nodes[name] = node
-            self._objects[name] = self.mbs.AddObject(
-                self._items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node)
-            )
+    def _add_node(self) -> Any:
+        return self.mbs.AddNode(self._items.NodeRigidBody2D())
 
-    def _at(self, body: str, point: str) -> Any:
-        """Return a marker at a point of a body or of the ground."""
-        place = complex(*self.scene.ground[point]) if body == GROUND else self.bodies[body].points[point]
-        return self.mbs.AddMarker(
-            self._items.MarkerBodyPosition(bodyNumber=self._objects[body], localPosition=[place.real, place.imag, 0])
-        )
+    def _add_body(self, body: RigidBody, node: Any) -> Any:
+        return self.mbs.AddObject(self._items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
+
+    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        number = self._ground if body == GROUND else self.objects[body]
+        create = getattr(self._items, f"MarkerBody{kind}")
+        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
+
+    def _coordinate(self, body: str, number: int) -> Any:
+        """Return a marker on x, y or the angle of a body, or on the ground's zero."""
+        node, place = (self._ground_node, 0) if body == GROUND else (self.nodes[body], self.in_plane[number])
+        return self.mbs.AddMarker(self._items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
 
     def _add_pin(self, point: str, first: str, second: str) -> Any:
+        """Hold P2 - P1 at zero, for the point of each body."""
         return self.mbs.AddObject(
-            self._items.RevoluteJoint2D(markerNumbers=[self._at(first, point), self._at(second, point)])
+            self._items.RevoluteJoint2D(markerNumbers=[self.at(first, point), self.at(second, point)])
         )
 
-    def _add_slide(self, body: Body) -> Any:
-        """Hold normal . (x, y) at what the guide gives it, and the angle at zero."""
-        assert body.slide is not None
-        normal = self.normal(body)
-        com = complex(*body.slide.through) - self.bodies[body.name].points[body.points[0]]
+    def _add_guide(self, name: str, slide: Slide) -> Any:
+        """Hold normal . (x, y) at what the ground's guide gives it, and the angle at zero."""
+        normal = 1j * self.along(name)
+        com = complex(*slide.through) - self.lever(name)
+        rows = np.zeros((2, self.node_size))
+        rows[:, self.in_plane] = (normal.real, normal.imag, 0), (0, 0, 1)
+        return self._hold(name, rows, [(normal.conjugate() * com).real, 0.0])
+
+    def _hold(self, name: str, rows: NDArray[np.float64], values: list[float]) -> Any:
+        """Hold linear combinations of a body's coordinates, shape (values, coordinates), at values."""
+        nodes = (self._ground_node, self.nodes[name])
+        markers = [self.mbs.AddMarker(self._items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
         return self.mbs.AddObject(
-            self._items.CoordinateVectorConstraint(
+            self._items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
+        )
+
+    def _add_slot(self, body: Body, slide: Slide) -> Any:
+        """Hold normal . (through - P) at zero, and the sine of the slider's angle less the carrier's.
+
+        The joint's normal belongs to its second marker's body, here the carrier, so that the force acts at the slider's
+        first point P.
+        """
+        along = self.along(body.name)
+        return self.mbs.AddObject(
+            self._items.PrismaticJoint2D(
                 markerNumbers=[
-                    self.mbs.AddMarker(self._items.MarkerNodeCoordinates(nodeNumber=self._nodes[name]))
-                    for name in (GROUND, body.name)
+                    self._marker(body.name, self.lever(body.name), "Rigid"),
+                    self._marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid"),
                 ],
-                scalingMarker1=[[normal.real, normal.imag, 0], [0, 0, 1]],
-                offset=[(normal.conjugate() * com).real, 0],
+                axisMarker0=[along.real, along.imag, 0],
+                normalMarker1=[-along.imag, along.real, 0],
             )
         )
 
-    def _add_drive(self) -> Any:
-        drive, zero = self.scene.drive, self.crank_angle(0.0)
+    def _add_drive(self) -> tuple[Any, float]:
+        """Hold factor * (position - what the drive asks for) at zero; return constraint and factor.
+
+        The position is the angle of a crank. That of a slider is along . (x, y), but for a constant; the constraint
+        has one coordinate without a factor, so its factor makes that of the larger part -1.
+        """
+        name, course = self.scene.drive.body, self.course
+        if self.scene.driven_slide is None:
+            factor, zero, first, second, ratio = 1.0, 0.0, self._coordinate(GROUND, 0), self._coordinate(name, 2), 1.0
+        else:
+            parts = (self.along(name).real, self.along(name).imag)
+            large = int(abs(parts[1]) > abs(parts[0]))
+            factor, zero = -1 / parts[large], self.displaced(name, 0j)
+            first, second = self._coordinate(name, large), self._coordinate(name, 1 - large)
+            ratio = factor * parts[1 - large]
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
-        return self.mbs.AddObject(
+        constraint = self.mbs.AddObject(
             self._items.CoordinateConstraint(
-                markerNumbers=[
-                    self.mbs.AddMarker(
-                        self._items.MarkerNodeCoordinate(nodeNumber=self._nodes[name], coordinate=coordinate)
-                    )
-                    for name, coordinate in ((GROUND, 0), (drive.body, 2))
-                ],
-                offsetUserFunction=lambda _mbs, time, _item, _offset: zero + drive.speed * time,
-                offsetUserFunction_t=lambda _mbs, _time, _item, _offset: drive.speed,
+                markerNumbers=[first, second],
+                factor1=ratio,
+                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (course.position(clock) - zero),
+                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * course.rate(clock),
             )
         )
-
-    def _add_loads(self) -> None:
-        for load in self.scene.loads:
-            self.mbs.AddLoad(self._items.Force(markerNumber=self._at(load.body, load.at), loadVector=[*load.force, 0]))
-        if self.scene.gravity is not None:
-            for name in self.bodies:
-                mass = self.mbs.AddMarker(self._items.MarkerBodyMass(bodyNumber=self._objects[name]))
-                self.mbs.AddLoad(self._items.Gravity(markerNumber=mass, loadVector=[*self.scene.gravity, 0]))
+        return constraint, factor

@@ -1,133 +1,148 @@
-"""The linkage in one pymunk space: a kinematic crank, dynamic bodies, joints; every step recorded."""
+"""One run through the whole time: every step recorded, the drive and the forces set before it."""
 
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Sequence
+from math import ceil
 
 import numpy as np
 
-from scenes import Sampling
-from scenes.scene import GROUND
+from scenes import Failure, Sampling
+from scenes.scene import ConstantSpeed
 
+from .pymunk_checks import Path
 from .pymunk_linkage import Linkage, Poses
-from .pymunk_start import rates, turn
+from .pymunk_loads import Acts, varying
+from .pymunk_pushing import Push, VaryingForces, constant_forces
+from .pymunk_record import BatchRecord, PropertyRecord, Record
+from .pymunk_settings import PymunkSettings
+from .pymunk_space import Model, pair
+from .pymunk_start import move, rates
 
-if TYPE_CHECKING:
-    import pymunk
-
-Bodies: TypeAlias = "dict[str, pymunk.Body]"
-
-# Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The toggle press has
-# forgotten both after 5 steps of 1000 sweeps; fewer sweeps need more steps.
-PREROLL = 50
+# Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The joints forget the
+# latter within four steps, if their sweeps converge and each step corrects the whole error; the former with the sweeps,
+# of which the first step has more. Where the linkage does not assemble that far back, fewer steps leave the first
+# acceleration less exact.
+PREROLL, LEAST_PREROLL = 5, 3
+FIRST_SWEEPS = 10  # times those of a step
 
 
 class Run:
-    """The whole time at one step size dt, s.
+    """The whole time at one step size dt, s; `loaded` says whether forces act on the bodies.
 
     Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
-    row 0 is one step before t = 0; `impulses`, shape (n, joints), N s, are the engine's own at the n samples.
+    row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
+    samples, and `acts`, shape (n, press forces), says which of these it was given. `positions`, shape (steps + 1,), are
+    the drive's.
+
+    Raises:
+        Failure: cannot_assemble, for the steps before t = 0; unsupported, the settings.
     """
 
-    def __init__(self, linkage: Linkage, start: Poses, sampling: Sampling, stride: int, iterations: int) -> None:
-        import pymunk
-        from pymunk.batch import BodyFields, Buffer, get_space_bodies
-
-        drive = linkage.scene.drive
+    def __init__(
+        self,
+        linkage: Linkage,
+        start: Poses,
+        stroke_ends: Sequence[float],
+        sampling: Sampling,
+        stride: int,
+        iterations: int,
+        settings: PymunkSettings,
+        *,
+        loaded: bool = True,
+    ) -> None:
+        scene = linkage.scene
+        self._linkage = linkage
+        self._loaded = loaded
         self.stride = stride
         self.steps = stride * sampling.samples * sampling.turns
-        self.dt = float(sampling.times(linkage.scene)[1]) / stride
+        self.dt = float(sampling.times(scene)[1]) / stride
+        self.iterations = iterations
+        self._correction = settings.corrected(self.dt)
 
-        self._space = pymunk.Space()  # its damping stays 1, no damping, and without shapes nothing collides
-        self._space.iterations = iterations
-        self._space.gravity = linkage.scene.gravity or (0, 0)
-        self._bodies = _bodies(linkage)
-        self._space.add(*self._bodies.values())
-        first = drive.start - PREROLL * self.dt * drive.speed
-        pose = turn(linkage, start, drive.start, first)
-        _place(self._bodies, pose, rates(linkage, pose, drive.speed))
-        self.joints = _joints(linkage, self._bodies | {GROUND: self._space.static_body})
-        self._space.add(*self.joints.values())
-        self.crank_angles = drive.start + drive.speed * self.dt * np.arange(self.steps + 1, dtype=np.float64)
-        self._loads = _loads(linkage, self._bodies)
+        self.preroll, pose = _before(linkage, start, self.dt, ceil(PREROLL / self._correction))
+        # The place after the end tells the last rate.
+        driven = scene.drive.at(self.dt * np.arange(-self.preroll, self.steps + 2, dtype=np.float64))
+        self._driven = driven.position
+        self.positions = self._driven[self.preroll : -1]
+        rate = rates(linkage, pose, float(driven.rate[0]))
+        self._model = Model(linkage, pose, rate, settings.error_bias(self.dt), settings.extra)
+        self._space, self._bodies = self._model.space, self._model.bodies
+        self.joints = self._model.joints if loaded else {}
+        self._push: list[Push] = []
+        if loaded:
+            self._space.gravity = scene.gravity or (0, 0)
+            self._push += constant_forces(linkage, self._bodies, self.dt)
+        self._forces: VaryingForces | None = None
+        if loaded and varying(linkage):
+            self._forces = VaryingForces(linkage, self._bodies, stroke_ends, self.dt)
+            self._push.append(self._forces.push)
+        self._follows_law = not isinstance(scene.drive, ConstantSpeed)
 
-        self._buffer = Buffer()
-        get_space_bodies(self._space, BodyFields.BODY_ID, self._buffer)
-        listed = [*memoryview(self._buffer.int_buf()).cast("P")]
-        self._listed = [listed.index(body.id) for body in self._bodies.values()]
-        self.record = np.empty((self.steps + 2, len(self._listed), 6))
+        bodies = self._bodies.values()
+        by_property = settings.extra == "properties"
+        self._record: Record = PropertyRecord(bodies) if by_property else BatchRecord(self._space, bodies)
+        self.record: Poses = np.empty((self.steps + 2, len(self._bodies), 6))
         self.impulses = np.empty((sampling.count, len(self.joints)))
+        self.acts: Acts = np.zeros((sampling.count, len(stroke_ends)), dtype=np.bool_)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Steps, sweeps times constraints, and what each step goes over."""
+        found = self._model.counters
+        sweeps = self.iterations * (FIRST_SWEEPS - 1 + self.preroll + self.steps)
+        return {"steps": self.preroll + self.steps, "constraint_iterations": sweeps * found["constraints"]} | found
+
+    @property
+    def path(self) -> Path:
+        """Every step from t = 0."""
+        return Path(self.record[1:, :, :3], self.record[1:, :, 3:], self.positions, self.dt, self._correction)
 
     def advance(self) -> None:
         """Step from before t = 0 to the end."""
-        from pymunk.batch import BodyFields, get_space_bodies
-
-        fields = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
-        space, dt, buffer, joints = self._space, self.dt, self._buffer, [*self.joints.values()]
-        for k in range(1 - PREROLL, self.steps + 1):
-            for body, force, moment in self._loads:  # pymunk forgets them after every step
-                body.force = force
-                body.torque = (moment * np.exp(-1j * (body.angle + dt * body.angular_velocity))).imag
-            space.step(dt)
-            if k >= -1:
-                buffer.clear()  # or it would grow by every step
-                get_space_bodies(space, fields, buffer)
-                self.record[k + 1] = np.frombuffer(buffer.float_buf()).reshape(-1, 6)[self._listed]
-            if k >= 0 and k % self.stride == 0:
+        space, record, joints = self._space, self._record, [*self.joints.values()]
+        record.append()
+        space.iterations = FIRST_SWEEPS * self.iterations
+        for k in range(1 - self.preroll, self.steps + 1):
+            for push in self._push:
+                push()
+            if self._follows_law:
+                self._drive(k)
+            space.step(self.dt)
+            record.append()
+            if k <= 0:
+                space.iterations = self.iterations
+            if self._loaded and k >= 0 and k % self.stride == 0:
                 self.impulses[k // self.stride] = [joint.impulse for joint in joints]
+                if self._forces:
+                    self.acts[k // self.stride] = self._forces.acts
+        self.record[:] = record.rows()[self.preroll - 1 :]
+
+    def _drive(self, k: int) -> None:
+        """Let the driven body be where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
+
+        pymunk moves it first, by that same rate; hence it starts from as far behind.
+        """
+        here, there = self._driven[k + self.preroll : k + self.preroll + 2]
+        behind, rate = 2 * here - there, (there - here) / self.dt
+        name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
+        body = self._bodies[name]
+        if slide is None:
+            body.angle, body.angular_velocity = behind, rate
+        else:
+            along = complex(*slide.along)
+            body.position = pair(self._linkage.through(name) - self._linkage.first_arm(name) + behind * along)
+            body.velocity = pair(rate * along)
 
 
-def _bodies(linkage: Linkage) -> Bodies:
-    """Return the bodies about their origins; none turns that slides."""
-    import pymunk
+def _before(linkage: Linkage, start: Poses, dt: float, wanted: int) -> tuple[int, Poses]:
+    """Return how many steps to go before t = 0, as wanted or fewer, and the pose there.
 
-    scene = linkage.scene
-    return {
-        name: pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        if name == scene.drive.body
-        else pymunk.Body(member.mass, member.inertia if scene.bodies[name].slide is None else np.inf)
-        for name, member in linkage.members.items()
-    }
-
-
-def _place(bodies: Bodies, pose: Poses, rate: Poses) -> None:
-    for body, (x, y, theta), (vx, vy, omega) in zip(bodies.values(), pose[0], rate[0], strict=True):
-        body.position, body.angle = (x, y), theta
-        body.velocity, body.angular_velocity = (vx, vy), omega
-
-
-def _joints(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
-    """Return the joints by the channel of their force, a pin's without `.fx`; the crank needs none on the ground."""
-    import pymunk
-
-    scene = linkage.scene
-    joints: dict[str, pymunk.Constraint] = {}
-    for pin in scene.pins:
-        if {pin.first, pin.second} != {GROUND, scene.drive.body}:
-            anchors = [_pair(linkage.arm(body, pin.point)) for body in (pin.first, pin.second)]
-            joints[pin.channel] = pymunk.PivotJoint(bodies[pin.first], bodies[pin.second], *anchors)
-    # No body gets further from the origin than all of them in a row; beyond its end, a groove holds back silently.
-    reach = 2 * (len(linkage.members) + 1) * linkage.size
-    for body in scene.bodies.values():
-        if body.slide is not None:
-            # The engine is exact only if the line passes through the centre of mass.
-            middle = complex(*body.slide.through) - linkage.arm(body.name, body.points[0])
-            half = reach * complex(*body.slide.along)
-            ends = _pair(middle - half), _pair(middle + half)
-            joints[f"{body.name}.guide_force"] = pymunk.GrooveJoint(bodies[GROUND], bodies[body.name], *ends, (0, 0))
-    for joint in joints.values():
-        joint.error_bias = 0
-    return joints
-
-
-def _loads(linkage: Linkage, bodies: Bodies) -> "list[tuple[pymunk.Body, tuple[float, float], complex]]":
-    """Return, for each loaded body, the force F and the sum of conj(a) F, whose torque is Im(exp(-i theta) sum)."""
-    scene = linkage.scene
-    loaded = []
-    for name in dict.fromkeys(load.body for load in scene.loads if load.body != scene.drive.body):
-        loads = [(linkage.arm(name, load.at), complex(*load.force)) for load in scene.loads if load.body == name]
-        total = sum(force for _, force in loads)
-        loaded.append((bodies[name], _pair(total), sum(arm.conjugate() * force for arm, force in loads)))
-    return loaded
-
-
-def _pair(vector: complex) -> tuple[float, float]:
-    return vector.real, vector.imag
+    Raises:
+        Failure: cannot_assemble, with the drive's position.
+    """
+    drive = linkage.scene.drive
+    for steps in (wanted, LEAST_PREROLL):
+        try:
+            return steps, move(linkage, start, drive.start, float(drive.at(-steps * dt).position))
+        except Failure as failure:
+            found = failure
+    raise Failure(found.status, f"pymunk starts {LEAST_PREROLL} steps before zero, where {found.reason}")

@@ -18,6 +18,7 @@ from scenes import Sampling, Scene
 from scenes.motion import channels, quantity
 
 from .conftest import TOGGLE_PRESS, SceneFrom, busy_scene
+from .mechanisms import MECHANISMS
 
 TURN = np.linspace(0, 2 * pi, 3601)
 
@@ -81,7 +82,7 @@ def test_derivatives_match_differences(toggle_press: Scene) -> None:
     weights = {-3: -1 / 60, -2: 3 / 20, -1: -3 / 4, 1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     motion = analytic.solve(toggle_press, TURN)
     around = {step: analytic.solve(toggle_press, TURN + step * h) for step in weights}
-    w = toggle_press.drive.speed
+    w = toggle_press.drive.peak_rate
     for of, derivative in (
         ("P4.x", "P4.vx"),
         ("P4.vx", "P4.ax"),
@@ -231,3 +232,13 @@ def test_kinematic_scene_has_no_forces(scene_from: SceneFrom) -> None:
     motion = analytic.solve(scene, TURN)
     assert "drive.torque" not in motion
     assert "P5.y" in motion
+
+
+def test_a_law_needs_the_instants(scene_from: SceneFrom) -> None:
+    """A position does not tell how fast a law passes it; at a constant speed it does, and any instants are ignored."""
+    scene = scene_from(MECHANISMS["turning_law"])
+    with pytest.raises(ValueError, match="a drive that follows a law needs the instants"):
+        analytic.solve(scene, [0.5])
+    steady = scene_from(SLIDER_CRANK)
+    assert np.array_equal(analytic.solve(steady, [0.5], [99.0])["time"], analytic.solve(steady, [0.5])["time"])
+    assert analytic.solve(steady, [0.5])["time"][0] == 0.05

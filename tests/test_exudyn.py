@@ -1,4 +1,4 @@
-"""The Exudyn model: against facts and laws worked out here, and its ways of failing."""
+"""The Exudyn model: against facts and laws worked out here, and its manners."""
 
 import subprocess
 import sys
@@ -11,196 +11,13 @@ from numpy.typing import NDArray
 from scipy.optimize import fsolve
 
 import scenes
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Sampling
 from scenes.motion import channels
 from sim_models import exudyn_model as model
-from sim_models.exudyn_model import DEFAULT, ExudynSettings, Pointwise, TimeStepping
+from sim_models.exudyn_model import DEFAULT, EXACT, ExudynSettings, TimeStepping
 
-POINTWISE = Pointwise("pointwise")
-BOTH_ROUTES = pytest.mark.parametrize("settings", [DEFAULT, POINTWISE], ids=lambda settings: settings.label)
-
-SLIDER_CRANK = """
-format = 1
-name = "slider_crank"
-[ground.points]
-A = [0, 0]
-[bodies.crank]
-points = { A = [0, 0], B = [0.3, 0] }
-mass = 0
-[bodies.rod]
-lengths = { "B-C" = 1 }
-mass = 0
-[bodies.slider]
-points = { C = [0, 0], E = [0.2, 0.1] }
-slides = { through = [0, 0], along = [1, 0] }
-mass = 0
-[drive]
-body = "crank"
-speed = 2
-[[loads]]
-body = "slider"
-at = "E"
-force = [-100, 0]
-[sketch]
-B = [0.3, 0]
-C = [1.3, 0]
-[output]
-slider = "C"
-"""
-
-FOUR_BAR = """
-format = 1
-name = "four_bar"
-gravity = [0.5, -9.81]
-[ground.points]
-A = [1, 2]
-D = [3, 2.5]
-[bodies.coupler]
-points = { B = [0, 0], C = [2.1, 0.3], T = [1, 1.2] }
-mass = 3
-com = [0.8, 0.4]
-inertia = 0.7
-[bodies.crank]
-lengths = { "B-A" = 0.6 }
-mass = 2
-[bodies.rocker]
-lengths = { "C-D" = 1.5 }
-mass = 4
-[drive]
-body = "crank"
-speed = -7
-start = 2.0
-[[loads]]
-body = "coupler"
-at = "T"
-force = [30, -20]
-[[loads]]
-body = "rocker"
-at = "C"
-force = [0, 50]
-[sketch]
-angle = 3.5
-B = [1.55, 2.2]
-C = [3.4, 3.9]
-[output]
-point = "T"
-"""
-
-THREE_AT_A_PIN = """
-format = 1
-name = "three_at_a_pin"
-[ground.points]
-A = [0, 0]
-D = [0.9, -0.2]
-[bodies.crank]
-lengths = { "A-B" = 0.2 }
-mass = 2
-[bodies.coupler]
-lengths = { "B-C" = 0.8 }
-mass = 1
-[bodies.rocker]
-lengths = { "D-C" = 0.7 }
-mass = 1
-[bodies.rod]
-lengths = { "C-E" = 1.2 }
-mass = 2
-[bodies.slider]
-points = { E = [0, 0] }
-slides = { through = [1.0, 1.5], along = [0, -1] }
-mass = 6
-[drive]
-body = "crank"
-speed = 5
-[[loads]]
-body = "rod"
-at = "C"
-force = [40, 10]
-[sketch]
-angle = 0.1
-B = [0.2, 0]
-C = [0.7, 0.5]
-E = [1, 1.6]
-[output]
-slider = "E"
-"""
-
-PARALLELOGRAM = """
-format = 1
-name = "parallelogram"
-[ground.points]
-A = [0, 0]
-D = [1, 0]
-[bodies.crank]
-lengths = { "A-B" = 0.3 }
-[bodies.coupler]
-points = { B = [0, 0], C = [1, 0], G = [0.5, 0] }
-[bodies.rocker]
-lengths = { "D-C" = 0.3 }
-[drive]
-body = "crank"
-speed = 5
-start = 1.0
-[sketch]
-angle = 1.5708
-B = [0, 0.3]
-C = [1, 0.3]
-[output]
-point = "C"
-"""
-
-# A third crank makes the parallelogram redundant, and two blocks joined by a link move by themselves: the count is 1.
-REDUNDANT = (
-    PARALLELOGRAM.replace("D = [1, 0]", "D = [1, 0]\nF = [0.5, 0]")
-    .replace("C = [1, 0.3]", "C = [1, 0.3]\nG = [0.5, 0.3]\nS = [0.7, 3]\nU = [0, 2.3]")
-    .replace(
-        "[drive]",
-        """[bodies.extra]
-lengths = { "F-G" = 0.3 }
-[bodies.block]
-points = { S = [0, 0] }
-slides = { through = [0, 3], along = [1, 0] }
-[bodies.link]
-lengths = { "S-U" = 1 }
-[bodies.other_block]
-points = { U = [0, 0] }
-slides = { through = [0, 2], along = [0, 1] }
-[drive]""",
-    )
-)
-
-
-def write(folder: Path, text: str) -> Scene:
-    path = folder / "scene.toml"
-    path.write_text(text)
-    return scenes.load(path)
-
-
-def edited(folder: Path, *changes: tuple[str, str]) -> Scene:
-    """Return the toggle press with some of its text replaced."""
-    text = scenes.shipped()["toggle_press"].read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return write(folder, text)
-
-
-def run(scene: Scene, settings: ExudynSettings, samples: int = 72, turns: int = 1) -> Motion:
-    simulation = model.build(scene, settings, Sampling(samples, turns))
-    simulation.solve()
-    return simulation.read()
-
-
-def point(motion: Motion, name: str, prefix: str = "") -> NDArray[np.complex128]:
-    return motion[f"{name}.{prefix}x"] + 1j * motion[f"{name}.{prefix}y"]
-
-
-def force(motion: Motion, pin: str) -> NDArray[np.complex128]:
-    return motion[f"{pin}.fx"] + 1j * motion[f"{pin}.fy"]
-
-
-def dot(a: NDArray[Any] | complex, b: NDArray[Any]) -> Any:
-    return (np.conj(a) * b).real
-
+from .exudyn_helpers import BOTH_ROUTES, dot, force, point, run, write
+from .exudyn_scenes import FOUR_BAR, SLIDER_CRANK, THREE_AT_A_PIN
 
 # --- the toggle press ------------------------------------------------------------------------------------------------
 
@@ -266,25 +83,9 @@ def test_toggle_press_power_balances(settings: ExudynSettings) -> None:
     assert np.abs(drive + load - rate).max() <= 1e-5 * np.abs(drive).max()
 
 
-def test_steps_converge_at_order_two_and_richardson_at_three() -> None:
-    scene = scenes.load("toggle_press")
-    exact = run(scene, POINTWISE)
-
-    def error(steps: int, richardson: bool, solver: str = "GeneralizedAlpha") -> float:
-        motion = run(scene, TimeStepping("", steps=steps, richardson=richardson, solver=solver))
-        assert np.abs(motion["P5.y"] - exact["P5.y"]).max() <= (1e-13 if solver == "GeneralizedAlpha" else 1e-4)
-        return float(np.abs(force(motion, "P3") - force(exact, "P3")).max())
-
-    # each is measured within 0.2 of its order; a lost order reads one less
-    assert np.log2(error(144, False) / error(288, False)) == pytest.approx(2, abs=0.2)
-    trapezoidal = [error(steps, False, "TrapezoidalIndex2") for steps in (144, 288)]
-    assert np.log2(trapezoidal[0] / trapezoidal[1]) == pytest.approx(2, abs=0.3)
-    assert np.log2(error(144, True) / error(288, True)) == pytest.approx(3, abs=0.4)
-
-
 def test_routes_agree_to_the_promised_accuracy() -> None:
     scene = scenes.load("toggle_press")
-    stepped, exact = run(scene, DEFAULT), run(scene, POINTWISE)
+    stepped, exact = run(scene, DEFAULT), run(scene, EXACT)
     for pin in scene.pins:
         # promised 1e-6 of the peak; both routes together were measured at 1.2e-8
         gap, peak = force(stepped, pin.channel) - force(exact, pin.channel), np.abs(force(exact, pin.channel)).max()
@@ -365,78 +166,13 @@ def test_kinematic_scene_has_no_forces_and_the_same_motion(tmp_path: Path) -> No
     assert np.abs(motion["T.ay"] - weighed["T.ay"]).max() <= 1e-6 * np.abs(weighed["T.ay"]).max()  # DEFAULT's accuracy
 
 
-# --- failures --------------------------------------------------------------------------------------------------------
-
-
-def failure(scene: Scene, settings: ExudynSettings = DEFAULT) -> Failure:
-    with pytest.raises(Failure) as raised:
-        run(scene, settings)
-    assert "\n" not in raised.value.reason
-    return raised.value
-
-
-def test_bodies_that_do_not_fit(tmp_path: Path) -> None:
-    failed = failure(edited(tmp_path, ('"O-P3" = 300', '"O-P3" = 3000')))
-    assert failed.status is Status.cannot_assemble
-    assert "11.5 deg" in failed.reason
-
-
-@BOTH_ROUTES
-def test_linkage_that_locks(settings: ExudynSettings, tmp_path: Path) -> None:
-    failed = failure(edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 200')), settings)
-    assert failed.status is Status.cannot_assemble
-    assert "166.088 deg" in failed.reason  # where |P4.x| reaches 200 mm
-
-
-@BOTH_ROUTES
-def test_branches_that_meet(settings: ExudynSettings, tmp_path: Path) -> None:
-    failed = failure(write(tmp_path, PARALLELOGRAM), settings)
-    assert failed.status is Status.cannot_assemble
-    assert "180 deg" in failed.reason
-
-
-def test_redundant_constraints_are_counted(tmp_path: Path) -> None:
-    failed = failure(write(tmp_path, REDUNDANT))
-    assert failed.status is Status.unsupported
-    assert "1 degrees of freedom and 1 redundant" in failed.reason
-
-
-def test_sketch_of_neither_branch(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ("P3 = [0, -300]", "P3 = [600, -600]"), ("P4 = [0, -790]", "P4 = [600, -100]"))
-    assert failure(scene).status is Status.wrong_branch
-
-
-# The rod is longer than |P4.x| ever gets, 248.99658795 mm near 212.05 deg, by one part in a million or in ten thousand.
-def test_jump_to_the_other_branch_is_seen(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 248.996836950'))
-    assert failure(scene, TimeStepping("", steps=360, richardson=False)).status is Status.wrong_branch
-    assert failure(scene, TimeStepping("", steps=360, solver="TrapezoidalIndex2")).status is Status.diverged
-    motion = run(scene, POINTWISE)
-    assert (motion["P5.y"] < motion["P4.y"]).all()  # it went through on its own branch
-
-
-def test_runs_too_far_apart_to_extrapolate(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 249.021487609'))
-    assert failure(scene, TimeStepping("", steps=360)).status is Status.not_converged
-
-
-def test_values_that_are_not_finite_and_a_run_that_ends_early() -> None:
-    simulation = model.build(scenes.load("toggle_press"), DEFAULT, Sampling(72))
-    simulation.solve()
-    assert isinstance(simulation, model.SteppedRun)
-    simulation._runs[-1][:, 40:] = np.nan  # as a run leaves them that stopped there
-    with pytest.raises(Failure, match="200 deg") as raised:
-        simulation.read()
-    assert raised.value.status is Status.nonfinite
-
-
 # --- manners ---------------------------------------------------------------------------------------------------------
 
 
 def test_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(tmp_path)
     run(scenes.load("toggle_press"), TimeStepping("", steps=72))
-    run(scenes.load("toggle_press"), POINTWISE)
+    run(scenes.load("toggle_press"), EXACT)
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
 

@@ -10,6 +10,7 @@ import analytic
 from analytic.decomposition import decompose
 from analytic.motion_range import Interval, motion_range
 from scenes import Failure, Scene, Status
+from scenes.scene import ConstantSpeed
 
 from .conftest import SceneFrom
 from .test_analytic import SLIDER_CRANK
@@ -215,13 +216,13 @@ def test_a_linkage_that_never_closes_says_so(scene_from: SceneFrom) -> None:
 
 
 def test_a_gap_narrower_than_the_grid(scene_from: SceneFrom) -> None:
-    """A rod a billionth shorter than the crank's rise: the range has no end that is seen, and the sentence says that."""
+    """A rod a billionth shorter than the crank's rise: no end of the range is seen, and the sentence says so."""
     scene = scene_from(SLIDER_CRANK.replace('"A-B" = 3', '"A-B" = 0.999999999').replace("[0.9, 0.5]", "[0.9, 0.4]"))
     position = np.radians([10.0, 90.0])
     assert intervals(scene) != []  # the grid, of tenths of a degree, happens to meet 90 degrees
     with pytest.raises(Failure, match="the crank turns only from 90"):
         analytic.solve(scene, position)
-    off = replace(scene, drive=replace(scene.drive, start=1e-4))  # which moves the grid
+    off = replace(scene, drive=ConstantSpeed("crank", 10.0, 1e-4, None))  # which moves the grid
     assert intervals(off) == []
     with pytest.raises(Failure, match=r"the crank turns freely but for gaps narrower than 0\.1 deg"):
         analytic.solve(off, position)

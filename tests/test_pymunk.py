@@ -1,6 +1,5 @@
 """The pymunk model against facts that these tests work out by themselves."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,30 +8,11 @@ from numpy.typing import NDArray
 from scipy.optimize import fsolve
 
 import scenes
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Motion, Sampling, Scene
 from scenes.motion import channels
-from sim_models import pymunk_model
-from sim_models.pymunk_checks import check_path
-from sim_models.pymunk_linkage import Linkage, branch
-from sim_models.pymunk_model import DEFAULT, PymunkSettings
-from sim_models.pymunk_run import Run
-from sim_models.pymunk_start import start
+from sim_models.pymunk_model import PymunkSettings
 
-from .conftest import SceneFrom, busy_scene
-
-Array = NDArray[np.float64]
-
-
-def solve(scene: Scene, settings: PymunkSettings = DEFAULT, sampling: Sampling | None = None) -> Motion:
-    simulation = pymunk_model.build(scene, settings, sampling or Sampling())
-    simulation.solve()
-    return simulation.read()
-
-
-def scene_of(text: str, folder: Path) -> Scene:
-    path = folder / "scene.toml"
-    path.write_text("format = 1\nname = 'test'\n" + text, encoding="utf-8")
-    return scenes.load(path)
+from .pymunk_runs import FOUR_BAR, SLIDER_CRANK, Array, off, scene_of, solve
 
 
 def vector(motion: Motion, channel: str, quantity: str) -> NDArray[np.complex128]:
@@ -49,11 +29,6 @@ def derivative(values: Array) -> Array:
     spectrum = np.fft.rfft(values[:-1])
     slope = np.fft.irfft(1j * np.arange(len(spectrum)) * spectrum, n=len(values) - 1)
     return np.append(slope, slope[0])
-
-
-def off(values: Array, expected: Array | float) -> float:
-    """Return the largest error, relative to the largest value expected."""
-    return float(np.max(np.abs(values - expected)) / np.max(np.abs(expected)))
 
 
 # --- the toggle press ------------------------------------------------------------------------------------------------
@@ -125,9 +100,9 @@ def test_extrapolation_removes_two_orders(press: Scene) -> None:
 
 
 def test_many_turns_repeat(press: Scene) -> None:
-    motion = solve(press, PymunkSettings("", 72, 1, 1000), Sampling(72, turns=3))
+    motion = solve(press, PymunkSettings("", 360, 1, 2000), Sampling(72, turns=3))
     first, last = slice(0, 73), slice(144, 217)
-    # Measured: 4e-14, since the pre-roll has warmed up the joints by the first turn.
+    # Measured: 1e-12, since the steps before zero have warmed up the joints by the first turn.
     for channel in ("P5.y", "P4.fy", "drive.torque"):
         assert off(motion[channel][last], motion[channel][first]) <= 1e-10, channel
     assert motion["crank_angle"][-1] == pytest.approx(6 * np.pi, rel=1e-12)
@@ -155,30 +130,6 @@ def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion, tmp_path: Path) 
 
 # --- signs by hand ---------------------------------------------------------------------------------------------------
 
-SLIDER_CRANK = """
-ground.points = { O = [0, 0] }
-drive = { body = "crank", speed = 0.1, start = 0.3 }
-output = { slider = "B" }
-[bodies]
-crank = { points = { O = [0, 0], A = [0.1, 0] }, mass = 1 }
-rod = { lengths = { "A-B" = 0.3 }, mass = 1 }
-[bodies.slider]
-points = { B = [0, 0], C = [0.02, 0.05] }
-mass = 1
-com = [0.01, 0.03]
-inertia = 0.001
-slides = { through = [0, 0], along = [1, 0] }
-[[loads]]
-body = "slider"
-at = "C"
-force = [-1000, 0]
-[sketch]
-angle = 0.3
-A = [0.1, 0.03]
-B = [0.38, 0]
-C = [0.4, 0.05]
-"""
-
 
 def test_slow_slider_crank_is_statics(tmp_path: Path) -> None:
     motion = solve(scene_of(SLIDER_CRANK, tmp_path))
@@ -195,28 +146,8 @@ def test_slow_slider_crank_is_statics(tmp_path: Path) -> None:
 
 # --- a four-bar with everything --------------------------------------------------------------------------------------
 
-FOUR_BAR = """
-gravity = [0, -9.81]
-ground.points = { Q = [0.9, 0.1], O = [0.4, -0.2] }
-drive = { body = "crank", speed = -8, start = 2 }
-output = { point = "T" }
-[bodies]
-rocker = { lengths = { "B-Q" = 0.35 }, mass = 2 }
-crank = { lengths = { "A-O" = 0.12 }, mass = 3 }
-coupler = { points = { T = [0.1, 0.3], A = [-0.1, 0], B = [0.35, 0.05] }, mass = 4, com = [0.1, 0.08], inertia = 0.09 }
-[[loads]]
-body = "coupler"
-at = "T"
-force = [30, -50]
-[[loads]]
-body = "crank"
-at = "A"
-force = [-20, 10]
-[sketch]
-angle = 3.1
-A = [0.5, -0.2]
-B = [0.8, 0.45]
-"""
+
+# --- a four-bar with everything --------------------------------------------------------------------------------------
 
 
 def test_four_bar_with_gravity_turning_backwards(tmp_path: Path) -> None:
@@ -288,15 +219,6 @@ def test_two_rods_on_one_crank_pin(tmp_path: Path) -> None:
     assert off(motion["B.vx"], -motion["B.vy"]) <= 1e-6
 
 
-# --- what must not pass ----------------------------------------------------------------------------------------------
-
-
-def failure_of(scene: Scene, settings: PymunkSettings = DEFAULT) -> Failure:
-    with pytest.raises(Failure) as caught:
-        solve(scene, settings, Sampling(72))
-    return caught.value
-
-
 def test_kinematic_scene_has_no_forces(tmp_path: Path) -> None:
     text = FOUR_BAR.split("[[loads]]")[0] + "[sketch]" + FOUR_BAR.split("[sketch]")[1]
     for mass in (", mass = 2", ", mass = 3", ", mass = 4"):
@@ -304,91 +226,3 @@ def test_kinematic_scene_has_no_forces(tmp_path: Path) -> None:
     scene = scene_of(text, tmp_path)
     assert set(solve(scene).samples) == set(channels(scene))
     assert "drive.torque" not in channels(scene)
-
-
-def test_too_few_sweeps_never_pass(press: Scene) -> None:
-    statuses = {failure_of(press, PymunkSettings("", 360, 1, sweeps)).status for sweeps in (1, 10, 30, 100)}
-    assert statuses <= {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}
-
-
-def test_flip_is_seen_where_it_happens(press: Scene) -> None:
-    failure = failure_of(press, PymunkSettings("", 72, 1, 10))
-    assert failure.status is Status.wrong_branch
-    assert "deg" in failure.reason
-
-
-def test_every_step_is_checked(press: Scene) -> None:
-    linkage = Linkage(press)
-    pose = start(linkage)
-    start_branch = branch(linkage.jacobian(pose))
-    run = Run(linkage, pose, Sampling(72), stride=3, iterations=1000)
-    run.advance()
-    check_path(linkage, run, start_branch)
-    good = run.record.copy()
-    crank, rod, slider = 0, 3, 4
-    for body, column, change, status in (
-        (rod, 0, 0.01, Status.diverged),  # gapes
-        (crank, 2, 1e-3, Status.diverged),  # drifts
-        (slider, 4, np.nan, Status.nonfinite),
-    ):
-        run.record[:] = good
-        run.record[101, body, column] += change  # step 100 lies between two samples
-        with pytest.raises(Failure, match=f"angle of {100 / 216 * 360:.1f} deg") as caught:
-            check_path(linkage, run, start_branch)
-        assert caught.value.status is status
-
-
-def test_crank_that_cannot_turn_around(tmp_path: Path) -> None:
-    failure = failure_of(scene_of(SLIDER_CRANK.replace("A = [0.1, 0] }", "A = [0.35, 0] }"), tmp_path))
-    assert failure.status is Status.cannot_assemble
-    # The rod is at right angles to the guide where 0.35 sin(angle) = 0.3.
-    assert f"{np.degrees(np.arcsin(0.3 / 0.35)):.1f}" in failure.reason
-
-
-def test_narrow_lock_is_not_stepped_over(tmp_path: Path) -> None:
-    text = """
-        ground.points = { O = [0, 0], Q = [1, 0] }
-        drive = { body = "crank", speed = 3, start = 0.026 }
-        output = { point = "A" }
-        bodies.crank = { lengths = { "O-A" = 0.2 }, mass = 2 }
-        bodies.coupler = { lengths = { "A-B" = 0.7 }, mass = 2 }
-        bodies.rocker = { lengths = { "B-Q" = 0.49999 }, mass = 2 }
-        sketch = { angle = 1.5, A = [0, 0.2], B = [0.65, 0.4] }
-    """
-    # 1.2 m minus 1.19999 m: the bars do not reach within 0.6 deg of 180, less than one continuation step on both sides.
-    failure = failure_of(scene_of(text, tmp_path))
-    assert failure.status is Status.cannot_assemble
-    assert "179.37 deg" in failure.reason
-
-
-def test_bodies_that_do_not_reach(tmp_path: Path) -> None:
-    failure = failure_of(scene_of(FOUR_BAR.replace('"B-Q" = 0.35', '"B-Q" = 0.05'), tmp_path))
-    assert failure.status is Status.cannot_assemble
-
-
-@pytest.mark.parametrize("rod", ["mass = 0", "mass = 1, com = [0.1, 0], inertia = 0"])
-def test_massless_rod_is_refused(rod: str, tmp_path: Path) -> None:
-    failure = failure_of(scene_of(SLIDER_CRANK.replace('"A-B" = 0.3 }, mass = 1', f'"A-B" = 0.3 }}, {rod}'), tmp_path))
-    assert failure.status is Status.unsupported
-    assert "'rod'" in failure.reason
-
-
-def test_massless_crank_is_fine(tmp_path: Path) -> None:
-    text = SLIDER_CRANK.replace("A = [0.1, 0] }, mass = 1", "A = [0.1, 0] }, mass = 0")
-    assert solve(scene_of(text, tmp_path))["O.fx"] == pytest.approx(1000, abs=0.01)
-
-
-def test_overflow_is_no_result(tmp_path: Path) -> None:
-    scene = scene_of(SLIDER_CRANK, tmp_path)  # whose file could not say 1e200
-    failure = failure_of(replace(scene, drive=replace(scene.drive, speed=1e200)))
-    assert failure.status is Status.nonfinite
-
-
-def test_wild_accelerations_do_not_pass_as_their_own_scale(scene_from: SceneFrom) -> None:
-    """Near 30 degrees the sweeps leave the busy scene's accelerations wrong by three times their true peak.
-
-    Beside the wild accelerations the residual of the constraints looks small; beside the true ones it is not.
-    """
-    with pytest.raises(Failure) as caught:
-        solve(scene_from(busy_scene()), DEFAULT, Sampling(360))
-    assert caught.value.status is Status.not_converged

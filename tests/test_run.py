@@ -37,9 +37,11 @@ def test_the_files_of_the_main_job(results: Path) -> None:
 
 
 def test_motion_files(results: Path, toggle_press: Scene) -> None:
+    groups = [f"{joint}.{q}" for joint in ("P3", "P5") for q in ("transmission", "to_lock")]
     for engine in registry.DEFAULT_ENGINES:
         table = pd.read_csv(results / f"motion.{engine}.csv")
-        assert sorted(table.columns) == sorted(header(channel) for channel in channels(toggle_press))
+        told = [*channels(toggle_press), *(groups if engine == "analytic" else [])]
+        assert sorted(table.columns) == sorted(map(header, told))
         assert len(table) == 361
         assert table.notna().all(axis=None)
     assert list(table.columns[:2]) == ["time [s]", "crank_angle [rad]"]
@@ -59,6 +61,18 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
         {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
     )
     assert summary["environment"]["python"].startswith("3.")
+    assert {row["group"] for row in summary["cheapest"]} == {
+        "position",
+        "velocity",
+        "acceleration",
+        "reaction",
+        "torque",
+    }
+    assert {row["level"] for row in summary["cheapest"]} == {"10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"}
+    for engine in registry.DEFAULT_ENGINES:
+        rows = [row for row in summary["cheapest"] if row["engine"] == engine and not row["note"]]
+        assert all(row["error"] <= 1e-3 and row["solve_s"] > 0 for row in rows if row["level"] == "0.1 %")
+    assert {row["family"] for row in summary["step_costs"]} <= {row["family"] for row in summary["orders"]}
 
 
 def test_errors_are_those_promised(results: Path) -> None:
@@ -84,6 +98,7 @@ def test_speed_file(results: Path) -> None:
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
     assert (speed["timed_runs"] >= 3).all()
+    assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the ladder is one
         rows = speed[speed["engine"] == engine]
         assert rows["reaction_max"].max() > 1e4 * rows["reaction_max"].min()
@@ -93,7 +108,34 @@ def test_the_report_needs_no_network(results: Path) -> None:
     page = (results / "report.html").read_text(encoding="utf-8")
     assert '<script src="' not in page
     assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
-    assert page.count("plotly-graph-div") == 13  # linkage, 3 of the slider, 6 pins, guide, torque, speed
+    assert page.count("plotly-graph-div") == 14  # linkage, 3 of the slider, 6 pins, guide, torque, groups, speed
+
+
+def test_channels_narrow_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--engines", "analytic", "--channels", "P5.y, P3.f?", "--check", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    assert "position" in said
+    assert "reaction" in said
+    assert "velocity" not in said
+    table = pd.read_csv(tmp_path / "toggle_press" / "motion.analytic.csv")
+    assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.y [m]", "P3.fx [N]", "P3.fy [N]"]
+    summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["scene"]["asked"] == ["P3.fx", "P3.fy", "P5.y"]
+
+
+def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Pymunk's cheapest setting for a per cent is coarser than the one it runs at else, and is good to a per cent."""
+    settings = {}
+    for accuracy in ("balanced", "1e-2"):
+        arguments = ["--engines", "pymunk", "--accuracy", accuracy, "--samples", "72", "--out", str(tmp_path)]
+        assert main(arguments) == 0
+        summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
+        settings[accuracy] = summary["engines"]["pymunk"]["settings"]
+    assert settings["1e-2"]["label"] in capsys.readouterr().out
+    assert settings["1e-2"]["steps"] < settings["balanced"]["steps"]
+    errors = pd.read_csv(tmp_path / "toggle_press" / "errors.csv")
+    assert (errors["max"] <= 1e-2).all()
 
 
 def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> None:
@@ -139,6 +181,26 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["toggle_pres"], ["toggle_pres", "did you mean 'toggle_press'"]),
         (["no/such/scene.toml"], ["no/such/scene.toml", "no such"]),
         (["toggle_press", "toggle_press"], ["two scenes"]),
+        (["double_toggle_clamp", "--turns", "2"], ["--turns 2", "double_toggle_clamp", "once from start to end"]),
+        (["--vary", "drive.speed"], ["--vary drive.speed", "PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2:three"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2:3:4"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:1:3"], ["two different values"]),
+        (["--vary", "drive.speed=1:inf:3"], ["two different values"]),
+        (["--vary", "drive.speed=1:2:1"], ["COUNT from 2 to 200", "1"]),
+        (["--vary", "drive.speed=1:2:15", "--vary", "drive.start=0:1:14"], ["200 members at most", "210"]),
+        (["--vary", "drive.sped=1:2:3"], ["toggle_press: drive.sped", "did you mean 'speed'"]),
+        (["--vary", "drive.body=1:2:3"], ["drive.body", "the path of a number"]),
+        (["--vary", "drive.speed=1:2:3", "--vary", "drive.speed=1:2:3"], ["drive.speed", "each number once"]),
+        (["toggle_press", "four_bar", "--vary", "loads.0.force.1=1:2:3"], ["four_bar: loads.0.force.1"]),
+        (["--vary", "drive.speed=1:2:3", "--full"], ["--full", "--vary"]),
+        (["--vary", "drive.speed=1:2:3", "--channels", "P5.y"], ["--channels", "--vary"]),
+        (["--vary", "drive.speed=1:2:3", "--accuracy", "exact"], ["--accuracy", "--vary"]),
+        (["--accuracy", "best"], ["--accuracy", "fast, balanced, exact", "'best'"]),
+        (["--accuracy", "-1e-3"], ["--accuracy"]),
+        (["--channels", "P5.y,P5.z"], ["--channels", "toggle_press", "P5.z", "did you mean 'P5.y'"]),
+        (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
     ],
 )
 def test_bad_arguments(

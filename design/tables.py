@@ -1,0 +1,169 @@
+"""The study's tables: one row a point for `design.csv`, and those that the page shows."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+import pandas as pd
+
+from .clamp import INITIAL, SCHEME_4, UNITS, VARIABLES, Array, third_length
+from .constraints import LITERAL, Clearance, slacks
+from .measures import MEASURES, measure
+from .optimise import AGREES
+from .problem import gains
+from .recheck import Recheck
+from .study import AHEAD, BOTH, FORCE, LENGTHS, MAIN, MOST_ROOM, ROOM, Point
+
+Row: TypeAlias = dict[str, Any]
+
+PUBLISHED: Mapping[str, Array] = {"initial": INITIAL, "scheme 4": SCHEME_4}
+PRINTED: Mapping[str, Mapping[str, float]] = {
+    "initial": {"M_P": 20.20, "R_S": 1.02, "L_sum": 1354, "R_V max": 1.63, "R_V peak-valley": 0.65, "R_V start": 1.16},
+    "scheme 4": {"M_P": 23.10, "R_S": 1.09, "L_sum": 1346, "R_V max": 1.80, "R_V peak-valley": 0.65, "R_V start": 1.17},
+}
+BASELINE = 26.55  # the largest M_P of all, in print
+
+
+def variables(X: Array) -> dict[str, float]:
+    """Return a design as the source lists it, mm and deg."""
+    return dict(zip(VARIABLES, (X / UNITS).tolist(), strict=True)) | {"L3": float(third_length(X))}
+
+
+def measures(X: Array) -> dict[str, float]:
+    """Return what a design is worth, and how far ahead of scheme 4 it is in the worst of M_P, R_S and L_sum."""
+    return {name: measure(name, X) for name in MEASURES} | {"gain": float(min(gains(X, SCHEME_4)))}
+
+
+def rows(points: Sequence[Point]) -> list[Row]:
+    """Return everything that is known of the published designs and of each point, flat."""
+    published: list[Row] = [
+        {"set": "published", "at": name} | variables(X) | measures(X) for name, X in PUBLISHED.items()
+    ]
+    return [*published, *map(_row, points)]
+
+
+def _row(point: Point) -> Row:
+    optimum = point.optimum
+    outcome: Row = {
+        "violation": optimum.violation,
+        "starts": optimum.starts,
+        "feasible": optimum.feasible,
+        "agree": optimum.agree,
+        "evolution_short": min(point.short, default=np.nan),
+    }
+    return {"set": point.set, "at": point.at} | variables(optimum.X) | measures(optimum.X) | outcome
+
+
+def of(points: Sequence[Point], name: str) -> list[Point]:
+    """Return the points of one set that have a design."""
+    return [point for point in points if point.set == name and point.optimum.feasible]
+
+
+def improved(points: Sequence[Point]) -> list[Point]:
+    """Return the points that have no design, or a restart has improved."""
+    return [p for p in points if not (p.optimum.feasible and min(p.short, default=0.0) >= -AGREES)]
+
+
+def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
+    """Return one row a point of a set, as the page shows it."""
+    return pd.DataFrame(_shown(point) for point in of(points, name))
+
+
+def _shown(point: Point) -> Row:
+    X, optimum = point.optimum.X, point.optimum
+    digits = {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V start": 3, "R_V peak-valley": 3}
+    return (
+        {"at": point.at}
+        | {name: f"{measure(name, X):.{count}f}" for name, count in digits.items()}
+        | {name: f"{value:.2f}" for name, value in variables(X).items()}
+        | {"agree": f"{optimum.agree} of {optimum.starts}", "violation": f"{optimum.violation:.0e}"}
+        | {"evolution": f"{min(point.short):.0e}" if point.short else "–"}
+    )
+
+
+def ahead(points: Sequence[Point]) -> pd.DataFrame:
+    """Return one row for each search for a design ahead of scheme 4, scheme 4 itself first."""
+    found = [point for name in (FORCE, AHEAD, ROOM) for point in of(points, name)]
+    return pd.DataFrame([_against("scheme 4", SCHEME_4), *(_against(_label(p), p.optimum.X, p) for p in found)])
+
+
+def _label(point: Point) -> str:
+    return point.at if point.set == AHEAD else f"{point.set.removeprefix(f'{AHEAD}, ')}: {point.at}"
+
+
+def _against(label: str, X: Array, point: Point | None = None) -> Row:
+    return (
+        {"searched": label, "gain [%]": f"{100 * min(gains(X, SCHEME_4)):+.3f}"}
+        | {name: f"{measure(name, X):.{digits}f}" for name, digits in {"M_P": 4, "R_S": 5, "L_sum": 2}.items()}
+        | {name: f"{measure(name, X):.3f}" for name in ("R_V start", "R_V max", "R_V peak-valley")}
+        | {"a_m range [1/m]": f"{1e3 * measure('a_m range', X):.2f}", "S_m": f"{measure('S_m', X):.2f}"}
+        | {name: f"{value:.2f}" for name, value in variables(X).items()}
+        | {"agree": f"{point.optimum.agree} of {point.optimum.starts}" if point else "–"}
+        | {"evolution": f"{min(point.short):.0e}" if point and point.short else "–"}
+    )
+
+
+def published() -> pd.DataFrame:
+    """Return the published designs' measures beside what is printed."""
+    return pd.DataFrame(
+        {"design": name, "measure": of, "printed": f"{printed:g}", "computed": f"{measure(of, PUBLISHED[name]):.5f}"}
+        for name, row in PRINTED.items()
+        for of, printed in row.items()
+    )
+
+
+def constraints(points: Sequence[Point]) -> pd.DataFrame:
+    """Return the slack of every printed constraint, of both published designs and of the curve's ends."""
+    shown = dict(PUBLISHED) | {p.at: p.optimum.X for p in of(points, MAIN)}
+    return pd.DataFrame(
+        {"constraint": name} | {label: f"{float(slacks(X, BOTH)[name]):.4f}" for label, X in shown.items()}
+        for name in slacks(INITIAL, BOTH)
+    )
+
+
+def assumed(clearances: Mapping[str, Clearance]) -> pd.DataFrame:
+    """Return what is assumed of the unknown sizes, mm."""
+    return pd.DataFrame(
+        {"assumed": name, "L1 - Hb <=": c.B, "L5 - Hb <=": c.D, "L3 >=": c.L3, "L4 >=": c.L4}
+        | dict(zip(("d_B", "d_D", "d_E", "H_s"), c.sizes, strict=True))
+        for name, c in clearances.items()
+    ).map(lambda value: value if isinstance(value, str) else f"{value:.2f}")
+
+
+def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
+    """Return what the dynamic models say of each design."""
+    return pd.DataFrame(
+        {"design": r.design, "engine": r.engine, "status": r.status}
+        | {"M_P": f"{r.M_P:.5f}", "R_S": f"{r.R_S:.6f}", "R_V max": f"{r.R_V_max:.5f}"}
+        | {f"{group} error": f"{error:.0e}" for group, error in r.errors.items()}
+        for r in rechecks
+    )
+
+
+def verdicts(points: Sequence[Point]) -> Iterator[str]:
+    """Yield what the study finds, a sentence each."""
+    best, steps = of(points, MAIN), of(points, LENGTHS)
+    least = min((min(p.optimum.agree, p.optimum.feasible) for p in best), default=0)
+    short = [value for p in (*best, *steps) for value in p.short]
+    yield (
+        f"Curve: {len(best)} points, {least} or more of {best[0].optimum.starts} starts agree on each." if best else ""
+    )
+    if short:
+        yield (
+            f"Differential evolution: {len(short)} restarts, the best of them {min(short):.0e} short of the optimum"
+            f" relatively, the worst {max(short):.0e}."
+        )
+    for point in of(points, AHEAD):
+        gain = 100 * min(gains(point.optimum.X, SCHEME_4))
+        found = f"one is ahead by {gain:.3f} %" if gain > 0 else f"none was found, the best is {-gain:.3f} % behind"
+        yield f"Ahead of scheme 4 ({point.at}): {found}."
+    for point in of(points, MOST_ROOM):
+        yield (
+            "All constraints as printed leave room ahead of scheme 4 while"
+            f" (d_D + d_E)/2 <= {point.optimum.value:.2f} mm, whatever other sizes let scheme 4 be."
+        )
+
+
+def literal_slack() -> dict[str, float]:
+    """Return by how many degrees the published designs keep the limit of 160 deg, read literally."""
+    return {name: float(np.degrees(slacks(X, BOTH)[LITERAL])) for name, X in PUBLISHED.items()}

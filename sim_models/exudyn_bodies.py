@@ -1,0 +1,66 @@
+"""The scene's bodies as rigid ones: their points about the centre of mass, mass and inertia.
+
+A point of the plane is a complex number, x + iy.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import copysign, sqrt
+
+from scenes import Failure, Scene, Status
+from scenes.scene import Body
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A body with its points measured from its centre of mass, along its own axes."""
+
+    com: complex  # m, in the scene's frame of the body, whose axes are the same
+    points: Mapping[str, complex]  # m
+    mass: float  # kg
+    inertia: float  # kg m^2, about the centre of mass
+
+
+def rigid_body(scene: Scene, body: Body) -> RigidBody:
+    """Return a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it.
+
+    Raises:
+        Failure: the lengths of one of its points do not meet.
+    """
+    points = _local_points(scene, body)
+    mass = 1.0 if body.mass is None else body.mass
+    if body.com is None or body.inertia is None:
+        com, inertia = _uniform(mass, list(points.values()))
+    else:
+        com, inertia = complex(*body.com), body.inertia
+    return RigidBody(com, {name: point - com for name, point in points.items()}, mass, inertia)
+
+
+def sketched(scene: Scene) -> dict[str, complex]:
+    """Return where the points are, roughly: name -> m, for those that the scene says."""
+    return {name: complex(*point) for name, point in (*scene.ground.items(), *scene.sketch.points.items())}
+
+
+def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
+    if body.local is not None:
+        return {name: complex(*point) for name, point in body.local.items()}
+    assert body.lengths is not None
+    first, second, *others = body.points
+    points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
+    drawn = sketched(scene)
+    for apex in others:
+        p, q = body.bases(apex)
+        a, b = (body.lengths[frozenset((base, apex))] for base in (p, q))
+        base = points[q] - points[p]
+        x = (abs(base) ** 2 + a**2 - b**2) / (2 * abs(base))
+        if not abs(x) <= a:
+            raise Failure(Status.cannot_assemble, f"{body.name}: the lengths '{p}-{apex}' and '{q}-{apex}' do not meet")
+        side = ((drawn[q] - drawn[p]).conjugate() * (drawn[apex] - drawn[p])).imag
+        points[apex] = points[p] + base / abs(base) * complex(x, copysign(sqrt(a**2 - x**2), side))
+    return points
+
+
+def _uniform(mass: float, points: list[complex]) -> tuple[complex, float]:
+    """Return centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36)."""
+    squares = sum(abs(p - q) ** 2 for i, p in enumerate(points) for q in points[:i])
+    return sum(points) / len(points), mass * squares / {1: 1, 2: 12, 3: 36}[len(points)]

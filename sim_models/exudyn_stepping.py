@@ -1,0 +1,226 @@
+"""Time stepping: the whole motion integrated with a constant step, and what the poses know about it checked."""
+
+from collections.abc import Callable
+from itertools import count
+from math import ceil
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.motion import asks_forces
+from scenes.scene import ConstantSpeed
+
+from .exudyn_extras import Extras
+from .exudyn_integrator import Extra, TimeStepping, configure
+from .exudyn_loads import add_loads
+from .exudyn_poses import State
+from .exudyn_run import Array, Run, failure
+from .exudyn_spatial import SpatialSystem
+from .exudyn_system import System, engine
+
+BRANCH_LIMIT = 0.05  # of the linkage's size; a body that far from its assembled place is on another branch
+PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to where the linkage locks
+LOCK_NEARS = 2.0  # times as fast as anywhere in the cycle, for the same drive: it is not worth starting there
+DRIFT_LIMIT = 1e-3  # of the drive, as DRIVE_LIMIT: steps of index 2 hold the rate only, and integrate one that varies
+RINGING_LIMIT = 0.1  # of the peak acceleration
+HALVING_LIMIT = 0.1  # of the peak acceleration; above it two runs are too far apart to extrapolate
+
+
+class SteppedRun(Run):
+    """One integration in time, or two whose results are extrapolated."""
+
+    def __init__(self, scene: Scene, settings: TimeStepping, sampling: Sampling) -> None:
+        self.options = settings
+        self.stride = ceil(settings.steps / sampling.samples)  # steps from sample to sample
+        super().__init__(scene, sampling)
+        if settings.solver == "TrapezoidalIndex2":
+            if settings.richardson:
+                self.stride += self.stride % 2  # what rings in every other step cancels between two even numbers
+            if not isinstance(scene.drive, ConstantSpeed):
+                self.drive_limit = DRIFT_LIMIT
+        self._runs = [self._buffer() for _ in range(2 if settings.richardson else 1)]
+        self._assembled = self._assembled_cycle()
+        begin = self._rolled_back()
+        self.model = self._integrated()
+        self._prepare(begin)
+
+    def _assembled_cycle(self) -> State:
+        """Return the states at a cycle's samples, which prove it possible and tell the branch."""
+        one = slice(self.sampling.samples if self.scene.drive.repeats else None)
+        return self.poses.through(self.start, self.positions[one], curved=False)
+
+    def _rolled_back(self) -> State:
+        """Return the state in which the integration begins.
+
+        Before its start, a drive that does not repeat leads where the scene never goes. Where the linkage locks there,
+        or nearly, smaller steps bring the beginning nearer to the start.
+        """
+        for _ in range(PRE_ROLL_HALVINGS + 1):
+            self.step = self.scene.drive.cycle / (self.stride * self.sampling.samples)
+            try:
+                return self._before(self.options.pre_roll)
+            except Failure as locked:
+                reason = locked.reason
+            self.stride *= 2
+        raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
+
+    def _before(self, steps: int) -> State:
+        """Return the state that many steps before the start."""
+        positions = self.scene.drive.at(-self.step * np.arange(steps + 1)).position
+        way = self.poses.through(self.start, positions, curved=False)
+        fastest = LOCK_NEARS * self.poses.speed(self._assembled).max()
+        fast = ~(self.poses.speed(way) <= fastest)
+        if fast.any() and not self.scene.drive.repeats:
+            where = self.scene.where(float(positions[fast.argmax()]))
+            raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {where}")
+        return way.rows(-1)
+
+    def _integrated(self) -> System:
+        """Return the system that moves in time: the one of the poses, unless more is asked for than the scene needs."""
+        if self.options.extra is not Extra.SPATIAL:
+            return self.system
+        model = SpatialSystem(self.scene)
+        add_loads(model, self.poses, self.start)
+        return model
+
+    def _prepare(self, begin: State) -> None:
+        """Set the integrator, and its initial values."""
+        self.lead = self.options.pre_roll * self.step
+        self._extras = Extras(self.model, self.options, self.step)
+        configure(self.model.settings, self.options)
+        drive, values, initial = self.scene.drive.at(-self.lead), self.model.state, engine().ConfigurationType.Initial
+        for place, of_plane in (
+            (values.SetODE2Coordinates, begin.q),
+            (values.SetODE2Coordinates_t, begin.velocities(drive.rate)),
+            (values.SetODE2Coordinates_tt, begin.accelerations(drive.rate, drive.acceleration)),
+        ):
+            all_coordinates = np.zeros(self.model.node_size * len(self.scene.bodies))
+            all_coordinates[self.model.coordinates] = of_plane
+            place(all_coordinates, initial)
+
+    def solve(self) -> None:
+        """Integrate.
+
+        Raises:
+            Failure: a step found no solution, or the run ended early.
+        """
+        self.counters = dict.fromkeys(("steps", "newton_iterations", "jacobians"), 0) | self.model.counts()
+        for level, samples in enumerate(self._runs):
+            self._integrate(samples, refinement=2**level)
+
+    def _integrate(self, samples: Array, refinement: int) -> None:
+        before, stride = refinement * self.options.pre_roll, refinement * self.stride
+        integration = self.model.settings.timeIntegration
+        integration.numberOfSteps = before + stride * (self.sampling.count - 1)
+        integration.endTime = self.lead + self.times[-1]
+        self.model.course.run(self.lead, self.step / refinement, integration.numberOfSteps)
+        samples.fill(np.nan)
+        mbs = self.model.mbs
+        mbs.SetPostStepUserFunction(self._recorder(samples, before, stride))
+        try:
+            mbs.SolveDynamic(self.model.settings)
+        except engine().SolverError:
+            where = self._where(mbs.sys["dynamicSolver"].it.currentTime)
+            raise Failure(Status.diverged, f"Newton's method found no solution for the step at {where}") from None
+        except engine().ExudynError as error:
+            raise failure(error, "integrating") from None
+        finally:
+            mbs.SetPostStepUserFunction(0)  # else the system and this run keep each other alive
+        self._check_end(mbs.sys["dynamicSolver"])
+
+    def _recorder(self, samples: Array, before: int, stride: int) -> Callable[[Any, float], bool]:
+        """Return what Exudyn calls at the start and after every step: it keeps the state of those that are samples."""
+        state, coordinates = self.model.state, self.model.coordinates
+        getters = [
+            (state.GetODE2Coordinates, coordinates),
+            (state.GetODE2Coordinates_t, coordinates),
+            (state.GetODE2Coordinates_tt, coordinates),
+        ]
+        if asks_forces(self.scene):
+            getters.append((state.GetAECoordinates, self.model.multipliers))
+        steps = count(-before)
+
+        def record(_mbs: Any, _time: float) -> bool:
+            sample, between = divmod(next(steps), stride)
+            if between == 0 and 0 <= sample < samples.shape[1]:
+                for row, (get, chosen) in zip(samples, getters, strict=True):
+                    row[sample] = get()[chosen]
+            return True
+
+        return record
+
+    def _check_end(self, solver: Any) -> None:
+        """Count the work, and refuse a run that ended early, which Exudyn may call a success."""
+        self.counters["steps"] += solver.it.currentStepIndex - 1  # it counts the start
+        self.counters["newton_iterations"] += solver.it.newtonStepsCount
+        self.counters["jacobians"] += solver.it.newtonJacobiCount
+        where = f"at {self._where(solver.it.currentTime)}"
+        if solver.output.simulationTimeout:
+            raise Failure(Status.timed_out, f"Exudyn's own time limit ended the run {where}")
+        early = solver.it.currentTime < (self.lead + self.times[-1]) * (1 - 1e-9)
+        if early or solver.output.simulationStoppedByUserFunction:
+            raise Failure(Status.diverged, f"the run ended early, {where}")
+
+    def _where(self, clock: float) -> str:
+        return self.scene.where(float(self.scene.drive.at(clock - self.lead).position))
+
+    def read(self) -> Motion:
+        """Return the channels.
+
+        Raises:
+            Failure: the result is not finite, left the drive or the branch, or changes too much with the step.
+        """
+        samples = self._runs[-1]
+        if self.options.richardson:
+            coarse, fine = self._runs
+            samples = (4 * fine - coarse) / 3  # both methods are of order 2
+        motion = self._motion(samples)
+        self._check_branch(samples[0])
+        peak = self._peak(samples[2])
+        self._check_ringing(samples[2], peak)
+        if self.options.richardson:
+            self._check_halving(coarse[2], fine[2], peak)
+        return motion
+
+    def _check_branch(self, q: Array) -> None:
+        """Compare every pose with the assembled one, which is the same in every cycle."""
+        place = _places(q, self.system.size)
+        assembled = _places(self._assembled.q, self.system.size)[np.arange(len(q)) % len(self._assembled.q)]
+        off = np.abs(place - assembled).max(axis=(1, 2)) / self.system.size
+        self.residuals["pose"] = float(off.max())
+        if off.max() > BRANCH_LIMIT:
+            where = self.scene.where(self.positions[np.argmax(off > BRANCH_LIMIT)])
+            raise Failure(Status.wrong_branch, f"at {where} the bodies are assembled another way")
+
+    def _peak(self, accelerations: Array) -> float:
+        """Return their peak, or that of a turning arm of the linkage's size, by the scale of the poses."""
+        rate = self.scene.drive.peak_rate / (1 if self.scene.driven_slide is None else self.system.size)
+        return max(float(self.poses.length(accelerations).max()), rate**2)
+
+    def _check_ringing(self, accelerations: Array, peak: float) -> None:
+        """Compare some with those of assembled states: a start transient may have lasted, where steps damp little."""
+        for row, state in ((0, self.start), (len(self._assembled.q) - 1, self._assembled.rows(-1))):
+            _, rate, acceleration = self.scene.drive.at(self.times[row])
+            off = float(self.poses.length(accelerations[row] - state.accelerations(rate, acceleration))) / peak
+            if not off <= RINGING_LIMIT:
+                where = self.scene.where(self.positions[row])
+                raise Failure(
+                    Status.not_converged, f"accelerations ring: at {where} they are off by {off:.2g} of their peak"
+                )
+
+    def _check_halving(self, coarse: Array, fine: Array, peak: float) -> None:
+        """Compare the accelerations of both runs."""
+        change = float(self.poses.length(fine - coarse).max()) / peak
+        self.residuals["step halving"] = change
+        if change > HALVING_LIMIT:
+            raise Failure(
+                Status.not_converged, f"accelerations change by {change:.2g} of their peak when the step is halved"
+            )
+
+
+def _places(q: Array, size: float) -> NDArray[np.complex128]:
+    """Return centres of mass, and x axes of the linkage's size, of poses (n, 3 bodies): shape (n, bodies, 2), m."""
+    x, y, angle = np.moveaxis(q.reshape(len(q), -1, 3), 2, 0)
+    return np.stack([x + 1j * y, size * np.exp(1j * angle)], axis=-1)

@@ -1,0 +1,86 @@
+"""A scene's bodies: where their points lie, and how heavy they are. Plane vectors are complex numbers x + iy."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.scene import Body
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """A moving body: its points and its centre of mass in its own frame, m; in a kinematic scene it has no mass."""
+
+    points: Mapping[str, complex]
+    com: complex
+    mass: float  # kg
+    inertia: float  # kg m^2, about the centre of mass
+
+    @property
+    def size(self) -> float:
+        """Return the largest distance of two points, m."""
+        return max(abs(p - q) for p in self.points.values() for q in self.points.values())
+
+
+def rigid(scene: Scene, body: Body) -> Rigid:
+    """Return a body of the scene.
+
+    Raises:
+        Failure: cannot_assemble, its lengths do not close, or the sketch shows three of its points in line.
+    """
+    points = _points(scene, body)
+    return Rigid(points, *_mass_properties(body, points))
+
+
+def _points(scene: Scene, body: Body) -> dict[str, complex]:
+    """Return the body's points in its own frame, m: as given, or each by its distances from two before it."""
+    if body.local is not None:
+        return {point: complex(*place) for point, place in body.local.items()}
+    assert body.lengths is not None
+    first, second, *others = body.points
+    frame = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
+    for point in others:
+        frame[point] = _apex(scene, body, point, frame)
+    return frame
+
+
+def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> complex:
+    """Return where c lies, m: at its distances from its bases a and b, on the side of a -> b that the sketch shows."""
+    assert body.lengths is not None
+    a, b = body.bases(c)
+    base = frame[b] - frame[a]
+    ab, ac, bc = abs(base), body.lengths[frozenset((a, c))], body.lengths[frozenset((b, c))]
+    drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
+    side = np.sign((np.conj(drawn[b] - drawn[a]) * (drawn[c] - drawn[a])).imag)
+    if side == 0:
+        raise Failure(
+            Status.cannot_assemble, f"the sketch shows {a}, {b}, {c} of '{body.name}' in line, not which way round"
+        )
+    # Sixteen times the squared area by Heron's formula, which stays accurate for a flat triangle.
+    heron = (ab + ac + bc) * (ab + ac - bc) * (ab - ac + bc) * (-ab + ac + bc)
+    if not (heron > 0 and ab > 0):
+        raise Failure(Status.cannot_assemble, f"the lengths from {a} and {b} to {c} of '{body.name}' do not meet")
+    return frame[a] + base / ab * complex((ab**2 + ac**2 - bc**2) / (2 * ab), side * sqrt(heron) / (2 * ab))
+
+
+def _mass_properties(body: Body, points: Mapping[str, complex]) -> tuple[complex, float, float]:
+    """Return centre of mass, m, mass, kg, and moment of inertia about the centre of mass, kg m^2."""
+    import pymunk
+
+    places = np.array([*points.values()])
+    centroid = complex(places.mean())
+    if body.mass is None:
+        return centroid, 0.0, 0.0
+    if body.com is not None and body.inertia is not None:
+        return complex(*body.com), body.mass, body.inertia
+    match [(float(arm.real), float(arm.imag)) for arm in places - centroid]:
+        case [_]:
+            inertia = 0.0
+        case [a, b]:
+            inertia = pymunk.moment_for_segment(body.mass, a, b, 0)
+        case triangle:
+            inertia = pymunk.moment_for_poly(body.mass, triangle)
+    return centroid, body.mass, inertia

@@ -1,0 +1,118 @@
+"""The Exudyn model's ways of failing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import scenes
+from scenes import Failure, Sampling, Scene, Status
+from sim_models import exudyn_model as model
+from sim_models import exudyn_stepping
+from sim_models.exudyn_model import DEFAULT, EXACT, ExudynSettings, TimeStepping
+from sim_models.exudyn_stepping import SteppedRun
+
+from .exudyn_helpers import BOTH_ROUTES, edited, locking, referred, run, write
+from .exudyn_scenes import PARALLELOGRAM, REDUNDANT, SCENES, SLIDER_CRANK
+
+
+def failure(scene: Scene, settings: ExudynSettings = DEFAULT) -> Failure:
+    with pytest.raises(Failure) as raised:
+        run(scene, settings)
+    assert "\n" not in raised.value.reason
+    return raised.value
+
+
+def test_bodies_that_do_not_fit(tmp_path: Path) -> None:
+    failed = failure(edited(tmp_path, ('"O-P3" = 300', '"O-P3" = 3000')))
+    assert failed.status is Status.cannot_assemble
+    assert "11.5000 deg" in failed.reason
+
+
+@BOTH_ROUTES
+def test_linkage_that_locks(settings: ExudynSettings, tmp_path: Path) -> None:
+    failed = failure(edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 200')), settings)
+    assert failed.status is Status.cannot_assemble
+    assert "166.08" in failed.reason  # where |P4.x| reaches 200 mm
+
+
+@BOTH_ROUTES
+def test_branches_that_meet(settings: ExudynSettings, tmp_path: Path) -> None:
+    failed = failure(write(tmp_path, PARALLELOGRAM), settings)
+    assert failed.status is Status.cannot_assemble
+    assert "180.0000 deg" in failed.reason
+
+
+def test_start_at_a_lock(tmp_path: Path) -> None:
+    failed = failure(locking(tmp_path, 166.08))
+    assert failed.status is Status.unsupported
+    assert "a little before the start" in failed.reason
+    run(locking(tmp_path, 166.08), EXACT)
+
+
+def test_ringing_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Trapezoidal steps damp nothing: begun next to a lock, they ring for ever, 130 times as high as all else."""
+    monkeypatch.setattr(exudyn_stepping, "LOCK_NEARS", np.inf)
+    settings = TimeStepping("", steps=360, richardson=False, solver="TrapezoidalIndex2")
+    failed = failure(referred("slotted_class_iii")[0], settings)
+    assert failed.status is Status.not_converged
+    assert "ring" in failed.reason
+
+
+def test_lengths_that_do_not_meet(tmp_path: Path) -> None:
+    """K is given from B and D, which no length joins: only a model can tell whether the two circles meet."""
+    text = SCENES["driven_toggle"].replace(
+        '"B-D" = 120, "B-K" = 60, "D-K" = 90', '"B-D" = 120, "B-G" = 30, "A-G" = 345'
+    )
+    text = text.replace('"A-G" = 345', '"A-G" = 345, "D-K" = 60, "G-K" = 20').replace(
+        "K = [230", "G = [290, 190]\nK = [230"
+    )
+    failed = failure(write(tmp_path, text))
+    assert failed.status is Status.cannot_assemble
+    assert "'D-K' and 'G-K' do not meet" in failed.reason
+
+
+@BOTH_ROUTES
+def test_spring_without_a_direction(settings: ExudynSettings, tmp_path: Path) -> None:
+    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 1000\nlength = {}\n[sketch]'
+    text = SLIDER_CRANK.replace("A = [0, 0]", "A = [0, 0]\nP = [1.3, 0]", 1).replace("mass = 0", "mass = 1")
+    motion = run(write(tmp_path, text.replace("[sketch]", spring.format(0))), settings)
+    assert motion["C.fx"][0] == pytest.approx(100 + motion["C.ax"][0])  # it has no length and no force there
+    failed = failure(write(tmp_path, text.replace("[sketch]", spring.format(0.1))), settings)
+    # time steps find no solution there; pointwise, Exudyn takes the spring for none
+    assert failed.status is (Status.nonfinite if settings is EXACT else Status.diverged)
+
+
+def test_redundant_constraints_are_counted(tmp_path: Path) -> None:
+    failed = failure(write(tmp_path, REDUNDANT))
+    assert failed.status is Status.unsupported
+    assert "1 degrees of freedom and 1 redundant" in failed.reason
+
+
+def test_sketch_of_neither_branch(tmp_path: Path) -> None:
+    scene = edited(tmp_path, ("P3 = [0, -300]", "P3 = [600, -600]"), ("P4 = [0, -790]", "P4 = [600, -100]"))
+    assert failure(scene).status is Status.wrong_branch
+
+
+# The rod is longer than |P4.x| ever gets, 248.99658795 mm near 212.05 deg, by one part in a million or in ten thousand.
+def test_jump_to_the_other_branch_is_seen(tmp_path: Path) -> None:
+    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 248.996836950'))
+    assert failure(scene, TimeStepping("", steps=360, richardson=False)).status is Status.wrong_branch
+    assert failure(scene, TimeStepping("", steps=360, solver="TrapezoidalIndex2")).status is Status.diverged
+    motion = run(scene, EXACT)
+    assert (motion["P5.y"] < motion["P4.y"]).all()  # it went through on its own branch
+
+
+def test_runs_too_far_apart_to_extrapolate(tmp_path: Path) -> None:
+    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 249.021487609'))
+    assert failure(scene, TimeStepping("", steps=360)).status is Status.not_converged
+
+
+def test_values_that_are_not_finite_and_a_run_that_ends_early() -> None:
+    simulation = model.build(scenes.load("toggle_press"), DEFAULT, Sampling(72))
+    simulation.solve()
+    assert isinstance(simulation, SteppedRun)
+    simulation._runs[-1][:, 40:] = np.nan  # as a run leaves them that stopped there
+    with pytest.raises(Failure, match=r"200\.0000 deg") as raised:
+        simulation.read()
+    assert raised.value.status is Status.nonfinite
