@@ -72,12 +72,12 @@ def orders(study: Study) -> pd.DataFrame:
     if found.empty:
         return found
     found = found[found.groupby(["engine", "family"])["order"].transform(lambda order: order.notna().any())]
-    found["said"] = [
+    said = [
         f"{row['order']:.2f} ({row['residual']:.1g}, {row['points']})" if row["order"] == row["order"] else "–"
         for row in found.to_dict("records")
     ]
-    found = found.rename(columns={"expected_order": "expected"}).fillna({"expected": "–"})
-    return _pivot(found, ["engine", "family", "expected"], "group", "said")
+    expected = ["–" if order != order else f"{order:g}" for order in found["expected_order"]]
+    return _pivot(found.assign(said=said, expected=expected), ["engine", "family", "expected"], "group", "said")
 
 
 def _pivot(table: pd.DataFrame, rows: list[str], columns: str, values: str) -> pd.DataFrame:

@@ -10,17 +10,16 @@ from compare.figures import COLOURS, DASHES, LAYOUT
 
 from .clamp import DEGREE, Array, acceleration, velocity_ratio
 from .measures import measure
-from .study import ASSUMPTIONS, LENGTHS, MAIN, Point
-from .tables import BASELINE, PRINTED, PUBLISHED, of
+from .study import ASSUMPTIONS, LENGTHS, LITERALLY, MAIN, Point
+from .tables import LARGEST_IN_PRINT, PRINTED, PUBLISHED, of
 
-LITERALLY = "160 deg read literally"  # far below the others
 MARKS = ("circle", "diamond", "star", "star-square")
 
 
 def coordination(points: Sequence[Point], ahead: Mapping[str, Array]) -> go.Figure:
     """Draw M_P and L_sum over R_S, with the published designs and those ahead of them."""
     figure = make_subplots(2, 1, shared_xaxes=True, row_heights=[0.6, 0.4], vertical_spacing=0.05)
-    names = [name for name in ASSUMPTIONS if name != LITERALLY]
+    names = [name for name in ASSUMPTIONS if name != LITERALLY]  # which is far below the others
     for name, dash, colour in zip(names, DASHES, (COLOURS[0], "#777777", "#aaaaaa"), strict=False):
         line = {"dash": dash, "color": colour, "width": 2 if name == MAIN else 1.2}
         mode = "lines+markers" if name == MAIN else "lines"
@@ -35,8 +34,10 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Array]) -> go.Figu
     for number, (name, printed) in enumerate(PRINTED.items()):
         marker = {"symbol": MARKS[number] + "-open", "size": 11, "color": COLOURS[1], "line": {"width": 2}}
         _mark(figure, f"{name}, printed", printed, marker)
-    figure.add_hline(y=BASELINE, line={"dash": "dot", "color": "#999999"}, row=1, col=1)
-    figure.add_annotation(text="largest M_P in print", x=1.1, y=BASELINE, yshift=9, showarrow=False, row=1, col=1)
+    figure.add_hline(y=LARGEST_IN_PRINT, line={"dash": "dot", "color": "#999999"}, row=1, col=1)
+    figure.add_annotation(
+        text="largest M_P in print", x=1.1, y=LARGEST_IN_PRINT, yshift=9, showarrow=False, row=1, col=1
+    )
     figure.update_yaxes(title="M_P at α = 2.5° [-]", row=1, col=1)
     figure.update_yaxes(title="L_sum [mm]", row=2, col=1)
     figure.update_xaxes(title="R_S [-]", row=2, col=1)

@@ -8,6 +8,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from compare import runner
+from compare.errors import SHOWN_GROUPS
 from compare.measure import Measurement, measure
 from compare.reference import establish
 from scenes import Motion, Sampling, Scene, load

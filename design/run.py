@@ -75,7 +75,7 @@ def chosen_from(points: Sequence[Point]) -> Mapping[str, Array]:
 def _rechecked(chosen: Mapping[str, Array], points: Sequence[Point]) -> list[Recheck]:
     curve = {point.at: point.optimum.X for point in tables.of(points, MAIN)}
     with Console(stderr=True).status("") as status:
-        designs = dict(chosen) | {"curve_at_1.10": curve["R_S = 1.10"]}
+        designs = dict(chosen) | {"curve_at_1_10": curve["R_S = 1.10"]}
         return list(rechecks(designs, ENGINES, lambda doing: status.update(f"checking {doing}")))
 
 

@@ -12,7 +12,7 @@ from .measures import MEASURES, measure
 from .optimise import AGREES
 from .problem import gains
 from .recheck import Recheck
-from .study import AHEAD, BOTH, FORCE, LENGTHS, MAIN, MOST_ROOM, ROOM, Point
+from .study import AHEAD, BASELINE, BOTH, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, ROOM, Point
 
 Row: TypeAlias = dict[str, Any]
 
@@ -21,7 +21,7 @@ PRINTED: Mapping[str, Mapping[str, float]] = {
     "initial": {"M_P": 20.20, "R_S": 1.02, "L_sum": 1354, "R_V max": 1.63, "R_V peak-valley": 0.65, "R_V start": 1.16},
     "scheme 4": {"M_P": 23.10, "R_S": 1.09, "L_sum": 1346, "R_V max": 1.80, "R_V peak-valley": 0.65, "R_V start": 1.17},
 }
-BASELINE = 26.55  # the largest M_P of all, in print
+LARGEST_IN_PRINT = 26.55  # M_P of all designs
 
 
 def variables(X: Array) -> dict[str, float]:
@@ -60,8 +60,9 @@ def of(points: Sequence[Point], name: str) -> list[Point]:
 
 
 def improved(points: Sequence[Point]) -> list[Point]:
-    """Return the points that have no design, or a restart has improved."""
-    return [p for p in points if not (p.optimum.feasible and min(p.short, default=0.0) >= -AGREES)]
+    """Return the points that a restart has improved, and those of the curve and of the next step without a design."""
+    missing = [p for p in points if p.set in (MAIN, LENGTHS) and not p.optimum.feasible]
+    return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -AGREES)]
 
 
 def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
@@ -143,20 +144,32 @@ def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
 def verdicts(points: Sequence[Point]) -> Iterator[str]:
     """Yield what the study finds, a sentence each."""
     best, steps = of(points, MAIN), of(points, LENGTHS)
-    least = min((min(p.optimum.agree, p.optimum.feasible) for p in best), default=0)
-    short = [value for p in (*best, *steps) for value in p.short]
-    yield (
-        f"Curve: {len(best)} points, {least} or more of {best[0].optimum.starts} starts agree on each." if best else ""
-    )
+    for name, found in (("Coordination curve", best), ("Least L_sum", steps)):
+        least = min((point.optimum.agree for point in found), default=0)
+        yield f"{name}: {len(found)} points; of the starts of each, {least} or more agree on the best."
+    short = [value for point in (*best, *steps) for value in point.short]
     if short:
+        outcome = "improves none of them" if min(short) >= -AGREES else "improves one of them"
         yield (
-            f"Differential evolution: {len(short)} restarts, the best of them {min(short):.0e} short of the optimum"
-            f" relatively, the worst {max(short):.0e}."
+            f"Differential evolution, restarted from nothing {len(short)} times, {outcome}: it falls short by"
+            f" {min(short):.0e} to {max(short):.0e}, relatively."
+        )
+    strict = {p.at: p.optimum for p in points if p.set == LITERALLY}
+    none = [at for at, optimum in strict.items() if not optimum.feasible]
+    most = max((optimum.value for optimum in strict.values() if optimum.feasible), default=np.nan)
+    yield f"With {LITERALLY}, no design is found at {', '.join(none) or 'no point'}, and M_P is {most:.2f} at most."
+    for point in of(points, BASELINE):
+        X = point.optimum.X
+        yield (
+            f"The largest M_P at any R_S is {point.optimum.value:.4f}, where R_S = {measure('R_S', X):.4f} and"
+            f" S_m = {measure('S_m', X):.1f} mm; in print it is {LARGEST_IN_PRINT}."
         )
     for point in of(points, AHEAD):
         gain = 100 * min(gains(point.optimum.X, SCHEME_4))
-        found = f"one is ahead by {gain:.3f} %" if gain > 0 else f"none was found, the best is {-gain:.3f} % behind"
-        yield f"Ahead of scheme 4 ({point.at}): {found}."
+        outcome = f"one is ahead by {gain:.3f} %" if gain > 0 else f"none is found, the best is {-gain:.3f} % behind"
+        if abs(gain) <= 100 * AGREES:
+            outcome = "none is found but scheme 4 itself"
+        yield f"Ahead of scheme 4 ({point.at}): {outcome}."
     for point in of(points, MOST_ROOM):
         yield (
             "All constraints as printed leave room ahead of scheme 4 while"

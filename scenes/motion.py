@@ -87,7 +87,9 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
 def channels(scene: Scene) -> tuple[str, ...]:
     """Return the names of the channels asked for, in the order of the files: all, unless the scene narrows them."""
     known = kinematic_channels(scene) + force_channels(scene)
-    wanted = known if scene.asked is None else {*scene.asked, "time", scene.drive_channel}
+    if scene.asked is None:
+        return known
+    wanted = {*scene.asked, "time", scene.drive_channel}
     return tuple(channel for channel in known if channel in wanted)
 
 

@@ -68,10 +68,12 @@ class Equations:
         return self._constraint_rows()
 
     @_of_many
-    def forces(self, q: Array, v: Array, clock: float) -> Array:
-        """Return f, of loads, springs and gravity at an instant of Exudyn's clock, s: N and N m, shape (3 bodies,)."""
+    def forces(self, q: Array, clock: float) -> Array:
+        """Return f at an instant of Exudyn's clock, s: N and N m, shape (3 bodies,).
+
+        Of loads, springs and gravity none looks at velocities; a press load knows its instants.
+        """
         self._state.SetODE2Coordinates(q)
-        self._state.SetODE2Coordinates_t(v)
         self._state.SetTime(clock)
         self._solver.ComputeODE2RHS(self._mbs)
         forces: Array = self._solver.GetSystemResidual()[: self._n]

@@ -130,7 +130,7 @@ class Poses:
 
     def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, clock: ArrayLike) -> Array:
         """Return the Lagrange multipliers of a motion that is there at an instant of Exudyn's clock, s."""
-        forces = self.equations.forces(state.q, state.velocities(rate), clock)
+        forces = self.equations.forces(state.q, clock)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 

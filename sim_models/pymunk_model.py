@@ -108,7 +108,7 @@ LONG_LADDER: tuple[PymunkSettings | Textbook, ...] = (
     _true(288, 3, 300),
     _true(144, 4, 300),
     EXACT,
-    *(_correcting(steps, 100, 0.5) for steps in (144, 576, 1152)),
+    *(_correcting(steps, 100, 0.5) for steps in (144, 720)),
     *(_correcting(steps, 100, None) for steps in (2880, 5760)),
     *(_textbook(steps) for steps in (576, 1152, 9216, 18432, 36864)),
 )

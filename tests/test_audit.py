@@ -24,6 +24,7 @@ from compare.audit_clamp_designs import (
     stroke_ratio,
 )
 from compare.audit_clamp_formulas import DESIGNS
+from compare.audit_clamp_rounding import one_for_all
 from compare.audit_toggle_positions import EQUATIONS as POSITIONS
 from compare.audit_toggle_rates import EQUATIONS as RATES
 from compare.audit_toggle_variables import Variables, over_two_turns
@@ -222,6 +223,11 @@ def test_one_clamp_has_all_of_table_1(name: str, rows: dict[str, Claim]) -> None
     for what, value in numbers.items():
         text = rows[f"table 1 {what}, {name}"].printed
         assert abs(value - float(text)) <= half_unit(text), what
+
+
+def test_no_clamp_is_named_where_none_rounds_to_table_2() -> None:
+    assert one_for_all("initial", [(force_ratio, "20.60")]) is not None
+    assert one_for_all("initial", [(force_ratio, "20.80")]) is None  # beyond the largest corner, 20.72
 
 
 def test_the_rounding_of_table_2_is_a_range_around_face_value() -> None:

@@ -332,7 +332,7 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
     def solve(scene: scenes.Scene, *_: object) -> scenes.Motion:
         raise ZeroDivisionError(f"{scene.name}\nand more")
 
-    monkeypatch.setattr(registry, "reference", lambda: solve)
+    monkeypatch.setattr(registry, "reference", solve)
     found = run("toggle_press", [f"{ROCKER}=300:310:2"])
     assert [(member.status, member.reason) for member in found] == [("crashed", "ZeroDivisionError: toggle_press")] * 2
 

@@ -15,6 +15,7 @@ from sim_models import pymunk_model, pymunk_simulation
 from sim_models.pymunk_linkage import Linkage
 from sim_models.pymunk_masses import ballasted_masses, fictitious_masses, groups, own_masses
 from sim_models.pymunk_model import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER, PymunkSettings, Textbook
+from sim_models.pymunk_start import start
 
 from .conftest import SceneFrom
 from .mechanisms import MECHANISMS
@@ -133,15 +134,18 @@ def largest_left_over(linkage: Linkage, pose: Array) -> float:
     return float(np.abs(np.linalg.eigvals(np.eye(len(K)) - np.linalg.solve(swept, K))).max())
 
 
+# Masses cannot part what geometry joins: three bars on one plate, and a rod that stands oblique to its slider's guide.
+JOINED = {"class_iii", "double_toggle_clamp", "double_toggle_clamp_scheme4", "servo_press"}
+
+
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
-    from sim_models.pymunk_start import start
-
     scene = scenes.load(name)
     linkages = [Linkage(scene, masses) for masses in (ballasted_masses, fictitious_masses)]
     ballasted, fictitious = (largest_left_over(linkage, start(linkage)) for linkage in linkages)
     assert fictitious < ballasted < 1
-    assert fictitious <= 0.7  # measured over the whole turn: 0.69 in the toggle press, whose rod is far from its guide
+    # Measured, at the start: 0.003 to 0.022, and 0.69 in the servo press, the sine squared of its rod's 56 degrees.
+    assert fictitious <= (0.7 if name in JOINED else 0.05)
 
 
 def test_groups_follow_from_each_other() -> None:
