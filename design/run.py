@@ -63,7 +63,7 @@ def optimised(effort: Effort, ratios: Sequence[float]) -> list[Point]:
 
 
 def chosen_from(points: Sequence[Point]) -> Mapping[str, Array]:
-    """Return the two designs that are put forward, which are ahead of scheme 4 under the strictest of conditions."""
+    """Return the designs put forward: ahead of scheme 4 under the strictest conditions that allow one, at each aim."""
     wanted = {
         "ahead_in_three": f"{THREE}; {AS_PRINTED}; sizes for both",
         "ahead_in_six": f"{SIX}; {MET}; sizes for scheme 4",

@@ -17,8 +17,8 @@ from scenes.scene import GROUND, PressForce
 
 from .pymunk_linkage import Linkage, Poses, branch, planes
 
-LARGEST_TURN = radians(3.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
-LARGEST_PART = 1 / 100  # of the drive's range in one continuation step
+LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
+LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
 LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
 SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is locked
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to somewhere else

@@ -54,7 +54,7 @@ def solved(scene: Scene, X: Array, alpha: Array) -> Motion:
 )
 def test_published_designs(X: Array, force: float, ratio: float, fastest: float, length: float) -> None:
     for name, value, digits in (("M_P", force, 1e-5), ("R_S", ratio, 1e-7), ("R_V max", fastest, 1e-5)):
-        assert abs(measure(name, X) - value) <= digits / 2 + 1e-6 * (digits == 1e-5)
+        assert abs(measure(name, X) - value) <= digits / 2
     assert abs(measure("L_sum", X) - length) <= 5e-6
 
 
