@@ -4,7 +4,7 @@ import os
 import platform
 from importlib.metadata import version
 
-PACKAGES = ("linkage-crosscheck", "numpy", "pandas", "plotly")  # the engines name their own
+PACKAGES = ("linkage-crosscheck", "numpy", "scipy", "pandas", "plotly")  # the engines name their own
 
 
 def environment() -> dict[str, str]:

@@ -4,7 +4,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
-from importlib.metadata import version
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
@@ -87,7 +86,7 @@ def _template(package: str, name: str) -> Template:
 
 
 def _versions() -> dict[str, str]:
-    return environment() | {"scipy": version("scipy")}
+    return environment()
 
 
 def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:

@@ -18,8 +18,8 @@ from .exudyn_system import System, engine
 
 ForceFunction: TypeAlias = Callable[[Any, float, Any], list[float]]  # of the system, its clock, and a force not used
 
-GRID = 360  # instants of a cycle between which a slider reverses once at most
-BISECTIONS = 50  # of the time between two of them
+GRID = 180  # instants of a cycle between which a slider reverses once at most
+BISECTIONS = 36  # of the time between two of them: to 1e-13 of a cycle, far within SAME_INSTANT
 SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
 

@@ -42,8 +42,8 @@ class Model:
         elif extra == "shapes":
             self.space.add(*(_shape(linkage, name, body) for name, body in self.bodies.items()))
         elif extra == "callback":
-            body = [*self.bodies.values()][-1]
-            body.velocity_func = type(body).update_velocity
+            dynamic = (body for body in self.bodies.values() if body.body_type == pymunk.Body.DYNAMIC)
+            next(dynamic).velocity_func = _update_velocity
         self.callbacks = int(extra == "callback")
 
     @property
@@ -126,6 +126,11 @@ def _gears(linkage: Linkage, bodies: Bodies) -> "list[pymunk.GearJoint]":
 
     turning = [name for name in linkage.scene.turning if name in linkage.slides]
     return [pymunk.GearJoint(bodies[linkage.slides[name].on], bodies[name], 0, 1) for name in turning]
+
+
+def _update_velocity(body: "pymunk.Body", gravity: tuple[float, float], damping: float, dt: float) -> None:
+    """Do what the engine does; itself, pymunk would recognise and replace by the function in C."""
+    type(body).update_velocity(body, gravity, damping, dt)
 
 
 def _shape(linkage: Linkage, name: str, body: "pymunk.Body") -> "pymunk.Segment":

@@ -1,17 +1,16 @@
-"""pymunk's settings: orders of convergence, masses, what a new user meets, and what is spared where nobody asks."""
+"""pymunk's settings: orders of convergence, masses, and what a new user meets."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache, partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
 
 import scenes
 from scenes import Failure, Sampling, Scene, Settings, Status
-from scenes.motion import channels
-from sim_models import pymunk_model, pymunk_simulation
+from sim_models import pymunk_model, pymunk_space
 from sim_models.pymunk_linkage import Linkage
 from sim_models.pymunk_masses import ballasted_masses, fictitious_masses, groups, own_masses
 from sim_models.pymunk_model import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER, PymunkSettings, Textbook
@@ -19,7 +18,7 @@ from sim_models.pymunk_start import start
 
 from .conftest import SceneFrom
 from .mechanisms import MECHANISMS
-from .pymunk_runs import Array, errors, kind, off, reference, solve
+from .pymunk_runs import Array, errors, kind, reference, solve
 
 SAMPLING = Sampling(72)
 Make: TypeAlias = Callable[[int], PymunkSettings]
@@ -221,6 +220,20 @@ def test_ablations_cost_more_and_change_nothing(settings: PymunkSettings) -> Non
     assert found["fx"] <= 1e-4 if settings.extra == "motor" else found == usual
 
 
+def test_callback_is_called_in_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The engine knows its own functions and calls them in C instead."""
+    calls, update = [], pymunk_space._update_velocity
+
+    def count(*arguments: Any) -> None:
+        calls.append(arguments)
+        update(*arguments)
+
+    monkeypatch.setattr(pymunk_space, "_update_velocity", count)
+    simulation = pymunk_model.build(shipped("toggle_press")[0], replace(FAST, extra="callback"), SAMPLING)
+    simulation.solve()
+    assert len(calls) == simulation.counters["steps"]
+
+
 def test_motor_is_refused_where_there_is_none(scene_from: SceneFrom) -> None:
     for name in ("driven_toggle", "swinging_law"):
         with pytest.raises(Failure, match="pymunk has motors for cranks at a constant speed only") as caught:
@@ -257,35 +270,3 @@ def test_textbook_refuses_what_the_manual_does_not_show(name: str) -> None:
     with pytest.raises(Failure) as caught:
         pymunk_model.build(scenes.load(name), Textbook("", 60), SAMPLING)
     assert caught.value.status is Status.unsupported
-
-
-# --- only what is asked for ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("settings", [FAST, DEFAULT, Textbook("", 2304)])
-@pytest.mark.parametrize("asked", [("P5.y",), ("P4.ax", "toggle.omega"), ("P4.fx", "P5.vy"), ("drive.torque",)])
-def test_exactly_the_channels_asked_for(settings: PymunkSettings | Textbook, asked: tuple[str, ...]) -> None:
-    scene, _ = shipped("toggle_press")
-    narrow = replace(scene, asked=frozenset(asked))
-    motion, whole = solve(narrow, settings, SAMPLING), solve(scene, settings, SAMPLING)
-    assert set(motion.samples) == {"time", "crank_angle", *asked} == set(channels(narrow))
-    for channel in asked:
-        # Measured: 1e-7, which other sweeps over other masses leave where no forces are asked for; else nothing.
-        assert off(motion[channel], whole[channel]) <= 2e-6, channel
-
-
-def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unwanted(*_: object) -> None:
-        raise AssertionError("forces are worked out")
-
-    scene, _ = shipped("crank_press")
-    for name in ("reaction_channels", "joint_forces", "check_impulses"):
-        monkeypatch.setattr(pymunk_simulation, name, unwanted)
-    monkeypatch.setattr("sim_models.pymunk_run.constant_forces", unwanted)
-    monkeypatch.setattr("sim_models.pymunk_run.VaryingForces", unwanted)
-    narrow = replace(scene, asked=frozenset((f"{scene.output}.y",)))
-    simulation = pymunk_model.build(narrow, DEFAULT, SAMPLING)
-    simulation.solve()
-    simulation.read()
-    whole = 3_324_000 / 6 * 3  # of the default's steps and sweeps, three constraints
-    assert simulation.counters["constraint_iterations"] == pytest.approx(whole / 10, rel=0.5)
