@@ -67,8 +67,10 @@ class AnalyticRun:
         self.motion = solve_decomposed(scene, self.linkage, commanded, sampling.times(scene), motion_at)
 
     def read(self) -> Motion:
-        """Return the channels; nothing is left to do."""
-        return self.motion
+        """Return the channels, whatever precision they were found in, as doubles."""
+        return Motion(
+            {channel: samples.astype(np.float64, copy=False) for channel, samples in self.motion.samples.items()}
+        )
 
     @property
     def counters(self) -> Mapping[str, int]:

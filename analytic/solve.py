@@ -102,12 +102,13 @@ def solve_decomposed(
 
 
 def _driven(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
+    if time is not None:
+        time = np.array(time, dtype=np.float64)
     if isinstance(scene.drive, ConstantSpeed):
-        time = (position - scene.drive.start) / scene.drive.speed
-        return time, Driven(position, np.array(scene.drive.speed), np.array(0.0))
+        told = (position - scene.drive.start) / scene.drive.speed if time is None else time
+        return told, Driven(position, np.array(scene.drive.speed), np.array(0.0))
     if time is None:
         raise ValueError("a drive that follows a law needs the instants")
-    time = np.array(time, dtype=np.float64)
     return time, scene.drive.at(time)._replace(position=position)
 
 

@@ -74,6 +74,8 @@ def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
             continue
         values = motion[channel]
+        if values.dtype != np.float64:  # the reference would be evaluated at its precision
+            raise Failure(Status.crashed, f"{channel} is of {values.dtype}, expected float64")
         if values.shape != (sampling.count,):
             raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {sampling.count}")
         bad = ~np.isfinite(values)

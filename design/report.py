@@ -72,7 +72,7 @@ def page(outcome: Outcome) -> str:
         literal=literal,
         assumed=table_html(tables.assumed({MAIN: BOTH, "sizes that allow scheme 4": ALONE})),
         constraints=table_html(tables.constraints(points)),
-        environment=table_html(pd.DataFrame(_versions().items(), columns=["of", "version"]), "text"),
+        environment=table_html(pd.DataFrame(environment().items(), columns=["of", "version"]), "text"),
     )
 
 
@@ -83,10 +83,6 @@ def _head(title: str) -> str:
 
 def _template(package: str, name: str) -> Template:
     return Template((files(package) / name).read_text(encoding="utf-8"))
-
-
-def _versions() -> dict[str, str]:
-    return environment()
 
 
 def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:
@@ -104,7 +100,7 @@ def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, An
         "ahead": [point.at for point in tables.of(outcome.points, AHEAD)],
         "rechecks": [asdict(recheck) for recheck in outcome.rechecks],
         "seconds": outcome.seconds,
-        "environment": _versions(),
+        "environment": environment(),
     }
 
 

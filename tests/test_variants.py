@@ -6,6 +6,7 @@ import pytest
 from analytic.engine import LADDER, AnalyticSettings
 from compare import registry
 from compare.errors import GROUPS
+from compare.measure import measure
 from compare.reference import establish, relative_errors
 from scenes import Sampling, Scene
 from scenes.motion import quantity
@@ -60,3 +61,12 @@ def test_differences_are_of_second_order(scene_from: SceneFrom, name: str) -> No
 
 def test_labels_are_told_apart() -> None:
     assert len({settings.label for settings in LADDER}) == len(LADDER)
+
+
+def test_single_precision_is_told_from_the_reference(toggle_press: Scene) -> None:
+    """Its channels are doubles, so that the reference is not evaluated in single precision too, and agrees."""
+    found = measure(establish(toggle_press), "analytic", Sampling(72), AnalyticSettings("single", single=True))
+    assert found.run.motion is not None
+    assert all(samples.dtype == np.float64 for samples in found.run.motion.samples.values())
+    worst = found.errors.groupby("group")["max"].max()
+    assert 1e-8 <= worst["reaction"] <= 1e-5  # a rounding is 6e-8, a few dozen of them
