@@ -66,7 +66,8 @@ def _correcting(steps: int, sweeps: int, correction: float | None) -> PymunkSett
 
 
 def _textbook(steps: int) -> Textbook:
-    return Textbook(f"textbook, {steps} steps", steps, family="textbook", order=1, note=NEWCOMER)
+    """Return what one gets without knowing; no theory says how unconverged sweeps and a slack correction add up."""
+    return Textbook(f"textbook, {steps} steps", steps, family="textbook", note=NEWCOMER)
 
 
 def _runs(steps: int, levels: int) -> str:
