@@ -41,7 +41,7 @@ def solve(scene: Scene, position: ArrayLike, time: ArrayLike | None = None) -> M
         scene: the mechanism.
         position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), in any order.
         time: the instants, s, shape (n,), which tell the rate and acceleration that the motion law asks for there.
-            At a constant speed they are told by the position.
+            At a constant speed the position tells all of that, and the instants where none are given.
 
     Returns:
         Every channel that the scene asks for, shape (n,), SI; if that is all, `transmission` and `to_lock` too.

@@ -11,7 +11,6 @@ from analytic.decomposition import _Placed, decompose, larger_group, members
 from analytic.solve import solve_decomposed
 from compare import registry
 from compare.checks import checks
-from compare.reference import establish, relative_errors
 from scenes import Sampling, Scene
 from scenes.motion import Samples, channels, force_channels
 from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
@@ -177,8 +176,5 @@ def test_against_50_digits(scene: Scene) -> None:
     run.solve()
     exact = run.read()
     motion = analytic.solve(scene, exact[scene.drive_channel], exact["time"])
-    errors = relative_errors(motion, exact, establish(scene).scale)
-    assert set(errors) == set(channels(scene)) - {"time"}
-    for channel, error in errors.items():
-        # As above, 2e-14 at worst; but each joint is measured by its own peak here, which may be a small one.
-        assert error.max() <= 1e-12, channel
+    # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
+    assert_agree(scene, motion, {channel: exact[channel] for channel in channels(scene)})
