@@ -8,7 +8,7 @@ import numpy as np
 from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
-from scenes.scene import GROUND, PressForce
+from scenes.scene import PressForce
 
 from .decomposition import Decomposition
 from .dyads import Vectors, dot
@@ -45,10 +45,11 @@ def guide_of(scene: Scene, point: str) -> tuple[Vectors, complex]:
     Raises:
         ValueError: the point is on no body that slides on the ground.
     """
-    for body in scene.bodies.values():
-        if point in body.points and body.slide is not None and body.slide.on == GROUND:
-            return np.asarray(as_complex(body.slide.along)), as_complex(body.slide.through)
-    raise ValueError(f"{point} is on no body that slides on the ground")
+    guided = scene.guided(point)
+    if guided is None:
+        raise ValueError(f"{point} is on no body that slides on the ground")
+    _, slide = guided
+    return np.asarray(as_complex(slide.along)), as_complex(slide.through)
 
 
 def dead_points(displaced: Displaced, least: float, most: float) -> Samples:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Sampling, Scene
 from scenes.motion import Samples
-from scenes.scene import GROUND, Force, PressForce, Slide
+from scenes.scene import Force, PressForce
 
 from .units import axis
 
@@ -74,20 +74,12 @@ def cycle(scene: Scene, motion: Motion, solve: Solve) -> Cycle:
     return Cycle(motion[axis(scene).channel], curves, quantities, joints)
 
 
-def _guided(scene: Scene) -> tuple[str, Slide] | None:
-    """Return the output point's body that slides on the ground, and its guide; None where there is none."""
-    for name, body in scene.bodies.items():
-        if body.slide is not None and body.slide.on == GROUND and scene.output in body.points:
-            return name, body.slide
-    return None
-
-
 def _curves(scene: Scene, motion: Motion) -> dict[str, Samples]:
     """Return the output's curves, along its guide where it has one, and the drive's effort."""
     place, velocity, acceleration = (
         np.array([motion[f"{scene.output}.{q}x"], motion[f"{scene.output}.{q}y"]]) for q in ("", "v", "a")
     )
-    guided = _guided(scene)
+    guided = scene.guided(scene.output)
     if guided is None:
         curves = {"x": place[0], "y": place[1]}
         curves |= {"velocity": np.hypot(*velocity), "acceleration": np.hypot(*acceleration)}
@@ -134,7 +126,7 @@ def _peaks(extremes: Extremes) -> dict[str, float]:
 
 def _closing(scene: Scene) -> int:
     """Return the sign of the slider's velocity while it closes: against its first load, or else downwards."""
-    guided = _guided(scene)
+    guided = scene.guided(scene.output)
     assert guided is not None
     name, slide = guided
     for load in scene.loads:

@@ -14,7 +14,7 @@ from plotly.subplots import make_subplots
 
 from scenes import Motion
 from scenes.motion import Samples, channels, quantity
-from scenes.scene import GROUND, ConstantSpeed, Vector
+from scenes.scene import ConstantSpeed, Vector
 
 from .reference import Reference
 from .registry import REFERENCE
@@ -65,14 +65,13 @@ def panels(reference: Reference) -> Iterator[Panel]:
 
 def _motion_panels(reference: Reference) -> Iterator[Panel]:
     scene = reference.scene
-    slides = [body.slide for body in scene.bodies.values() if body.slide is not None and scene.output in body.points]
-    slide = next((slide for slide in slides if slide.on == GROUND), None)
+    guided = scene.guided(scene.output)
     for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
         x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
         factor, unit = prefixed(reference.scale[x], unit)
         curves: tuple[Curve, ...] = (_channel("x", x, factor), _channel("y", y, factor))
-        if slide is not None:
-            curves = (_along("along the guide", x, y, slide.along, factor),)
+        if guided is not None:
+            curves = (_along("along the guide", x, y, guided[1].along, factor),)
         yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
 
 

@@ -275,8 +275,7 @@ def _check_output(scene: Scene, output_slides: bool) -> None:
     key = "slider" if output_slides else "point"
     if scene.output not in scene.moving_points:
         raise InputError(f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, scene.moving_points)}")
-    guided = [body for body in scene.bodies.values() if body.slide is not None and body.slide.on == GROUND]
-    if output_slides and not any(scene.output in body.points for body in guided):
+    if output_slides and scene.guided(scene.output) is None:
         raise InputError(
             f"output.slider: '{scene.output}' is on no body that slides on the ground; say 'point' instead"
         )

@@ -149,6 +149,14 @@ class Scene:
         """The guide of the driven body; None where that is a crank."""
         return self.bodies[self.drive.body].slide
 
+    def guided(self, point: str) -> tuple[str, Slide] | None:
+        """Return the body at a point that slides on the ground, and its guide; None where none does."""
+        for name in self.owners[point]:
+            slide = None if name == GROUND else self.bodies[name].slide
+            if slide is not None and slide.on == GROUND:
+                return name, slide
+        return None
+
     @property
     def drive_channel(self) -> str:
         """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
