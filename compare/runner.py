@@ -50,7 +50,7 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
         read = perf_counter()
         _check_complete(scene, sampling, motion)
     except Failure as failure:
-        return replace(failed, status=failure.status, reason=failure.reason)
+        return replace(failed, status=failure.status, reason=failure.reason, motion=failure.motion)
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
         text = (str(error) or "no message").strip().splitlines()[0]
         return replace(failed, status=Status.crashed, reason=f"{type(error).__name__}: {text}")

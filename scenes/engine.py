@@ -35,12 +35,16 @@ class Status(Enum):
 
 
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
-    """A run that ended with a status other than ok, and the particular reason in one sentence."""
+    """A run that ended with a status other than ok, and the particular reason in one sentence.
 
-    def __init__(self, status: Status, reason: str) -> None:
+    `motion` is what was computed all the same and is not to be trusted, for those who ask how far off it is.
+    """
+
+    def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
         super().__init__(reason)
         self.status = status
         self.reason = reason
+        self.motion = motion
 
 
 @dataclass(frozen=True)
