@@ -1,4 +1,7 @@
-"""What an engine's own output must satisfy, with no reference: closed joints, balanced power, Newton and Euler."""
+"""What an engine's own output must satisfy, with no reference.
+
+The drive where it was asked to be, closed joints, one branch, rates that fit the poses, Newton and Euler, power.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -7,10 +10,11 @@ import numpy as np
 
 from scenes import Motion, Scene
 from scenes.motion import Samples, force_channels, kinematic_channels
-from scenes.scene import GROUND, Body
 
+from .closure import closed_by, gaps, rates
+from .jacobian import Constraints
 from .press import acts, press_forces, sides, stroke_end
-from .state import State, distances, inertia
+from .state import State, inertia
 from .units import axis
 
 
@@ -29,24 +33,18 @@ class Check:
 def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
     """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to."""
     state = State(scene, motion)
-    moving = set(kinematic_channels(scene))
-    violations = {
-        ("closure", body.name, "stroke"): _gaps(state, body, stroke)
-        for body in scene.bodies.values()
-        if moving.intersection(_closing(scene, body)) <= motion.samples.keys()
-    }
-    if scene.has_masses and motion.samples.keys() >= {*moving, *force_channels(scene)}:
-        violations |= _balances(state, stroke)
+    violations = {("drive", scene.drive.body, "turn" if scene.driven_slide is None else "travel"): _drive(state)}
+    for body in scene.bodies.values():
+        if motion.samples.keys() >= closed_by(scene, body):
+            violations["closure", body.name, "stroke"] = gaps(state, body, stroke)
+    if motion.samples.keys() >= set(kinematic_channels(scene)):
+        constraints = Constraints(scene, motion)
+        violations["branch", "linkage", "sign of the Jacobian"] = (constraints.branch != constraints.branch[0]) * 1.0
+        for quantity, of, violation in rates(constraints):
+            violations[quantity, of, f"peak {quantity}"] = violation
+        if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
+            violations |= _balances(state, stroke)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
-
-
-def _closing(scene: Scene, body: Body) -> Iterator[str]:
-    """Yield the channels that say whether a body's joints are closed, and names that are none where the ground is."""
-    points = set(body.points)
-    if body.slide is not None:
-        yield from (f"{name}.angle" for name in (body.name, body.slide.on))
-        points |= set(() if body.slide.on == GROUND else scene.bodies[body.slide.on].points[:1])
-    yield from (f"{point}.{q}" for point in points for q in ("x", "y"))
 
 
 def _worst(check: str, of: str, relative_to: str, violation: Samples, state: State) -> Check:
@@ -56,21 +54,13 @@ def _worst(check: str, of: str, relative_to: str, violation: Samples, state: Sta
     return Check(check, of, float(violation[row]), max_at, where, relative_to)
 
 
-def _gaps(state: State, body: Body, stroke: float) -> Samples:
-    """Return by how much the body's points miss their distances, and it its guide, relative to the stroke, shape (n,).
-
-    A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. A body
-    that is turned against its guide is off by that angle, rad, at an arm of one stroke.
-    """
-    gap = np.zeros(state.motion["time"].shape)
-    for (p, q), length in distances(body).items():
-        gap = np.maximum(gap, np.abs(np.abs(state.place(p) - state.place(q)) - length) / stroke)
-    if body.slide is not None:
-        gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / stroke)
-        if body.name in state.scene.turning:
-            between = state.angle(body.name) - state.angle(body.slide.on)
-            gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
-    return gap
+def _drive(state: State) -> Samples:
+    """Return how far the drive is from where it was asked to be, in turns or travels, shape (n,)."""
+    scene = state.scene
+    least, most = scene.drive.extent
+    asked = scene.drive.at(state.motion["time"]).position
+    off: Samples = np.abs(state.motion[scene.drive_channel] - asked)
+    return off / (2 * np.pi if scene.driven_slide is None else most - least)
 
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what

@@ -1,6 +1,7 @@
 """What several tests need: the toggle press, and scene files made on the spot."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
 
@@ -9,7 +10,12 @@ from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
 import scenes
-from scenes import Scene
+from compare import registry
+from compare.reference import Floor, Reference, establish
+from scenes import Motion, Scene
+
+from .comparisons import Outcome, Plug, References, Stub, commanded
+from .mechanisms import MECHANISMS
 
 set_hypothesis_home_dir(Path(gettempdir()) / "hypothesis")
 settings.register_profile("no leftovers", database=None)
@@ -85,3 +91,45 @@ def busy_scene(order: Sequence[int] = (0, 1, 2, 3, 4)) -> str:
     """Return the text of the scene, its bodies in any order."""
     names = list(_BUSY_BODIES)
     return "\n".join([_BUSY_HEAD, *(f"[bodies.{names[i]}]\n{_BUSY_BODIES[names[i]]}" for i in order), _BUSY_TAIL])
+
+
+# --- the comparison -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def reference() -> Reference:
+    return establish(scenes.load("toggle_press"))
+
+
+@pytest.fixture
+def motion(reference: Reference) -> Motion:
+    return commanded(reference)
+
+
+@pytest.fixture(scope="module")
+def references(tmp_path_factory: pytest.TempPathFactory) -> References:
+    """Return a function that establishes the reference of a mechanism, without its floor, and only once."""
+    folder = tmp_path_factory.mktemp("mechanisms")
+
+    @cache
+    def of(name: str) -> Reference:
+        file = folder / f"{name}.toml"
+        file.write_text(MECHANISMS[name], encoding="utf-8")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("compare.reference._certify", lambda _: Floor({}, "not certified here"))
+            return establish(scenes.load(file))
+
+    return of
+
+
+@pytest.fixture
+def plug(monkeypatch: pytest.MonkeyPatch) -> Plug:
+    """Return a function that makes the engine named `stub` end as told."""
+    real = registry.engine
+    entry = registry.Entry("a stub", "", "numpy", "numpy", "")
+    monkeypatch.setitem(registry.ENTRIES, "stub", entry)
+
+    def plug(outcome: Outcome) -> None:
+        monkeypatch.setattr(registry, "engine", lambda name: Stub(outcome) if name == "stub" else real(name))
+
+    return plug

@@ -1,0 +1,132 @@
+"""The constraints of a linkage in the coordinates of all its bodies, linearised at a motion's own poses.
+
+A body has the coordinates of its first point and L times its angle, with L the linkage's largest length, so that all
+are lengths. The same matrix, transposed, turns what bodies want into reactions: one condition serves both solves.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.motion import Samples
+from scenes.scene import GROUND
+
+from .state import State, Vectors, distances
+
+Matrices = NDArray[np.float64]
+
+
+class Constraints:
+    """Rows: two a pin, two a guide (across it, and the turning against it), and the drive's.
+
+    As many as coordinates, m, where the linkage has one degree of freedom and no constraint too many.
+    """
+
+    def __init__(self, scene: Scene, motion: Motion) -> None:
+        """Take the poses from the motion, whose kinematic channels must be complete."""
+        self.state = State(scene, motion)
+        self.size = _largest_length(self.state)
+        self.column = {name: 3 * number for number, name in enumerate(scene.bodies)}
+        self._rows: list[Matrices] = []
+        self.J = self._jacobian()
+
+    def _jacobian(self) -> Matrices:
+        """Return the Jacobian, shape (n, rows, m)."""
+        state, scene = self.state, self.state.scene
+        for pin in scene.pins:
+            r, s = (self._arm(name, state.place(pin.point)) for name in (pin.first, pin.second))
+            self._row((pin.first, 1, -r.imag), (pin.second, -1, s.imag))
+            self._row((pin.first, 1j, r.real), (pin.second, -1j, -s.real))
+        for body in scene.bodies.values():
+            if body.slide is not None:
+                on = body.slide.on
+                normal = 1j * np.exp(1j * state.angle(on)) * complex(*body.slide.along)
+                r = self._arm(on, state.place(body.points[0]))
+                self._row((body.name, normal, 0.0), (on, -normal, -(normal.conjugate() * 1j * r).real))
+                self._row((body.name, 0, self.size), (on, 0, -self.size))
+        slide = scene.driven_slide
+        self._row((scene.drive.body, 0, self.size) if slide is None else (scene.drive.body, complex(*slide.along), 0.0))
+        return np.stack(self._rows, axis=1)
+
+    def _row(self, *terms: tuple[str, Vectors | complex, Samples | float]) -> None:
+        """Add a constraint: by body, what its first point is projected on and what its turn adds."""
+        row = np.zeros((len(self.state.motion["time"]), 3 * len(self.column)))
+        for name, along, turn in terms:
+            if name != GROUND:
+                k, vector = self.column[name], np.asarray(along)
+                row[:, k], row[:, k + 1], row[:, k + 2] = vector.real, vector.imag, np.asarray(turn) / self.size
+        self._rows.append(row)
+
+    def _arm(self, name: str, place: Vectors) -> Vectors:
+        """Return the way to a place from the first point of a body; of the ground any will do."""
+        first: Vectors = place if name == GROUND else place - self.state.place(self.state.scene.bodies[name].points[0])
+        return first
+
+    @cached_property
+    def condition(self) -> Samples:
+        """The condition number of the Jacobian in the 2-norm at each sample, shape (n,)."""
+        values = np.linalg.svd(self.J, compute_uv=False)
+        with np.errstate(divide="ignore"):
+            return np.asarray(values[:, 0] / values[:, -1])
+
+    @cached_property
+    def branch(self) -> Samples:
+        """The sign of the Jacobian's determinant at each sample, shape (n,): it changes only in a lock."""
+        return np.asarray(np.linalg.slogdet(self.J)[0], dtype=np.float64)
+
+    @cached_property
+    def implied(self) -> tuple[Matrices, Matrices]:
+        """The velocities and accelerations that the poses and the drive leave no choice of, shape (n, m).
+
+        J q' = e rate, J q'' = e acceleration + γ(q, q'), where γ is what pins and guides accelerate by at q'' = 0:
+        ω² r at a pin, and across a guide also Coriolis' 2 ω u, u being the speed along it.
+        """
+        state, scene = self.state, self.state.scene
+        _, rate, acceleration = scene.drive.at(state.motion["time"])
+        lever = self.size if scene.driven_slide is None else 1.0
+        right = np.zeros(self.J.shape[:2])
+        right[:, -1] = lever * rate
+        velocities = self._solve(right)
+        right[:, -1] = lever * acceleration
+        right[:, :-1] = self._centripetal(velocities)
+        return velocities, self._solve(right)
+
+    def _centripetal(self, velocities: Matrices) -> Matrices:
+        """Return γ but for the drive's row, shape (n, rows - 1)."""
+        state, scene = self.state, self.state.scene
+
+        def turning(name: str) -> Samples:
+            rate: Samples = np.zeros(len(velocities)) if name == GROUND else velocities[:, self.column[name] + 2]
+            return rate / self.size
+
+        def first(name: str) -> Vectors:
+            k = self.column[name]
+            vector: Vectors = velocities[:, k] + 1j * velocities[:, k + 1]
+            return vector
+
+        found: list[Samples] = []
+        for pin in scene.pins:
+            towards = [turning(name) ** 2 * self._arm(name, state.place(pin.point)) for name in (pin.first, pin.second)]
+            difference = towards[0] - towards[1]
+            found += [difference.real, difference.imag]
+        for body in scene.bodies.values():
+            if body.slide is not None:
+                on = body.slide.on
+                normal = 1j * np.exp(1j * state.angle(on)) * complex(*body.slide.along)
+                r, omega = self._arm(on, state.place(body.points[0])), turning(on)
+                relative = first(body.name) - (0 if on == GROUND else first(on) + 1j * omega * r)
+                carried = -(omega**2) * r + 2j * omega * relative
+                found += [(normal.conjugate() * carried).real, np.zeros(len(velocities))]
+        return np.stack(found, axis=1)
+
+    def _solve(self, right: Matrices) -> Matrices:
+        return np.asarray(np.linalg.solve(self.J, right[..., None])[..., 0], dtype=np.float64)
+
+
+def _largest_length(state: State) -> float:
+    """Return the largest known distance of a body's points, or of the ground's, m."""
+    ground = [complex(*place) for place in state.scene.ground.values()]
+    known = [length for body in state.scene.bodies.values() for length in distances(body).values()]
+    return max(*known, *(abs(p - q) for p in ground for q in ground))

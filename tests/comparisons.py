@@ -1,0 +1,66 @@
+"""What tests of the comparison need: a motion as it should be, one that is not, an engine that ends as told."""
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
+from compare import registry
+from compare.reference import Reference
+from scenes import Motion, Sampling, Scene, Settings
+
+SAMPLING = Sampling(72)
+Outcome = Motion | Exception
+References = Callable[[str], Reference]
+Plug = Callable[[Outcome], None]
+
+
+def commanded(reference: Reference, sampling: Sampling = SAMPLING) -> Motion:
+    """Return what the reference says an engine should."""
+    return reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+
+
+def of_scene(reference: Reference, scene: Scene) -> Reference:
+    """Return the reference of a scene that differs in its loads, with the same scales."""
+    return replace(reference, scene=scene, at=registry.reference(scene))
+
+
+class Stub:
+    """An engine, and its simulation, with a given outcome."""
+
+    DEFAULT = Settings("stub")
+    LADDER = (DEFAULT,)
+    LONG_LADDER: tuple[Settings, ...] = ()
+    FAST = EXACT = DEFAULT
+    ABLATIONS: tuple[Settings, ...] = ()
+    counters: Mapping[str, int] = {}
+    residuals: Mapping[str, float] = {}
+
+    def __init__(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+
+    def version(self) -> str:
+        return "stub"
+
+    def build(self, scene: Scene, settings: Settings, sampling: Sampling) -> "Stub":  # noqa: ARG002
+        return self
+
+    def solve(self) -> None:
+        if isinstance(self.outcome, Exception):
+            raise self.outcome
+
+    def read(self) -> Motion:
+        assert isinstance(self.outcome, Motion)
+        return self.outcome
+
+
+def changed(motion: Motion, channel: str, by: float, row: int = 40) -> Motion:
+    """Return the motion with one sample of one channel moved."""
+    samples = motion[channel].copy()
+    samples[row] += by
+    return Motion({**motion.samples, channel: samples})
+
+
+def row_of(table: pd.DataFrame, channel: str) -> dict[Hashable, Any]:
+    return next(row for row in table.to_dict("records") if row["channel"] == channel)
