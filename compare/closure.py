@@ -1,4 +1,4 @@
-"""Whether a motion's joints are closed, and its velocities and accelerations are those that its poses leave no choice of.
+"""Whether a motion's joints are closed, and its velocities and accelerations are those that its poses ask for.
 
 By its own channels alone. Where joints are closed, the drive is where it should be and no branch was changed, there is
 no other motion of the linkage.

@@ -17,6 +17,7 @@ from scenes.motion import UNITS, Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from . import registry
+from .explained import Explained
 from .reference import Reference
 from .registry import REFERENCE
 from .units import axis
@@ -91,8 +92,13 @@ def group_floors(reference: Reference) -> dict[str, float]:
     return floors
 
 
-def error_table(engine: str, comparison: Comparison, reference: Reference) -> pd.DataFrame:
-    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one."""
+def error_table(
+    engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
+) -> pd.DataFrame:
+    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one.
+
+    `unexplained` is the largest error where it is above what doubles explain, if that is known.
+    """
     rows = []
     unit = axis(reference.scene).unit
     last_turn = slice(-comparison.samples_a_turn - 1, None)
@@ -101,8 +107,10 @@ def error_table(engine: str, comparison: Comparison, reference: Reference) -> pd
         commanded = comparison.commanded[channel]
         floor = reference.floor.by_channel.get(channel, np.nan)
         least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
+        by_rounding = np.zeros_like(error) if explained is None else explained.error(channel)
         figures = {
             "max": error[worst],
+            "unexplained": np.where(error <= by_rounding, 0.0, error).max(),  # NaN is not explained
             "rms": np.sqrt(np.mean(error**2)),
             "last_turn_max": error[last_turn].max(),
             "toggle_max": error[comparison.toggle].max() if comparison.toggle.any() else np.nan,
@@ -112,6 +120,7 @@ def error_table(engine: str, comparison: Comparison, reference: Reference) -> pd
         rows.append(
             {"engine": engine, "channel": channel, "group": GROUPS[quantity(channel)]}
             | {name: float(np.maximum(figure, floor if floor >= 0 else least)) for name, figure in figures.items()}
+            | {"explained": np.nan if explained is None else by_rounding.max()}
             | {"max_at": comparison.axis[worst], "max_at_unit": unit, "floor": floor}
             | {"scale": reference.scale[channel], "unit": UNITS[quantity(channel)]}
         )

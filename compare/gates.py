@@ -17,7 +17,7 @@ class Gate:
     engine: str
     group: str
     tolerance: float
-    error: float  # NaN where there is none
+    error: float  # above what doubles explain; NaN where there is none
     worst: str  # the channel, or why there is no error
 
     @property
@@ -47,5 +47,5 @@ def gates(scene: Scene, measurements: Iterable[Measurement]) -> Iterator[Gate]:
             if rows.empty:
                 yield Gate(run.engine, group, tolerance, float("nan"), "no such channel was returned")
                 continue
-            worst = int(rows["max"].to_numpy().argmax())  # a NaN counts as the largest
-            yield Gate(run.engine, group, tolerance, rows["max"].iloc[worst], rows["channel"].iloc[worst])
+            worst = int(rows["unexplained"].to_numpy().argmax())  # a NaN counts as the largest
+            yield Gate(run.engine, group, tolerance, rows["unexplained"].iloc[worst], rows["channel"].iloc[worst])

@@ -8,6 +8,7 @@ from scenes import Failure, Sampling, Settings, Status
 
 from .checks import Check, checks
 from .errors import Comparison, compare, error_table
+from .explained import Explained
 from .reference import Reference
 from .runner import Run, run
 from .verdict import judged
@@ -23,7 +24,13 @@ class Measurement:
     errors: pd.DataFrame  # one row a channel
 
 
-def measure(reference: Reference, engine: str, sampling: Sampling, settings: Settings | None = None) -> Measurement:
+def measure(
+    reference: Reference,
+    engine: str,
+    sampling: Sampling,
+    settings: Settings | None = None,
+    explained: Explained | None = None,
+) -> Measurement:
     """Run an engine, at its default settings unless told otherwise, and find out all about the result."""
     outcome = run(engine, reference.scene, sampling, settings)
     if outcome.motion is None:
@@ -37,4 +44,4 @@ def measure(reference: Reference, engine: str, sampling: Sampling, settings: Set
         return Measurement(strayed, None, [], pd.DataFrame())
     found = checks(reference.scene, outcome.motion, reference.stroke)
     verdict = judged(outcome, reference.scene, found, comparison)
-    return Measurement(verdict, comparison, found, error_table(engine, comparison, reference))
+    return Measurement(verdict, comparison, found, error_table(engine, comparison, reference, explained))

@@ -151,23 +151,38 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
 
 
 def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
-    """Write one scene's report, and return whether it misses a tolerance."""
+    """Write one scene's report, and return whether it misses a tolerance.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
+    """
     from . import output
+    from .stopping import Stopped, stoppable
     from .study import study
     from .timing import Budget
 
     def progress(doing: str) -> None:
+        if stopping():
+            raise Stopped
         status.update(f"{scene.name}: {doing}")
 
     budget = Budget(rounds=10, seconds=1.0)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, long_ladders=True, point_s=10.0)
     sampling = Sampling(options.samples, options.turns)
-    result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
-    progress("writing the report")
+    try:
+        with stoppable() as stopping:
+            result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
+            stopped = stopping()
+    except Stopped:
+        raise KeyboardInterrupt from None
+    status.update(f"{scene.name}: writing the report")
     folder = output.write(result, options.out)
     _tell(result)
-    print(f"report: {folder / 'report.html'}")
+    page = folder / "report.html"
+    print(f"report: {page}")
+    if stopped:
+        raise KeyboardInterrupt(f"stopped; {page} has what was done")
     return bool(options.check) and _missed(scene, {scene.name: result.gates})
 
 

@@ -20,9 +20,10 @@ DRAWS = 6  # scenes; their worst is within a factor of two of the worst of many 
 SEED = 20261121
 
 Jitter: TypeAlias = Callable[[float], float]
+Nearly: TypeAlias = Callable[[Motion], Motion]  # from the motion as it is, whose drive it follows
 
 
-def nearly(scene: Scene) -> list[registry.Solve]:
+def nearly(scene: Scene) -> list[Nearly]:
     """Return solvers of scenes whose lengths, places and drive are those of this one but for a few last places.
 
     Raises:
@@ -33,29 +34,31 @@ def nearly(scene: Scene) -> list[registry.Solve]:
     def jitter(value: float) -> float:
         return value * (1 + ULPS * np.finfo(float).eps * float(draw.choice((-1.0, 1.0))))
 
-    def solve(number: int) -> registry.Solve:
-        other = registry.reference(_jittered(scene, jitter))
+    def solver(number: int) -> Nearly:
+        solve = registry.reference(_jittered(scene, jitter))
         turn = (-1) ** number * ULPS * np.finfo(float).eps
+        least = 1e-3 * np.ptp(scene.drive.extent)  # an angle that passes through zero is no better known there
 
-        def at(position: Samples, time: Samples) -> Motion:
-            return other(position + turn * np.maximum(np.abs(position), 1e-3 * np.ptp(scene.drive.extent)), time)
+        def moved(motion: Motion) -> Motion:
+            position = motion[scene.drive_channel]
+            return solve(position + turn * np.maximum(np.abs(position), least), motion["time"])
 
-        return at
+        return moved
 
-    return [solve(number) for number in range(DRAWS)]
+    return [solver(number) for number in range(DRAWS)]
 
 
 def sensitivity(
-    solvers: list[registry.Solve], true: Motion, drive_channel: str, errors: Callable[[Motion], Mapping[str, Samples]]
+    solvers: list[Nearly], true: Motion, errors: Callable[[Motion], Mapping[str, Samples]]
 ) -> dict[str, Samples]:
-    """Return by how much each channel moves, relative as `errors` of a motion has it, shape (n,).
+    """Return by how much each channel of the true motion moves, relative as `errors` of a motion has it, shape (n,).
 
     Infinite where one of the scenes cannot be assembled: then nothing can be said of the motion in doubles.
     """
     moved: dict[str, Samples] = {}
     for solve in solvers:
         try:
-            found = errors(solve(true[drive_channel], true["time"]))
+            found = errors(solve(true))
         except Failure:
             return {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
         for channel, error in found.items():

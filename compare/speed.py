@@ -14,6 +14,7 @@ from . import registry
 from .measure import Measurement, measure
 from .reference import Reference
 from .runner import Run
+from .stopping import kept
 from .timing import Budget, Times, take_turns
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
@@ -47,9 +48,10 @@ def speed_table(
     """Return one row a setting: status, times, errors by group, counters. Failed settings stay in the table.
 
     The error run comes first and warms everything up. Then all settings take turns under the clock; those that failed,
-    and those that take longer than the budget has for one, keep the times of their error run.
+    and those that take longer than the budget has for one, keep the times of their error run. A stop leaves what is
+    done.
     """
-    points = [point for engine in engines for point in _error_runs(reference, engine, budget, progress)]
+    points = list(kept(point for engine in engines for point in _error_runs(reference, engine, budget, progress)))
     timed = [point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s]
     scene = reference.scene
     builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, SAMPLING) for p in timed]
@@ -97,7 +99,7 @@ def _error_runs(reference: Reference, engine: str, budget: Budget, progress: Cal
 
 def _row(point: Point, times: Times | None) -> dict[str, object]:
     run, errors, settings = point.run, point.measurement.errors, point.settings
-    clean = times or Times([run.build_s], [run.solve_s], [run.read_s], [run.solve_s])
+    clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.read_s], [run.solve_s])
     row: dict[str, object] = {
         "engine": run.engine,
         "setting": settings.label,

@@ -1,19 +1,23 @@
 """One scene through the whole comparison."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import pandas as pd
 
-from scenes import Motion, Sampling, Scene
+from scenes import Motion, Sampling, Scene, Settings
 
 from . import registry
 from .asked import Accuracy
-from .choice import chosen
+from .choice import cheapest_within, offered
+from .escalation import escalated
+from .explained import Explained, explain
 from .gates import Gate, gates
 from .measure import Measurement, measure
 from .reference import Reference, establish
-from .speed import speed_table
+from .speed import settings_of, speed_table
+from .stopping import kept
 from .timing import Budget
 
 
@@ -24,6 +28,7 @@ class Study:
     scene: Scene
     sampling: Sampling
     reference: Reference
+    explained: Explained  # of errors, by doubles
     motion: Motion  # the reference's, as commanded
     measurements: list[Measurement]  # one an engine, in the order asked for
     gates: list[Gate]
@@ -44,24 +49,49 @@ def study(
     progress: Callable[[str], None],
     accuracy: Accuracy = "balanced",
 ) -> Study:
-    """Solve a scene by every engine named, measure, gate, and time.
+    """Solve a scene by every engine named, measure, gate, and time. A stop leaves what is done.
 
-    The settings that the engines offer are measured first, so that an accuracy can be asked for.
+    Where the accuracy is a number, the settings that the engines offer are measured before one of them is chosen.
 
     Raises:
         InputError: the reference cannot solve the scene.
     """
     progress("solving and certifying the reference")
     reference = establish(scene)
+    explained = explain(reference, sampling)
     able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
+    reasons: list[str] = []
+
+    def main_runs(settings: Callable[[str], tuple[Settings, str]]) -> Iterator[Measurement]:
+        for engine in engines:
+            progress(f"running {engine}")
+            if engine not in able:
+                yield measure(reference, engine, sampling)
+                continue
+            chosen, why = settings(engine)
+            at = partial(measure, reference, engine, sampling, explained=explained)
+            measured, tried = escalated(at, engine, chosen)
+            reasons.extend(filter(None, (why, tried)))
+            yield measured
+
+    measurements: list[Measurement] = []
+    if isinstance(accuracy, str):  # first, so that a stop leaves them
+        measurements += kept(main_runs(lambda engine: offered(engine, accuracy)))
     speed = speed_table(reference, able, budget, progress)
-    choices = {engine: chosen(engine, accuracy, speed) for engine in able}
-    measurements = []
-    for engine in engines:
-        progress(f"running {engine}")
-        settings = choices[engine][0] if engine in choices else None
-        measurements.append(measure(reference, engine, sampling, settings))
+    if not isinstance(accuracy, str):
+        measurements += kept(main_runs(lambda engine: cheapest_within(engine, accuracy, speed)))
+    reasons += _left_out(engines, measurements, able, speed, budget)
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
     judged = list(gates(scene, measurements))
-    reasons = [why for _, why in choices.values() if why]
-    return Study(scene, sampling, reference, motion, measurements, judged, speed, reasons)
+    return Study(scene, sampling, reference, explained, motion, measurements, judged, speed, reasons)
+
+
+def _left_out(
+    engines: Sequence[str], measurements: list[Measurement], able: list[str], speed: pd.DataFrame, budget: Budget
+) -> Iterator[str]:
+    """Yield what is not there because the user stopped."""
+    if left := engines[len(measurements) :]:
+        yield f"stopped before running {', '.join(left)}"
+    settings = sum(len(settings_of(engine, long_ladders=budget.long_ladders)) for engine in able)
+    if len(speed) < settings:
+        yield f"stopped when {len(speed)} of {settings} settings had been measured, and none timed"

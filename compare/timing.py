@@ -4,11 +4,13 @@ It counts processor time, of all threads together. On an idle machine that is th
 it; on a busy one other programs make a run wait, and the time on the wall says more about them than about the run.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter, process_time
 
 from scenes import Simulation
+
+from .stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
@@ -50,17 +52,21 @@ def take_turns(
     """Return the times of every setting, given what builds it.
 
     One round goes over all settings, so that a slow spell of the machine falls on all of them. A setting whose fastest
-    time is known drops out, and leaves the rest of the budget to the others.
+    time is known drops out, and leaves the rest of the budget to the others. A stop leaves the times that are known.
     """
     times = [Times() for _ in builds]
     started = wall()
-    for done in range(max(budget.rounds, LEAST_ROUNDS)):
-        due = [pair for pair in zip(builds, times, strict=True) if not pair[1].known]
-        if due:
-            progress(f"timing {len(due)} settings, round {done + 1}")
-        for build, of in due:
-            if done < LEAST_ROUNDS or wall() - started < budget.seconds:
-                _time(build, of, clock, wall)
+
+    def due() -> Iterator[tuple[Callable[[], Simulation], Times]]:
+        for done in range(max(budget.rounds, LEAST_ROUNDS)):
+            unknown = [pair for pair in zip(builds, times, strict=True) if not pair[1].known]
+            for pair in unknown:
+                if done < LEAST_ROUNDS or wall() - started < budget.seconds:
+                    progress(f"timing {len(unknown)} settings, round {done + 1}")
+                    yield pair
+
+    for build, of in kept(due()):
+        _time(build, of, clock, wall)
     return times
 
 

@@ -107,7 +107,8 @@ def test_what_has_no_error_misses_its_gate(reference: Reference, motion: Motion,
     assert judged(reference, {"position": 1e9}, measure(reference, "stub", SAMPLING)) == [True]
     plug(motion)
     measured = measure(reference, "stub", SAMPLING)
-    spoilt = measured.errors.assign(max=measured.errors["max"].where(measured.errors["channel"] != "P4.y"))
+    unexplained = measured.errors["unexplained"].where(measured.errors["channel"] != "P4.y")
+    spoilt = measured.errors.assign(unexplained=unexplained)
     assert judged(reference, {"position": 1e9}, replace(measured, errors=spoilt)) == [True]
     without = replace(measured, errors=measured.errors[measured.errors["group"] != "torque"])
     assert judged(reference, {"torque": 1e9}, without) == [True]

@@ -1,0 +1,43 @@
+"""Ctrl-C without loss: the first asks to stop at the next safe point and to keep what is done, the second stops at once."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from signal import SIGINT, signal
+from types import FrameType
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+class Stopped(Exception):  # noqa: N818 - it is a wish, not an error
+    """The user asked to stop. What tells of progress raises it, since there nothing is half done."""
+
+
+@contextmanager
+def stoppable() -> Iterator[Callable[[], bool]]:
+    """Yield a function that says whether the user asked to stop.
+
+    Raises:
+        KeyboardInterrupt: the user asked again.
+    """
+    asked = 0
+
+    def ask(_signal: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        asked += 1
+        if asked > 1:
+            raise KeyboardInterrupt
+
+    before = signal(SIGINT, ask)
+    try:
+        yield lambda: asked > 0
+    finally:
+        signal(SIGINT, before)
+
+
+def kept(items: Iterable[T]) -> Iterator[T]:
+    """Yield items as they come, and no more once the user asked to stop."""
+    try:
+        yield from items
+    except Stopped:
+        return
