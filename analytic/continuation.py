@@ -31,6 +31,7 @@ from .newton_group import (
 STEPS = 360  # over a turn, or over the way of a driven slider
 SMALLEST = 2.0**-20  # of a step: a lock is found to that
 ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
+SMOOTH = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
 SAME = 1e-6  # rad: two poses
 
 PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
@@ -66,6 +67,15 @@ class Track:
             pose = self.equations.pose(np.where(found[:, None], q, np.nan), placed)
             J = np.where(found[:, None, None], J, np.nan)
         return pose, J
+
+    def leads_back(self, before: "Track") -> bool:
+        """Return whether the parabola through this pose is near the one before: else no position between may be found.
+
+        A step can leap over the narrow place near a lock, where a parabola holds for less than a step.
+        """
+        h, move = before.position - self.position, self.equations.length(self.q - before.q)
+        off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
+        return bool((off <= SMOOTH * move + ROUGHLY * self.equations.size).all())
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
@@ -118,8 +128,12 @@ def _march(first: Track, placed: PlacedAt, way: float) -> list[Track]:
             h /= 2
         else:
             q = coordinates(pose.z, pose.angle)[:, : 3 * first.equations.bodies]
-            poses.append(_pose(first.equations, first.step, first.turn, position, q, placed))
-            h = min(2 * h, first.step)
+            reached = _pose(first.equations, first.step, first.turn, position, q, placed)
+            if reached.leads_back(poses[-1]):
+                poses.append(reached)
+                h = min(2 * h, first.step)
+            else:
+                h /= 2
     return poses
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from scenes import Motion, Sampling, Scene, Settings
 
+from .change_points import check_way
 from .decomposition import Decomposition, decompose
 from .kinematics import kinematics
 from .solve import MotionAt, solve_decomposed
@@ -87,8 +88,9 @@ def build(scene: Scene, settings: AnalyticSettings, sampling: Sampling) -> Analy
     """Prepare an evaluation.
 
     Raises:
-        Failure: the linkage does not decompose, or cannot be assembled at the start.
+        Failure: the linkage does not decompose, cannot be assembled at the start, or has no one motion.
     """
+    check_way(scene)
     linkage = decompose(scene)
     # Follows the branch of what Newton solves, once for all positions.
     solve_decomposed(scene, linkage, [scene.drive.start], [0.0])

@@ -11,8 +11,10 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .dead_points import SAMPLES, Displaced, bisected, dead_points, displacement
-from .decomposition import decompose
+from .decomposition import Decomposition, decompose
 from .motion_range import describe
+
+STILL = 1e-12  # of the longest arm: roundings of a slider that stands still
 
 
 @dataclass(frozen=True)
@@ -44,14 +46,22 @@ def inverse(
 
     Raises:
         Failure: the linkage does not decompose, or does not assemble all the way.
-        ValueError: the output point does not slide on the ground.
+        ValueError: the output point does not slide on the ground, or does not move.
     """
     s, v, a = (np.atleast_1d(np.asarray(x, float)) for x in np.broadcast_arrays(position, velocity, acceleration))
     linkage = decompose(scene)
     displaced = displacement(scene, linkage, scene.output)
-    if np.isnan(displaced(np.linspace(*scene.drive.extent, SAMPLES))[0]).any():
+    way = displaced(np.linspace(*scene.drive.extent, SAMPLES))[0]
+    if np.isnan(way).any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage))
+    if not np.ptp(way) > STILL * _longest_arm(linkage):
+        raise ValueError(f"{scene.output} stands still wherever the drive is: no motion of it tells that of the drive")
     return [_stroke(displaced, start, end, s, v, a) for start, end in pairwise(_ends(scene, displaced))]
+
+
+def _longest_arm(linkage: Decomposition) -> float:
+    """Return the largest distance of a body's point from its first one, m."""
+    return max(abs(at - body.first) for body in linkage.bodies.values() for at in body.local.values())
 
 
 def _ends(scene: Scene, displaced: Displaced) -> Samples:

@@ -99,8 +99,12 @@ class _Balance:
             n, N = 1j * g2, dot(g1, force_1) / det
         on_1 = n * N
         self.found.pin[two.A, two.body] = on_1 - force_2
+        # Where either leg's balance tells M, take the slider's: its own lever is the short one, often none.
         at = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
-        M = moment_2 - cross(at - self.k.z[two.A], on_1)  # that balances the second leg
+        if dyad.guide.slider == one.body and isinstance(one, Pinned):
+            M = -moment_1 - cross(at - self.k.z[one.A], on_1)
+        else:
+            M = moment_2 - cross(at - self.k.z[two.A], on_1)
         self.channel(dyad.guide, N, M)
         if isinstance(one, Pinned):
             self.found.pin[one.A, one.body] = -(force_1 + on_1)

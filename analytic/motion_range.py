@@ -80,7 +80,7 @@ def describe(scene: Scene, linkage: Decomposition) -> str:
         return f"the {body} slides freely all its way, from {least:.6g} m to {most:.6g} m"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
-    locks = {inner_joint(group): _lock(group) for group in linkage.groups} | {"": "the end of its way"}
+    locks = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
 
     def end(position: float, lock: str) -> str:
         return f"{f'{degrees(position):.4f} deg' if turns else f'{position:.6g} m'} ({locks[lock]})"
@@ -89,7 +89,8 @@ def describe(scene: Scene, linkage: Decomposition) -> str:
     return f"the {body} {'turns' if turns else 'slides'} only {said}; drive.start and drive.end can limit a run"
 
 
-def _lock(group: Dyad | Group) -> str:
+def in_line(group: Dyad | Group) -> str:
+    """Return what is in line, square or parallel where a group locks."""
     if isinstance(group, Group):
         return f"{', '.join(group.bodies)} locked"
     one, two = (leg.body for leg in group.legs)

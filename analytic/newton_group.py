@@ -146,16 +146,20 @@ class System:
         return jacobian.reshape(*jacobian.shape[:2], 3 * jacobian.shape[2])
 
     def quadratic(self, pose: Pose, v: Complex, omega: Samples) -> Samples:
-        """Return what C'' has besides J q'' of all frames, shape (n, m)."""
+        """Return what C'' has besides J q'' of all frames, closed, shape (n, m).
+
+        A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
+        term has no imaginary part.
+        """
         inward = -(omega**2) * pose.u
         pins = _joined(self.R, inward)
         rows = [pins.real, pins.imag]
         if len(self.T):
-            w, D = self._guides(pose)
+            w, _ = self._guides(pose)
             turning = omega[:, self.on]
             dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
             ddD = _joined(self.E, inward)
-            offset = (w.conj() * (ddD - turning**2 * D - 2j * turning * dD)).imag
+            offset = (w.conj() * (ddD - 2j * turning * dD)).imag
             rows += [offset, np.zeros(offset.shape)]
         return np.concatenate(rows, axis=1)
 

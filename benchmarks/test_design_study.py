@@ -29,7 +29,6 @@ BEST = {
 def test_whole_study(tmp_path: Path) -> None:
     assert main(["--out", str(tmp_path)]) == 0  # no point is improved by differential evolution
     found = json.loads((tmp_path / "design" / "design.json").read_text())
-    assert found["seconds"] <= LONGEST
     curve = [point for point in found["points"] if point["set"] == MAIN]
     assert {point["at"] for point in curve} == BEST.keys()
     for point in curve:
@@ -42,3 +41,4 @@ def test_whole_study(tmp_path: Path) -> None:
         assert point["agree"] >= 5
         assert len(point["short"]) >= 1
     assert [recheck["status"] for recheck in found["rechecks"]] == ["ok"] * 6
+    assert found["seconds"] <= LONGEST  # last: a busy machine must not hide what is above

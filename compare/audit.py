@@ -15,6 +15,7 @@ from rich.console import Console
 from scenes import InputError, load
 
 from .audit_claims import Claim
+from .audit_sources import SCENES, claims_of
 
 USAGE = "python -m compare.audit [--out DIR]"
 NAME = "audit"  # of the folder
@@ -59,23 +60,23 @@ def _parser() -> argparse.ArgumentParser:
 
 def audit(progress: Callable[[str], None]) -> tuple[list[Claim], list[str]]:
     """Return every claim of both sources with its verdict, and what a reader has to know."""
-    from . import audit_clamp as clamp
-    from . import audit_toggle_press as toggle
+    from .audit_clamp import by_engines
 
     progress("certifying the motions")
     notes = list(_floors())
-    progress("the toggle press")
-    claims = list(toggle.claims())
-    progress("the clamp")
-    claims += clamp.claims(notes.append)
-    return claims, notes
+    claims: list[Claim] = []
+    for source in SCENES:
+        progress(f"the {source}")
+        claims += claims_of(source)
+    progress("the clamp by the engines")
+    return [*claims, *by_engines(notes.append)], notes
 
 
 def _floors() -> Iterator[str]:
     """Yield how far the reference may be off on each linkage that is audited."""
     from .reference import establish
 
-    for name in ("toggle_press", "crank_press", "double_toggle_clamp", "double_toggle_clamp_scheme4"):
+    for name in (name for names in SCENES.values() for name in names):
         floor = establish(load(name)).floor
         size = f"{max(floor.by_channel.values()):.1e} at most, certified by " if floor.by_channel else ""
         yield f"Floor of the reference on {name}: {size}{floor.by}."
@@ -91,7 +92,7 @@ def write(claims: Sequence[Claim], notes: Sequence[str], folder: Path) -> Path:
     from .audit_page import page
     from .output import placed
 
-    with placed(folder, NAME, stale="audit.*") as aside:
+    with placed(folder, NAME, "audit.*") as aside:
         rows = json.dumps([_plain(claim) for claim in claims], indent=1, ensure_ascii=False, allow_nan=False)
         (aside / "audit.json").write_text(rows + "\n", encoding="utf-8")
         (aside / "audit.html").write_text(page(claims, figures(), notes), encoding="utf-8")

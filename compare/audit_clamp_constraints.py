@@ -7,7 +7,7 @@ from scenes.motion import Samples
 from . import audit_clamp_designs as designs
 from .audit_claims import Claim, limit
 from .audit_clamp_designs import Design
-from .audit_clamp_formulas import DESIGNS, SOURCE
+from .audit_clamp_variables import DESIGNS, SOURCE
 
 BOUNDS: Mapping[str, tuple[float, float]] = {
     "L1": (320, 410),

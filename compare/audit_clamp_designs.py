@@ -14,7 +14,7 @@ from scenes.motion import Samples
 
 from . import audit_clamp_formulas as formulas
 from .audit_claims import Range, half_unit
-from .audit_clamp_formulas import DESIGNS, Pose, assembled
+from .audit_clamp_variables import DESIGNS, Pose, assembled
 
 ALPHAS = 1001  # over the stroke: the extremes of smooth curves to 1e-6 of themselves
 NEAR_LOCK = 2.5  # deg, where M_P is printed
@@ -40,6 +40,11 @@ class Design:
         """Return the clamp at some alpha, deg."""
         with np.errstate(invalid="ignore"):  # a corner may not reach the lock
             return assembled(self.values, np.full_like(self.values["L1"], pi / 180 * alpha))
+
+    @cached_property
+    def face(self) -> "Design":
+        """Return the design at face value alone."""
+        return Design({variable: values[:1] for variable, values in self.values.items()})
 
     @cached_property
     def open(self) -> Pose:
@@ -132,7 +137,13 @@ def platen_acceleration(p: Pose, speed: float, *, printed: bool = False) -> Samp
     return form(p, w1, w2, e1)
 
 
-def acceleration_span(d: Design, *, printed: bool, whole: bool) -> float:
-    """Return a_m's peak less its valley at `SPEED`, mm/s^2; over the whole stroke, or between the peak and the lock."""
-    a = 1e3 * platen_acceleration(d.stroke, SPEED, printed=printed)[0]
-    return float(a.max() - (a if whole else a[: a.argmax()]).min())
+def accelerations(d: Design, *, printed: bool) -> Samples:
+    """Return a_m over the stroke at `SPEED`, mm/s^2, at face value, from the lock to where the clamp is open."""
+    return np.asarray(1e3 * platen_acceleration(d.face.stroke, SPEED, printed=printed)[0])
+
+
+def mean_deceleration(d: Design) -> Samples:
+    """Return a_m's mean over the time of closing at `SPEED`, mm/s^2: R_V v_o^2 / S_o, as R_V ends at zero."""
+    with np.errstate(invalid="ignore"):  # a corner may not reach the lock
+        stroke = formulas.crosshead_stroke(d.open, -1)[:, 0]
+    return np.asarray(1e3 * SPEED**2 * first_velocity_ratio(d) / stroke)

@@ -1,6 +1,7 @@
 """Double-toggle clamp: what the rounding of table 2 does to table 1."""
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy import pi
@@ -9,9 +10,12 @@ from numpy.typing import NDArray
 from . import audit_clamp_formulas as formulas
 from .audit_claims import half_unit
 from .audit_clamp_designs import Design, Quantity, force_ratio, third_length
-from .audit_clamp_formulas import DESIGNS, assembled
+from .audit_clamp_variables import DESIGNS, assembled
 
-STEPS, DIFFERENCE, INSIDE = 5, 1e-3, 0.99  # towards the clamp behind table 1; the latter two in half units
+STEPS, DIFFERENCE = 5, 1e-3  # towards the clamp behind table 1; the latter in half units
+ROUNDS = 20  # of weights: within 2 % of the least
+
+Vectors: TypeAlias = NDArray[np.float64]
 
 
 def sensitivity(name: str) -> dict[str, float]:
@@ -37,16 +41,14 @@ def alpha_of(name: str, ratio: float) -> float:
 def one_for_all(name: str, wanted: Sequence[tuple[Quantity, str]]) -> dict[str, float] | None:
     """Return a clamp within the rounding of table 2, L3 included, that has all wanted numbers to their last digits.
 
-    It is the one whose values change least, in half units, by linear programs on the quantities' tangents. None where
-    they lead nowhere, which proves nothing.
+    Of its values and its numbers the one that is off most, in half units, is off least. None where that search leads
+    nowhere, which proves nothing.
     """
-    from scipy.optimize import linprog  # late: it is slow to import
-
     printed = DESIGNS[name]
     halves, units = np.array([half_unit(t) for t in printed.values()]), np.array([half_unit(t) for _, t in wanted])
     centre, target = np.array([float(t) for t in printed.values()]), np.array([float(t) for _, t in wanted])
 
-    def off(changes: NDArray[np.float64]) -> NDArray[np.float64]:
+    def off(changes: Vectors) -> Vectors:
         """Return, in half units, how far all are off for changes of shape (m, values); last, by which L3 is, mm."""
         values = centre + halves * changes
         d = Design({variable: column[:, None] for variable, column in zip(printed, values.T, strict=True)})
@@ -58,20 +60,27 @@ def one_for_all(name: str, wanted: Sequence[tuple[Quantity, str]]) -> dict[str, 
     for _ in range(STEPS):
         here, *there = off(np.vstack([change, change + DIFFERENCE * np.eye(n)]))
         slopes = (np.array(there) - here).T / DIFFERENCE
-        ahead = slopes @ change - here  # so that slopes @ change - ahead is how far all will be off
-        one, rows = np.ones((n, 1)), slopes[:-1]
-        found = linprog(
-            np.append(np.zeros(n), 1.0),  # the largest change of all
-            np.block([[np.eye(n), -one], [-np.eye(n), -one], [rows, 0 * rows[:, :1]], [-rows, 0 * rows[:, :1]]]),
-            np.concatenate([np.zeros(2 * n), INSIDE + ahead[:-1], INSIDE - ahead[:-1]]),
-            np.append(slopes[-1:], [[0.0]], axis=1),
-            ahead[-1:],
-            bounds=(None, None),
+        level = here - slopes @ change
+        change = _least_largest(
+            np.vstack([np.eye(n), slopes[:-1]]), np.append(np.zeros(n), level[:-1]), slopes[-1], level[-1]
         )
-        if not found.success:
-            return None
-        change = found.x[:-1]
     fits = np.abs(off(change[None])[0])
     if not (fits[:-1].max() <= 1 and fits[-1] <= 1e-6 and np.abs(change).max() <= 1):
         return None
     return dict(zip(printed, (centre + halves * change).tolist(), strict=True))
+
+
+def _least_largest(matrix: Vectors, level: Vectors, row: Vectors, at: float) -> Vectors:
+    """Return an x that nearly has the least of max |matrix x + level|, among those with row x + at = 0.
+
+    By least squares whose weights grow where much is left (Lawson 1961).
+    """
+    known, free = -at * row / (row @ row), np.linalg.svd(row[None])[2][1:].T
+    inside, left = matrix @ free, matrix @ known + level
+    weights = np.ones(len(level))
+    for _ in range(ROUNDS):
+        root = np.sqrt(weights)
+        change = np.linalg.lstsq(root[:, None] * inside, -root * left, rcond=None)[0]
+        weights *= np.abs(inside @ change + left)
+        weights /= weights.max()
+    return np.asarray(known + free @ change)

@@ -13,7 +13,7 @@ from scenes.motion import Samples
 from . import audit_clamp_designs as designs
 from . import audit_clamp_formulas as formulas
 from .audit_clamp_designs import SPEED
-from .audit_clamp_formulas import DESIGNS, assembled
+from .audit_clamp_variables import DESIGNS, Pose, assembled
 from .audit_presses import Press, Side, family, press
 from .audit_toggle_table import HEIGHT, MOST, speed
 from .figures import COLOURS, DASHES, LAYOUT
@@ -117,7 +117,7 @@ def _family() -> go.Figure:
     return figure.update_layout(LAYOUT | {"legend": legend}, height=560)
 
 
-def _stroke(name: str) -> tuple[formulas.Pose, Samples]:
+def _stroke(name: str) -> tuple[Pose, Samples]:
     """Return a design over its stroke, and how far the platen has come from where it was open, mm."""
     design = {variable: float(text) for variable, text in DESIGNS[name].items()}
     pose = assembled(design, pi / 180 * design["alpha_max"] * np.linspace(1, 0, 361))

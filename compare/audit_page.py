@@ -1,7 +1,5 @@
-"""The audit's page: one self-contained HTML file that looks like a report."""
+"""The audit's page: one self-contained HTML file that looks like a report; and a section for the reports."""
 
-import re
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -11,13 +9,13 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from .audit_claims import Claim, Verdict
+from scenes import Scene
+
+from .audit_claims import Claim
+from .audit_sources import claims_of, source_of
+from .audit_table import RULES, overview, table
 from .environment import environment
-from .report import figure_html, table_html
-
-COLUMNS = ("claim", "printed", "computed", "residual", "verdict", "corrected", "residual")
-
-GREEK = {"alpha": "α", "gamma": "γ", "epsilon": "ε", "theta": "θ", "omega": "ω"}
+from .pieces import figure_html, table_html
 
 
 def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]], notes: Sequence[str]) -> str:
@@ -27,6 +25,7 @@ def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]]
             title="The source papers, audited", plotly=get_plotlyjs()
         ),
         overview=table_html(overview(claims)),
+        rules=RULES,
         notes="".join(f"<li>{escape(note)}</li>" for note in notes),
         sources="".join(
             f"<h2>{escape(source.capitalize())}</h2>{table([c for c in claims if c.source == source])}"
@@ -37,46 +36,17 @@ def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]]
     )
 
 
-def overview(claims: Sequence[Claim]) -> pd.DataFrame:
-    """Return how many claims of each source came out how."""
-    sources = dict.fromkeys(claim.source for claim in claims)
-    counts = {source: Counter(claim.verdict for claim in claims if claim.source == source) for source in sources}
-    rows = (
-        {"source": source} | {str(verdict): count[verdict] for verdict in Verdict} for source, count in counts.items()
+def section(scene: Scene) -> str:
+    """Return the section of a report on the source that a shipped scene is from; nothing for any other scene."""
+    source = source_of(scene)
+    if source is None:
+        return ""
+    claims = claims_of(source)
+    return (
+        f"<h2>The source paper, audited</h2>{table_html(overview(claims))}{RULES}"
+        f"<details><summary>Every claim</summary>{table(claims)}</details>"
+        "<p>Both sources, with pictures, and by the engines too: <code>python -m compare.audit</code>.</p>"
     )
-    return pd.DataFrame(rows)
-
-
-def table(claims: Iterable[Claim]) -> str:
-    """Return claims as a table of a page."""
-    head = "".join(f"<th>{name}</th>" for name in COLUMNS)
-    return f'<div class="scroll"><table class="audit"><tr>{head}</tr>{"".join(map(_row, claims))}</table></div>'
-
-
-def _row(claim: Claim) -> str:
-    note = f"<small>{_text(claim.note)}</small>" if claim.note else ""
-    computed = claim.computed if isinstance(claim.computed, str) else f"{claim.computed:.6g}"
-    cells = (
-        _text(claim.claim),
-        _text(claim.printed),
-        _text(computed) + note,
-        _size(claim.residual),
-        f'<span class="{claim.verdict.replace(" ", "-")}">{claim.verdict}</span>',
-        _text(claim.corrected),
-        _size(claim.corrected_residual),
-    )
-    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
-
-
-def _text(formula: str) -> str:
-    """Return a formula as a piece of a page: letters in Greek, what follows _ and e^ below and above the line."""
-    greek = re.sub("|".join(GREEK), lambda name: GREEK[name[0]], escape(formula))
-    below = re.sub(r"_(\w+)", r"<sub>\1</sub>", greek)
-    return re.sub(r"e\^(iθ[₁-₅]?)", r"e<sup>\1</sup>", below)
-
-
-def _size(residual: float | None) -> str:
-    return "–" if residual is None else f"{residual:.1e}"
 
 
 def _picture(title: str, note: str, figure: go.Figure) -> str:

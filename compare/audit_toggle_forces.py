@@ -1,53 +1,26 @@
 """Toggle press: equations (28) to (32), the kinetostatics, each as it is printed and, beside it, as it should be.
 
-The figure that says which way the forces are drawn is not to hand. Each printed force may therefore be the reference's
-with either sign, and the signs are taken with which most of the printed equations hold. An equation that holds with
-signs of its own alone is inconsistent with the others.
+The signs of the forces are taken with which most of the printed equations hold. An equation that holds with signs of
+its own alone is inconsistent with the others.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import product
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
 from numpy import cos, sin
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling, Scene, load
-from scenes.loads import Force
+from scenes import Sampling, load
 from scenes.motion import Samples
 
 from . import registry
 from .audit_claims import EXACT, Claim, Difference, Equation, Verdict, judge
+from .audit_toggle_statics import FORCES, Statics, fitted, lever_moment, signed, statics, with_all_signs
 from .audit_toggle_variables import SOURCE
-from .state import State, inertia
 
 SAMPLES = 24  # a turn: enough to tell equations that hold from others, for thousands of signs at once
-CHANNELS = {"RP": "P1", "RP2": "P2", "RO": "O", "RP3": "P3", "RP4": "P4", "RP5": "P5"}  # forces, and their pins
-FORCES = tuple(f"{name}{axis}" for name in CHANNELS for axis in "xy")
-
-
-@dataclass(frozen=True)
-class Statics:
-    """The paper's symbols, SI; forces of shape (n,) or, for m choices of their signs, (m, n)."""
-
-    F: Mapping[str, Samples]  # the paper's F_RP2x is F["RP2x"]
-    Md: Samples
-    N: Samples  # of the slider on its guide, which the paper leaves out
-    Q: Samples
-    g: float
-    m: Sequence[float]  # by component: crank, rocker, toggle, rod, slider
-    J: Sequence[float]
-    ax: Sequence[Samples]  # of the centres of mass
-    ay: Sequence[Samples]
-    alpha: Sequence[Samples]
-    t: Sequence[Samples]  # theta, theta_1 ... theta_5
-    L: Sequence[float]  # L0 ... L5
-    Ls: Sequence[float]  # from the first hinge to the centre of mass, by component
-    arms: Mapping[str, tuple[Samples, Samples]]  # from the toggle's centre of mass to its pins
-    lever: tuple[Samples, Samples]  # Ls2 (cos(phi), sin(phi)), which the paper does not give
-
 
 Form: TypeAlias = Callable[[Statics], Difference]
 E = Equation[Statics]
@@ -58,12 +31,12 @@ def claims() -> Iterator[Claim]:
     scene = load("toggle_press")
     sampling = Sampling(SAMPLES)
     motion = registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
-    given = _statics(scene, motion)
-    every, signs = _with_all_signs(given)
-    scale = _scale(given)
+    given = statics(scene, motion)
+    every, signs = with_all_signs(given)
+    scale = given.scale
     off = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
     shared = int(np.argmax(sum(residuals <= EXACT for residuals in off.values())))
-    chosen = _fitted(_signed(given, signs[:, shared, :]))
+    chosen = fitted(signed(given, signs[:, shared, :]))
     reversed_ = ", ".join(f"F_{name}" for name, sign in zip(FORCES, signs[:, shared, 0], strict=False) if sign < 0)
     for equation in EQUATIONS:
         row = judge(SOURCE, equation, chosen, scale)
@@ -76,70 +49,7 @@ def claims() -> Iterator[Claim]:
     yield _solved(chosen)
 
 
-def _statics(scene: Scene, motion: Motion) -> Statics:
-    state = State(scene, motion)
-    bodies = [scene.bodies[name] for name in ("crank", "rocker", "toggle", "rod", "slider")]
-    coms = [state.com(body) for body in bodies]
-    place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}
-    ends = (("P1", "P2"), ("O", "P3"), ("P2", "P3"), ("P3", "P4"), ("P2", "P4"), ("P4", "P5"))
-    bars = [place[end] - place[start] for start, end in ends]
-    arms = {point: place[point] - coms[2][0] for point in ("P2", "P3", "P4")}
-    still = np.zeros_like(motion["time"])
-    (resistance,) = (load for load in scene.loads if isinstance(load, Force))
-    return Statics(
-        {name: motion[f"{CHANNELS[name[:-1]]}.f{name[-1]}"] for name in FORCES},
-        motion["drive.torque"],
-        motion["slider.guide_force"],  # on the slider to the left, hence of the slider to the right
-        np.full_like(still, resistance.force[1]),
-        9.81,
-        [body.mass or 0.0 for body in bodies],
-        [inertia(body) for body in bodies],
-        [a.real for _, _, a in coms],
-        [a.imag for _, _, a in coms],
-        [state.turning(body.name)[2] for body in bodies],
-        [np.angle(bar) for bar in bars],
-        [float(np.abs(bar).mean()) for bar in bars],
-        [float(np.abs(com[0] - place[p]).mean()) for com, p in zip(coms, ("P1", "O", "P2", "P4", "P5"), strict=True)],
-        {point: (arm.real, arm.imag) for point, arm in arms.items()},
-        (still, still),
-    )
-
-
-def _signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
-    """Return the forces and the resistance with other signs, in the order of `FORCES`, Q last."""
-    *of_forces, of_q = signs
-    return replace(s, F={name: sign * s.F[name] for name, sign in zip(FORCES, of_forces, strict=True)}, Q=of_q * s.Q)
-
-
-def _with_all_signs(s: Statics) -> tuple[Statics, NDArray[np.float64]]:
-    """Return the forces with all signs, shape (m, n), and the signs, shape (13, m, 1)."""
-    signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]
-    return _fitted(_signed(s, signs)), signs
-
-
-def _fitted(s: Statics) -> Statics:
-    """Return the statics with the Ls2 and phi of (30.3) that fit it best, as the paper gives neither."""
-    columns = np.stack([_lever(s, 0.0), _lever(s, np.pi / 2)], axis=-1)
-    inertial = np.broadcast_to(-s.J[2] * s.alpha[2], columns.shape[:-1])[..., None]
-    fit = (np.linalg.pinv(columns) @ inertial)[..., 0]
-    return replace(s, lever=(fit[..., :1], fit[..., 1:]))
-
-
-def _scale(s: Statics) -> dict[str, tuple[float, str]]:
-    force = max(float(np.abs(f).max()) for f in s.F.values())
-    return {"force": (force, "N"), "moment": (force * s.L[1], "N m")}
-
-
 # --- the equations ---------------------------------------------------------------------------------------------------
-
-
-def _lever(s: Statics, phi: float) -> Samples:
-    """Return the forces' part of the printed (30.3), for an Ls2 of one."""
-    F, t2, t3, t4 = s.F, s.t[2], s.t[3], s.t[4]
-    moment: Samples = (
-        -F["RP2x"] * sin(t2 + phi) - F["RP2y"] * cos(t2 + phi) - F["RP3x"] * sin(t3 + phi) - F["RP3y"] * sin(t3 + phi)
-    )
-    return moment + F["RP4x"] * sin(t4 + phi) - F["RP4y"] * sin(t4 + phi)
 
 
 def _toggle(s: Statics) -> Samples:
@@ -149,17 +59,20 @@ def _toggle(s: Statics) -> Samples:
     return moment
 
 
-def _two_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
-    """Return the moment, about its centre of mass, of what a bar exerts at its two ends."""
-    at_first = -s.F[f"{first}x"] * Ls * sin(t) - s.F[f"{first}y"] * Ls * cos(t)
-    moment: Samples = at_first - s.F[f"{second}x"] * (L - Ls) * sin(t) - s.F[f"{second}y"] * (L - Ls) * cos(t)
+def _first_pin(s: Statics, pin: str, Ls: float, t: Samples) -> Samples:
+    """Return the moment, about a bar's centre of mass, of what it exerts at its first end."""
+    moment: Samples = -s.F[f"{pin}x"] * Ls * sin(t) - s.F[f"{pin}y"] * Ls * cos(t)
     return moment
+
+
+def _two_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
+    """Return the moment of what it exerts at both ends."""
+    return _first_pin(s, first, Ls, t) + _first_pin(s, second, L - Ls, t)
 
 
 def _printed_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
-    at_first = -s.F[f"{first}x"] * Ls * sin(t) - s.F[f"{first}y"] * Ls * cos(t)
-    moment: Samples = at_first + s.F[f"{second}x"] * (L - Ls * sin(t)) + s.F[f"{second}y"] * (L - Ls * cos(t))
-    return moment
+    at_second = s.F[f"{second}x"] * (L - Ls * sin(t)) + s.F[f"{second}y"] * (L - Ls * cos(t))
+    return _first_pin(s, first, Ls, t) + at_second
 
 
 EQUATIONS = (
@@ -208,7 +121,7 @@ EQUATIONS = (
         "moment",
         "−F_RP2x Ls₂ sin(θ₂+φ) − F_RP2y Ls₂ cos(θ₂+φ) − F_RP3x Ls₂ sin(θ₃+φ) − F_RP3y Ls₂ sin(θ₃+φ)"
         " + F_RP4x Ls₂ sin(θ₄+φ) − F_RP4y Ls₂ sin(θ₄+φ) = −J₂α₂",
-        lambda s: s.lever[0] * _lever(s, 0.0) + s.lever[1] * _lever(s, np.pi / 2) + s.J[2] * s.alpha[2],
+        lambda s: s.lever[0] * lever_moment(s, 0.0) + s.lever[1] * lever_moment(s, np.pi / 2) + s.J[2] * s.alpha[2],
         "y₂F_RP2x + x₂F_RP2y + y₃F_RP3x + x₃F_RP3y − y₄F_RP4x − x₄F_RP4y = −J₂α₂, (xₖ, yₖ) from the mass centre to Pₖ",
         lambda s: _toggle(s) + s.J[2] * s.alpha[2],
         note="Ls₂ and φ are not given; those that fit best are taken",
@@ -252,7 +165,7 @@ def _solved(s: Statics) -> Claim:
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "Md"))
     corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "Md"))
     torque = float(np.abs(s.Md).max())
-    force = _scale(s)["force"][0]
+    force = s.scale["force"][0]
     off = float(np.abs(printed["Md"] - s.Md).max()) / torque
     worst = max(float(np.abs(found - s.F[name]).max()) for name, found in corrected.items() if name in s.F) / force
     worst = max(worst, float(np.abs(corrected["Md"] - s.Md).max()) / torque)

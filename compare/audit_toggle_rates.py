@@ -13,13 +13,14 @@ from .audit_toggle_variables import Variables
 E = Equation[Variables]
 
 
-def _eq24_2(v: Variables) -> Samples:
-    return v.l0 * v.a * cos(v.t) - v.l0 * v.w**2 * sin(v.t) + v.l2 * v.a2 * cos(v.t2) - v.l2 * v.w2**2 * sin(v.t2)
+def _across(length: float, w: Samples, a: Samples, t: Samples) -> Samples:
+    """Return l α sin θ + l ω² cos θ: less the acceleration of a bar's end past its start, along x."""
+    return length * a * sin(t) + length * w**2 * cos(t)
 
 
-def _rods(v: Variables) -> Samples:
-    """Return the terms of P3-P4 and P4-P5 that (26) and (27) share."""
-    return v.l3 * v.a3 * cos(v.t3) - v.l3 * v.w3**2 * sin(v.t3) + v.l5 * v.a5 * cos(v.t5) - v.l5 * v.w5**2 * sin(v.t5)
+def _up(length: float, w: Samples, a: Samples, t: Samples) -> Samples:
+    """Return l α cos θ − l ω² sin θ: that acceleration along y."""
+    return length * a * cos(t) - length * w**2 * sin(t)
 
 
 EQUATIONS = (
@@ -71,73 +72,52 @@ EQUATIONS = (
         "eq 24",
         "acceleration",
         "l₀α sin θ + l₀ω² cos θ + l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ = l₁α₁ sin θ₁ + l₁ω₁² cos θ₁",
-        lambda v: (
-            v.l0 * v.a * sin(v.t)
-            + v.l0 * v.w**2 * cos(v.t)
-            + v.l2 * v.a2 * sin(v.t2)
-            + v.l2 * v.w2**2 * cos(v.t2)
-            - (v.l1 * v.a1 * sin(v.t1) + v.l1 * v.w1**2 * cos(v.t1))
-        ),
+        lambda v: _across(v.l0, v.w, v.a, v.t) + _across(v.l2, v.w2, v.a2, v.t2) - _across(v.l1, v.w1, v.a1, v.t1),
     ),
     E(
         "eq 24.2",
         "acceleration",
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ + l₁ω₁² sin θ₁",
-        lambda v: _eq24_2(v) - (v.l1 * v.a1 * cos(v.t1) + v.l1 * v.w1**2 * sin(v.t1)),
+        lambda v: (
+            _up(v.l0, v.w, v.a, v.t)
+            + _up(v.l2, v.w2, v.a2, v.t2)
+            - (v.l1 * v.a1 * cos(v.t1) + v.l1 * v.w1**2 * sin(v.t1))
+        ),
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁",
-        lambda v: _eq24_2(v) - (v.l1 * v.a1 * cos(v.t1) - v.l1 * v.w1**2 * sin(v.t1)),
+        lambda v: _up(v.l0, v.w, v.a, v.t) + _up(v.l2, v.w2, v.a2, v.t2) - _up(v.l1, v.w1, v.a1, v.t1),
     ),
     E(
         "eq 25",
         "acceleration",
         "l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ = l₄α₄ sin θ₄ + l₄ω₄² cos θ₄",
-        lambda v: (
-            v.l2 * v.a2 * sin(v.t2)
-            + v.l2 * v.w2**2 * cos(v.t2)
-            + v.l3 * v.a3 * sin(v.t3)
-            + v.l3 * v.w3**2 * cos(v.t3)
-            - (v.l4 * v.a4 * sin(v.t4) + v.l4 * v.w4**2 * cos(v.t4))
-        ),
+        lambda v: _across(v.l2, v.w2, v.a2, v.t2) + _across(v.l3, v.w3, v.a3, v.t3) - _across(v.l4, v.w4, v.a4, v.t4),
     ),
     E(
         "eq 25.2",
         "acceleration",
         "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ = l₄α₄ cos θ₄ − l₄ω₄² sin θ₄",
-        lambda v: (
-            v.l2 * v.a2 * cos(v.t2)
-            - v.l2 * v.w2**2 * sin(v.t2)
-            + v.l3 * v.a3 * cos(v.t3)
-            - v.l3 * v.w3**2 * sin(v.t3)
-            - (v.l4 * v.a4 * cos(v.t4) - v.l4 * v.w4**2 * sin(v.t4))
-        ),
+        lambda v: _up(v.l2, v.w2, v.a2, v.t2) + _up(v.l3, v.w3, v.a3, v.t3) - _up(v.l4, v.w4, v.a4, v.t4),
     ),
     E(
         "eq 26",
         "acceleration",
         "l₁α₁ sin θ₁ + l₁ω₁² cos θ₁ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ + l₅α₅ sin θ₅ + l₅ω₅² cos θ₅ = 0",
-        lambda v: (
-            v.l1 * v.a1 * sin(v.t1)
-            + v.l1 * v.w1**2 * cos(v.t1)
-            + v.l3 * v.a3 * sin(v.t3)
-            + v.l3 * v.w3**2 * cos(v.t3)
-            + v.l5 * v.a5 * sin(v.t5)
-            + v.l5 * v.w5**2 * cos(v.t5)
-        ),
+        lambda v: _across(v.l1, v.w1, v.a1, v.t1) + _across(v.l3, v.w3, v.a3, v.t3) + _across(v.l5, v.w5, v.a5, v.t5),
     ),
     E(
         "eq 26.2",
         "acceleration",
         "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: v.l2 * v.a2 * cos(v.t2) - v.l2 * v.w2**2 * sin(v.t2) + _rods(v) - v.a_s,
+        lambda v: _up(v.l2, v.w2, v.a2, v.t2) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5) - v.a_s,
         "l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: v.l1 * v.a1 * cos(v.t1) - v.l1 * v.w1**2 * sin(v.t1) + _rods(v) - v.a_s,
+        lambda v: _up(v.l1, v.w1, v.a1, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5) - v.a_s,
     ),
     E(
         "eq 27",
         "acceleration",
         "αₛ = l₁α₁² cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (v.l1 * v.a1**2 * cos(v.t1) - v.l1 * v.w1**2 * sin(v.t1) + _rods(v)),
+        lambda v: v.a_s - (_up(v.l1, v.w1, v.a1**2, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5)),
         "αₛ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (v.l1 * v.a1 * cos(v.t1) - v.l1 * v.w1**2 * sin(v.t1) + _rods(v)),
+        lambda v: v.a_s - (_up(v.l1, v.w1, v.a1, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5)),
     ),
 )

@@ -11,19 +11,31 @@ from typing import Any
 
 import numpy as np
 from numpy import cos, sin
+from numpy.typing import ArrayLike
 
 from scenes import Motion, Sampling, load
+from scenes.drive import Driven, MotionLaw
 from scenes.motion import Samples
-from scenes.scene import MotionLaw
 
 from . import registry
 from .state import State, Vectors
 
 SOURCE = "toggle press"
 SAMPLES = 720  # a turn
+SWAY = 0.4  # rad, of the crank that turns unevenly
 LENGTHS = (0.077, 0.300, 0.490, 0.490, 0.760, 0.300)  # l0 to l5, m, as printed
 BARS = (("P1", "P2"), ("O", "P3"), ("P2", "P3"), ("P3", "P4"), ("P2", "P4"), ("P4", "P5"))
 BODIES = ("crank", "rocker", "toggle", "toggle", "toggle", "rod")  # of the bars
+
+
+class Uneven(MotionLaw):
+    """A crank that turns faster and slower within each turn; in closed form, so that no spline has to be imported."""
+
+    def at(self, time: ArrayLike) -> Driven:
+        """Return angle, rate and acceleration at some instants, s."""
+        w = tau / self.cycle
+        turned = w * np.asarray(time, np.float64)
+        return Driven(turned + SWAY * sin(turned), w * (1 + SWAY * cos(turned)), -SWAY * w**2 * sin(turned))
 
 
 @dataclass(frozen=True)
@@ -89,23 +101,25 @@ class Variables:
         }
 
 
+def bars(state: State) -> list[Vectors]:
+    """Return the vectors of the six bars, each of shape (n,), m."""
+    return [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
+
+
 def over_two_turns() -> Variables:
     """Return the variables over a turn at constant speed, and one at a speed that varies: there alpha is not zero."""
     steady = load("toggle_press")
-    times = np.linspace(0, steady.drive.cycle, 25)
-    turns = times / steady.drive.cycle
-    law = MotionLaw("crank", tuple(times), tuple(tau * turns + 0.4 * sin(tau * turns)), periodic=True)
+    uneven = Uneven("crank", (0.0, steady.drive.cycle), (0.0, tau), periodic=True)
     sampling = Sampling(SAMPLES)
     motions = [
         registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
-        for scene in (steady, replace(steady, drive=law))
+        for scene in (steady, replace(steady, drive=uneven))
     ]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})
     state = State(steady, both)
-    bars = [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
     _, rates, accelerations = zip(*map(state.turning, BODIES), strict=True)
     x, y = steady.ground["P1"]
     slider = (both["P5.y"], both["P5.vy"], both["P5.ay"])
-    values = (*LENGTHS, x, -y, *bars, *map(np.angle, bars), *rates, *accelerations, *slider)
+    values = (*LENGTHS, x, -y, *bars(state), *map(np.angle, bars(state)), *rates, *accelerations, *slider)
     named: dict[str, Any] = {field.name: value for field, value in zip(fields(Variables), values, strict=True)}
     return Variables(**named)

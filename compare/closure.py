@@ -15,6 +15,8 @@ from scenes.scene import GROUND, Body
 from .jacobian import Constraints
 from .state import State, distances
 
+TELLING = 1e-2  # of a rate: a tenth of what a guard lets pass
+
 
 def closed_by(scene: Scene, body: Body) -> set[str]:
     """Return the channels that say whether a body's joints are closed."""
@@ -46,12 +48,14 @@ def gaps(state: State, body: Body, stroke: float) -> Samples:
 def rates(constraints: Constraints) -> Iterator[tuple[str, str, Samples]]:
     """Yield quantity, body and by how much its rates are off those of its own poses, relative to the peak, shape (n,).
 
-    Turning counts at an arm of the linkage's largest length.
+    Turning counts at an arm of the linkage's largest length. Next to a singular pose nothing is said: there κ² ε, the
+    part of an acceleration that rounding of the poses may change, is of its own size.
     """
+    tell = constraints.condition**2 * np.finfo(float).eps < TELLING
     for derivative, quantity in ((1, "velocity"), (2, "acceleration")):
         peak = float(np.abs(constraints.implied[derivative - 1]).max()) or 1.0
         for name, body in constraints.state.scene.bodies.items():
-            yield quantity, name, _off(constraints, body, derivative) / peak
+            yield quantity, name, np.where(tell, _off(constraints, body, derivative), 0.0) / peak
 
 
 def _off(constraints: Constraints, body: Body, derivative: int) -> Samples:

@@ -18,6 +18,7 @@ from .reference import Reference
 from .sensitivity import nearly, sensitivity
 
 EPS = float(np.finfo(float).eps)
+UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,11 @@ class Explained:
 
     condition: Samples  # of the constraint Jacobian, shape (n,)
     sensitivity: Mapping[str, Samples]  # by channel, each of shape (n,)
+
+    @property
+    def decidable(self) -> bool:
+        """Whether doubles can tell that the linkage moves at all: not next to a singular pose."""
+        return bool(np.isfinite(list(self.sensitivity.values())).all() and (self.condition * EPS < UNKNOWN).all())
 
     def error(self, channel: str) -> Samples:
         """Return the largest error of a channel that needs no explanation, shape (n,)."""

@@ -13,7 +13,7 @@ from .environment import environment
 from .family import Family
 from .family_figures import MOST_LINES, curves
 from .output import placed
-from .report import figure_html, table_html
+from .pieces import figure_html, table_html
 
 
 def write(family: Family, folder: Path) -> Path:
@@ -22,7 +22,7 @@ def write(family: Family, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    with placed(folder, family.scene.name, stale="family.*") as aside:
+    with placed(folder, family.scene.name, "family.*") as aside:
         tables.in_si(family).to_csv(aside / "family.csv", index=False)
         (aside / "family.html").write_text(page(family), encoding="utf-8")
     return folder / family.scene.name

@@ -126,7 +126,9 @@ class Constraints:
 
 
 def _largest_length(state: State) -> float:
-    """Return the largest known distance of a body's points, or of the ground's, m."""
+    """Return the largest known distance of a body's points, or of the ground's, m; without one, of a path."""
     ground = [complex(*place) for place in state.scene.ground.values()]
     known = [length for body in state.scene.bodies.values() for length in distances(body).values()]
-    return max(*known, *(abs(p - q) for p in ground for q in ground))
+    known += [abs(p - q) for p in ground for q in ground]
+    paths = [state.place(point) for point in state.scene.moving_points]
+    return max(known, default=0.0) or max(float(np.abs(path - path[0]).max()) for path in paths)

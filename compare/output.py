@@ -16,7 +16,7 @@ import pandas as pd
 from scenes import InputError, Motion
 from scenes.motion import header
 
-from . import tables, work_precision
+from . import hard_tables, tables, work_precision
 from .environment import environment
 from .errors import group_floors
 from .registry import route
@@ -40,14 +40,14 @@ def write(study: Study, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    stale = "motion.*.csv"  # an engine that did not run this time must not look as if it had
-    with placed(folder, study.scene.name, stale) as aside:
+    stale = ("motion.*.csv", "stability.csv", "hard.csv")  # what was not run this time must not look as if it had
+    with placed(folder, study.scene.name, *stale) as aside:
         _write_all(study, aside)
     return folder / study.scene.name
 
 
 @contextmanager
-def placed(folder: Path, name: str, stale: str) -> Iterator[Path]:
+def placed(folder: Path, name: str, *stale: str) -> Iterator[Path]:
     """Yield a folder to write files into; once all are complete they go to `folder/<name>/` in place of the stale ones.
 
     Raises:
@@ -59,7 +59,7 @@ def placed(folder: Path, name: str, stale: str) -> Iterator[Path]:
         with TemporaryDirectory(prefix=f".{name}-", dir=folder) as aside:
             yield Path(aside)
             target.mkdir(exist_ok=True)
-            for path in target.glob(stale):
+            for path in (path for pattern in stale for path in target.glob(pattern)):
                 path.unlink()
             for path in Path(aside).iterdir():
                 path.replace(target / path.name)
@@ -70,6 +70,9 @@ def placed(folder: Path, name: str, stale: str) -> Iterator[Path]:
 def _write_all(study: Study, folder: Path) -> None:
     study.errors.to_csv(folder / "errors.csv", index=False)
     study.speed.to_csv(folder / "speed.csv", index=False)
+    for name, table in (("stability", study.maps), ("hard", study.hard)):
+        if len(table):
+            table.to_csv(folder / f"{name}.csv", index=False)
     for m in study.measurements:
         if m.run.motion is not None:
             _table(m.run.motion).to_csv(folder / f"motion.{m.run.engine}.csv", index=False)
@@ -110,6 +113,7 @@ def _summary(study: Study) -> dict[str, Any]:
         "gates": tables.gates(study).to_dict("records"),
         "cheapest": work_precision.choices(study.speed).to_dict("records"),
         "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
+        "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],
         "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
         "environment": environment(),
     }

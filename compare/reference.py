@@ -65,19 +65,30 @@ def establish(scene: Scene) -> Reference:
     Raises:
         InputError: the reference cannot solve the scene, so that there is nothing to compare with.
     """
-    sampling = Sampling(SCALE_SAMPLES)
-    everything = replace(scene, asked=None)
     try:
-        solve = registry.reference(everything)
-        motion = solve(sampling.commanded(scene), sampling.times(scene))
+        uncertified = found(scene)
     except Failure as failure:
         raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
+    return replace(uncertified, floor=_certify(uncertified))
+
+
+def found(scene: Scene) -> Reference:
+    """Solve one cycle of the reference and take the scales from it.
+
+    Raises:
+        Failure: the reference cannot solve the scene, or there is no one motion.
+        InputError: the output does not move, so that there is no scale.
+    """
+    sampling = Sampling(SCALE_SAMPLES)
+    everything = replace(scene, asked=None)
+    registry.check_reference(scene)
+    solve = registry.reference(everything)
+    motion = solve(sampling.commanded(scene), sampling.times(scene))
     stroke = float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
     ends = tuple(stroke_end(State(scene, motion), load) for load in press_forces(scene))
-    uncertified = Reference(scene, solve, stroke, _scales(everything, motion, stroke), Floor({}, ""), ends)
-    return replace(uncertified, floor=_certify(uncertified))
+    return Reference(scene, solve, stroke, _scales(everything, motion, stroke), Floor({}, ""), ends)
 
 
 def _scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:

@@ -81,6 +81,11 @@ def engine(name: str) -> Engine[Any]:
     return cast("Engine[Any]", import_module(ENTRIES[name].module))
 
 
+def check_reference(scene: Scene) -> None:
+    """Raise Failure where the analytic core finds a pose on the drive's way that no one motion leads through."""
+    import_module("analytic").check_way(scene)
+
+
 def reference(scene: Scene) -> Solve:
     """Return the analytic core's solver of a scene, against which every engine is measured.
 

@@ -3,33 +3,30 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.status import Status
 
 from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
+from scenes.hard import catalogue, ladder
 
 from . import registry
-from .asked import TIERS, accuracy, narrowed
-from .family_grid import grid, variation
+from .arguments import parser
+from .asked import narrowed
+from .family_grid import grid
 
 if TYPE_CHECKING:
     from .gates import Gate
     from .study import Study
 
-USAGE = (
-    "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
-)
-
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a missed tolerance, 2 for bad input."""
     try:
-        options = _parser().parse_args(arguments)
+        options = parser().parse_args(arguments)
         if options.list:
             return _list()
         if options.new:
@@ -45,64 +42,6 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         print(str(stop) or "stopped; nothing was written for the scene under way", file=sys.stderr)
         return 130
-
-
-class _Parser(argparse.ArgumentParser):
-    """Bad arguments are told in one line, like all bad input."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"arguments: {message}; usage: {USAGE}")
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog="python -m compare.run", usage=USAGE, description="Solve planar linkages by independent models."
-    )
-    parser.add_argument(
-        "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
-    )
-    parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples a cycle of the drive (360)")
-    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
-    parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
-    parser.add_argument(
-        "--accuracy",
-        type=accuracy,
-        help=f"the engines' settings: {', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)",
-    )
-    parser.add_argument(
-        "--vary",
-        type=variation,
-        action="append",
-        default=[],
-        metavar="PATH=FROM:TO:COUNT",
-        help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
-    )
-    parser.add_argument("--full", action="store_true", help="take the long ladders, and time them for longer")
-    parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
-    parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
-    parser.add_argument("--new", type=Path, metavar="NAME", help="write NAME.toml, a commented scene to change")
-    return parser
-
-
-def _names(text: str) -> list[str]:
-    return list(dict.fromkeys(name.strip() for name in text.split(",")))
-
-
-def _engines(text: str) -> list[str]:
-    names = _names(text)
-    registry.check_names(names)
-    return names
-
-
-def _count(least: int, most: int) -> Callable[[str], int]:
-    def parse(text: str) -> int:
-        if not (text.isdecimal() and least <= int(text) <= most):
-            raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{text}'")
-        return int(text)
-
-    return parse
 
 
 def _list() -> int:
@@ -126,6 +65,10 @@ def _run(options: argparse.Namespace) -> int:
     run = _family if options.vary else _report
     with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
         missed = [run(scene, options, status) for scene in scenes]
+    if options.full:
+        from .hard import forget
+
+        forget(options.out)
     return 1 if any(missed) else 0
 
 
@@ -157,6 +100,8 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
         KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
     """
     from . import output
+    from .hard import hard_cases
+    from .stability import stability_table
     from .stopping import Stopped, stoppable
     from .study import study
     from .timing import Budget
@@ -173,6 +118,11 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     try:
         with stoppable() as stopping:
             result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
+            if options.full:
+                able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
+                to_lock = [(rung.label, rung.scene()) for rung in ladder("lock_rrr").steps]
+                result = replace(result, maps=stability_table(scene, able, to_lock, progress))
+                result = replace(result, hard=hard_cases(catalogue(), able, options.out, progress))
             stopped = stopping()
     except Stopped:
         raise KeyboardInterrupt from None

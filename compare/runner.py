@@ -22,6 +22,7 @@ class Run:
     settings: Settings | None
     status: Status
     reason: str = ""
+    found_by: str = ""  # who noticed that it is not ok: the engine, the checks of its output, or the reference
     version: str = ""
     motion: Motion | None = None
     build_s: float = float("nan")
@@ -34,7 +35,7 @@ class Run:
 def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
     """Build, solve and read, each timed apart; `settings` of None means the engine's default."""
     entry = registry.ENTRIES[name]
-    failed = Run(name, settings, Status.unsupported, entry.missing or "", entry.version)
+    failed = Run(name, settings, Status.unsupported, entry.missing or "", "engine", entry.version)
     if entry.missing:
         return failed
     try:
@@ -57,6 +58,7 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
     return replace(
         failed,
         status=Status.ok,
+        found_by="",
         motion=motion,
         build_s=built - started,
         solve_s=solved - built,

@@ -1,4 +1,7 @@
-"""Ctrl-C without loss: the first asks to stop at the next safe point and to keep what is done, the second stops at once."""
+"""Ctrl-C without loss.
+
+The first asks to stop at the next safe point and to keep what is done, the second stops at once.
+"""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager

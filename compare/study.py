@@ -1,7 +1,7 @@
 """One scene through the whole comparison."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import pandas as pd
@@ -34,6 +34,8 @@ class Study:
     gates: list[Gate]
     speed: pd.DataFrame  # one row a setting
     reasons: list[str]  # why engines run at the settings that they do, where there is something to say
+    maps: pd.DataFrame = field(default_factory=pd.DataFrame)  # of stability, one row a cell
+    hard: pd.DataFrame = field(default_factory=pd.DataFrame)  # one row an attempt at a hard case
 
     @property
     def errors(self) -> pd.DataFrame:

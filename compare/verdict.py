@@ -61,7 +61,7 @@ def judged(run: Run, scene: Scene, checks: list[Check], comparison: Comparison) 
         found = max((check for check in checks if check.check == name), key=lambda check: check.worst, default=None)
         if found is not None and not found.worst <= limit.most:
             said = limit.sentence.format(of=found.of, worst=f"{found.worst:.1%}", relative_to=found.relative_to)
-            return replace(run, status=limit.status, reason=f"{said} at {found.where}")
+            return replace(run, status=limit.status, reason=f"{said} at {found.where}", found_by="checks")
     closed = "with all joints closed, " if scene.asked is None else ""
     for point in scene.moving_points:
         both = (f"{point}.x", f"{point}.y")
@@ -70,5 +70,5 @@ def judged(run: Run, scene: Scene, checks: list[Check], comparison: Comparison) 
         if not far.max() <= ELSEWHERE:
             first = scene.where(float(comparison.position[(far > ELSEWHERE).argmax()]))
             where = f"{far.max():.1%} of the stroke away from the reference, first at {first}"
-            return replace(run, status=Status.wrong_branch, reason=f"{closed}{point} is {where}")
+            return replace(run, status=Status.wrong_branch, reason=f"{closed}{point} is {where}", found_by="reference")
     return run

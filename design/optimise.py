@@ -18,6 +18,7 @@ SEED = 2023
 MOST_STARTS = 2**12
 
 GENERATIONS = 1000
+ALIKE = 1e-8  # relative: where a whole population is so, it has converged, far below what `AGREES` tells apart
 POPULATION = 15  # times the number of variables
 PENALTY = 100.0  # above all multipliers, which are of order one: the least of the penalised objective is then feasible
 
@@ -63,7 +64,7 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
         mutation=(0.5, 1.0),
         recombination=0.9,
         init="sobol",
-        tol=0.0,
+        tol=ALIKE,
         polish=False,
         vectorized=True,
         updating="deferred",

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 
 from compare.environment import environment
 from compare.output import placed
-from compare.report import figure_html, table_html
+from compare.pieces import figure_html, table_html
 
 from . import tables
 from .clamp import SCHEME_4, Array
@@ -42,7 +42,7 @@ def write(outcome: Outcome, folder: Path) -> Path:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
     rows = tables.rows(outcome.points)
-    with placed(folder, "design", stale="design.*") as aside:
+    with placed(folder, "design", "design.*") as aside:
         pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)
         text = json.dumps(_plain(_all(outcome, rows)), indent=1, allow_nan=False)
         (aside / "design.json").write_text(text + "\n", encoding="utf-8")

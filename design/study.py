@@ -66,14 +66,15 @@ Task: TypeAlias = tuple[str, str, Problem, Effort]
 
 def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[Point]:
     """Return every point, set by set."""
-    again = Effort(max(effort.starts // 2, 1), 0)
+    half = replace(effort, starts=max(effort.starts // 2, 1))  # for all that is not in the source
+    again = replace(half, restarts=0)
     count = len(ratios)
     curve = [
         (name, f"R_S = {ratio:.2f}", fixed_ratio(ratio, *assumed), effort if name == MAIN else again)
         for name, assumed in ASSUMPTIONS.items()
         for ratio in ratios
     ]
-    beyond = list(_beyond(effort))
+    beyond = list(_beyond(half))
     total = len(curve) + count + len(beyond)
     with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
         points = _solve(pool, [*curve, *beyond], total, progress)

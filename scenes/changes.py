@@ -1,9 +1,11 @@
-"""Numbers of a scene file by their paths, as `bodies.rocker.lengths.O-P3`: read and changed before it is checked."""
+"""What a scene file says by its path, as `bodies.rocker.lengths.O-P3`: read and changed before it is checked."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from .errors import InputError, nearest
+
+Value: TypeAlias = float | str
 
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
@@ -12,31 +14,36 @@ def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
     Raises:
         InputError: there is no number at one of them, or two of them lead to the same one.
     """
-    places = [_place(tables, path) for path in paths]
+    places = [_place(tables, path, 0.0) for path in paths]
     for number, (path, (table, key)) in enumerate(zip(paths, places, strict=True)):
         if any(table is other and key == other_key for other, other_key in places[:number]):
             raise InputError(f"{path}: expected each number once, and a path before leads to this one too")
     return [float(table[key]) for table, key in places]
 
 
-def change(tables: Mapping[str, Any], changes: Mapping[str, float]) -> None:
-    """Put other numbers at some paths, in place.
+def change(tables: Mapping[str, Any], changes: Mapping[str, Value]) -> None:
+    """Put other numbers and texts at some paths, in place; each has to be of the kind that it replaces.
 
     Raises:
-        InputError: there is no number at one of the paths.
+        InputError: there is no number, or no text, at one of the paths.
     """
     for path, value in changes.items():
-        table, key = _place(tables, path)
+        table, key = _place(tables, path, value)
         table[key] = value
 
 
-def named(file: object, changes: Mapping[str, float]) -> str:
+def named(file: object, changes: Mapping[str, Value]) -> str:
     """Return what messages call a scene: its file, and what was changed in it."""
-    return ", ".join([str(file), *(f"{path} = {value:g}" for path, value in changes.items())])
+    return ", ".join([str(file), *(f"{path} = {said(value)}" for path, value in changes.items())])
 
 
-def _place(tables: Mapping[str, Any], path: str) -> tuple[Any, str | int]:
-    """Return the table or list that holds the number at this path, and its key there."""
+def said(value: Value) -> str:
+    """Return how messages say a value; in full where a file does, since a ladder's steps may differ by very little."""
+    return value if isinstance(value, str) else f"{value:.15g}"
+
+
+def _place(tables: Mapping[str, Any], path: str, like: Value) -> tuple[Any, str | int]:
+    """Return the table or list that holds a number, or a text, at this path, as `like` is one; and its key there."""
     table: Any = None
     key: str | int = ""
     value: Any = tables
@@ -45,9 +52,11 @@ def _place(tables: Mapping[str, Any], path: str) -> tuple[Any, str | int]:
             raise InputError(f"{path}: the path goes on after a number or a text, at '{part}'")
         table, key = value, _key(value, part, path)
         value = table[key]
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    fits = isinstance(value, str) if isinstance(like, str) else isinstance(value, int | float)
+    if isinstance(value, bool) or not fits:
         inside = _keys(value) if isinstance(value, dict | list) else ()
-        raise InputError(f"{path}: expected the path of a number{nearest('', inside)}")
+        kind = "text" if isinstance(like, str) else "number"
+        raise InputError(f"{path}: expected the path of a {kind}{nearest('', inside)}")
     return table, key
 
 

@@ -19,6 +19,8 @@ import numpy as np
 from .motion import Motion, Samples
 from .scene import Scene
 
+ESTIMATE = "estimated error"  # among an engine's residuals: its largest relative error by its own model
+
 
 class Status(Enum):
     """How a run ended. The value is the sentence that users see."""

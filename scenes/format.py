@@ -1,9 +1,13 @@
-"""The scene file as it is written, `format = 1`: keys, types, ranges. Numbers are in the units of the file."""
+"""The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from math import isfinite
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, Strict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, Strict, StringConstraints, ValidationError
+from pydantic_core import PydanticCustomError
 
+from .errors import nearest
 from .scene import GROUND
 
 NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
@@ -15,6 +19,17 @@ Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Pair = Annotated[tuple[Number, Number], Strict(False)]  # TOML has arrays, not tuples; the numbers stay strict
 Points = Annotated[dict[Name, Pair], Field(min_length=1)]
+
+
+def _number_or_text(value: object) -> float | str:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise PydanticCustomError("number_or_text", "expected a number or a text")
+    if not isinstance(value, str) and not isfinite(value):
+        raise PydanticCustomError("number_or_text", "expected a finite number")
+    return value
+
+
+NumberOrText = Annotated[float | str, PlainValidator(_number_or_text)]
 
 
 class Table(BaseModel):
@@ -131,3 +146,67 @@ class SceneFile(Table):
     sketch: SketchTable
     output: OutputTable
     tolerances: dict[Name, TolerancesTable] = {}
+
+
+class LadderFile(Table):
+    """A whole ladder file: one scene, with other values at some of its paths on every step."""
+
+    format: Literal[1]
+    title: str
+    scene: str
+    parameter: str
+    paths: Annotated[list[str], Field(min_length=1)]
+    steps: Annotated[dict[str, NumberOrText], Field(min_length=1)]
+    expected: str
+    why: str
+    status: dict[str, str] = {}
+    long: bool = False
+
+
+# --- one line for the first thing that is wrong ----------------------------------------------------------------------
+
+
+def explain(error: ValidationError, file: type[Table]) -> str:
+    """Say the first of the errors in a file; the rest is only counted, since one slip often causes several."""
+    first, *rest = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    location = [part for part in first["loc"] if part != "[key]"]
+    place = ".".join(str(part) for part in location)
+    entries = "points, each as 'body.point'" if "between" in location else "numbers"
+    match first["type"]:
+        case "extra_forbidden":
+            text = f"unknown key{nearest(str(location[-1]), _keys_at(file, location[:-1]))}"
+        case "missing" if isinstance(location[-1], int):
+            text = f"expected two {entries}"
+        case "missing":
+            text = "missing; the file needs it"
+        case "too_short":
+            text = f"expected {first['ctx']['min_length']} or more entries, found {first['ctx']['actual_length']}"
+        case "too_long":
+            text = f"expected two {entries}"
+        case "string_pattern_mismatch":
+            wanted = "letters, digits and '_', starting with a letter"
+            wanted = "two point names joined by '-'" if "lengths" in location else wanted
+            wanted = "a point of a body, as 'body.point'" if "between" in location else wanted
+            text = f"not a name: expected {wanted}"
+        case "model_type" | "dict_type":
+            text = "expected a table"
+        case "greater_than" | "greater_than_equal" | "literal_error":
+            text = f"{first['msg'].replace('Input should be', 'expected')}, found {first['input']!r}"
+        case _:
+            text = f"{first['msg'].replace('Input should be', 'expected')}, found {str(first['input'])[:40]!r}"
+    return f"{place}: {text}" + (f" (and {len(rest)} more)" if rest else "")
+
+
+def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]:
+    """Yield the keys that the table at this place of a file may have."""
+    for part in location:
+        if isinstance(part, str) and part in model.model_fields:
+            model = next(_tables_in(model.model_fields[part].annotation), model)
+    yield from model.model_fields
+
+
+def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _tables_in(argument)

@@ -1,20 +1,20 @@
 """TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import hypot
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
-from .changes import change, named, numbers
+from .changes import Value, change, named, numbers
 from .consistency import check
 from .errors import InputError, nearest
-from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, Units
+from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, Units, explain
 from .scene import (
     GROUND,
     Body,
@@ -43,20 +43,22 @@ def shipped() -> dict[str, Path]:
     return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
 
 
-def load(name_or_path: str | Path, changes: Mapping[str, float] = MappingProxyType({})) -> Scene:
-    """Read a scene, by the name of a shipped one or from a .toml file; `changes` are numbers to take instead, by path.
+def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyType({})) -> Scene:
+    """Read a scene, by the name of a shipped one or from a .toml file.
+
+    `changes` are what to take instead of some of its numbers and texts, by path, in the units of the file.
 
     Raises:
         InputError: the file cannot be read or says something impossible; the text is one line that names the file, the
             changes, the path in it, what was expected, and the nearest valid name.
     """
-    tables = _tables(name_or_path)
+    tables = tables_of(name_or_path)
     file = named(name_or_path, changes)
     try:
         change(tables, changes)
         return _scene(SceneFile.model_validate(tables), file)
     except ValidationError as error:
-        raise InputError(f"{file}: {_explain(error)}") from None
+        raise InputError(f"{file}: {explain(error, SceneFile)}") from None
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
 
@@ -68,17 +70,31 @@ def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
         InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
     """
     try:
-        return numbers(_tables(name_or_path), paths)
+        return numbers(tables_of(name_or_path), paths)
     except InputError as error:
         raise InputError(f"{name_or_path}: {error}") from None
 
 
-def _tables(name_or_path: str | Path) -> dict[str, Any]:
-    path = shipped().get(str(name_or_path), Path(name_or_path))
+def tables_of(name_or_path: str | Path) -> dict[str, Any]:
+    """Return what a scene file says, unchecked.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return read_toml(name_or_path, shipped(), "scene")
+
+
+def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) -> dict[str, Any]:
+    """Return what a file says, by the name of one of the known or by its path; `kind` is what messages call it.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    path = known.get(str(name_or_path), Path(name_or_path))
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
-        raise InputError(f"{name_or_path}: no such scene or file{nearest(path.stem, shipped())}") from None
+        raise InputError(f"{name_or_path}: no such {kind} or file{nearest(path.stem, known)}") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{name_or_path}: not valid TOML: {_first_line(error)}") from None
     except (OSError, UnicodeDecodeError, ValueError) as error:
@@ -247,53 +263,3 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
         inertia=None if table.inertia is None else table.inertia * mass * length**2,
         slide=slide,
     )
-
-
-# --- one line for the first thing that is wrong ----------------------------------------------------------------------
-
-
-def _explain(error: ValidationError) -> str:
-    """Say the first of the errors; the rest is only counted, since one slip often causes several."""
-    first, *rest = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    location = [part for part in first["loc"] if part != "[key]"]
-    place = ".".join(str(part) for part in location)
-    entries = "points, each as 'body.point'" if "between" in location else "numbers"
-    match first["type"]:
-        case "extra_forbidden":
-            text = f"unknown key{nearest(str(location[-1]), _keys_at(location[:-1]))}"
-        case "missing" if isinstance(location[-1], int):
-            text = f"expected two {entries}"
-        case "missing":
-            text = "missing; the scene needs it"
-        case "too_short":
-            text = f"expected {first['ctx']['min_length']} or more entries, found {first['ctx']['actual_length']}"
-        case "too_long":
-            text = f"expected two {entries}"
-        case "string_pattern_mismatch":
-            wanted = "letters, digits and '_', starting with a letter"
-            wanted = "two point names joined by '-'" if "lengths" in location else wanted
-            wanted = "a point of a body, as 'body.point'" if "between" in location else wanted
-            text = f"not a name: expected {wanted}"
-        case "model_type" | "dict_type":
-            text = "expected a table"
-        case "greater_than" | "greater_than_equal" | "literal_error":
-            text = f"{first['msg'].replace('Input should be', 'expected')}, found {first['input']!r}"
-        case _:
-            text = f"{first['msg'].replace('Input should be', 'expected')}, found {str(first['input'])[:40]!r}"
-    return f"{place}: {text}" + (f" (and {len(rest)} more)" if rest else "")
-
-
-def _keys_at(location: list[int | str]) -> Iterator[str]:
-    """Yield the keys that the table at this place of a scene file may have."""
-    model: type[BaseModel] = SceneFile
-    for part in location:
-        if isinstance(part, str) and part in model.model_fields:
-            model = next(_tables_in(model.model_fields[part].annotation), model)
-    yield from model.model_fields
-
-
-def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for argument in get_args(annotation):
-        yield from _tables_in(argument)

@@ -4,7 +4,7 @@ A point of the plane is a complex number, x + iy.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import copysign, sqrt
 
 from scenes import Failure, Scene, Status
@@ -34,6 +34,11 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
     else:
         com, inertia = complex(*body.com), body.inertia
     return RigidBody(com, {name: point - com for name, point in points.items()}, mass, inertia)
+
+
+def in_unit(body: RigidBody, force: float) -> RigidBody:
+    """Return a body by another unit of force, N, and with it of mass and inertia; all else is in SI."""
+    return replace(body, mass=body.mass / force, inertia=body.inertia / force)
 
 
 def sketched(scene: Scene) -> dict[str, complex]:

@@ -62,6 +62,7 @@ def _body(system: System, name: str, q: Array) -> tuple[NDArray[np.complex128], 
 
 def forces(system: System, multipliers: Array) -> dict[str, Array]:
     """Return the force channels, from multipliers of shape (n, constraints)."""
+    multipliers = multipliers * system.force_unit
     scene, asked = system.scene, set(channels(system.scene))
     found: dict[str, Array] = {}
     for pin, joint in system.pins.items():

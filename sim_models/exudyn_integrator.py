@@ -27,6 +27,9 @@ class Extra(Enum):
     SPATIAL = "bodies in space, held in the plane"
 
 
+NOTHING = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
+
+
 @dataclass(frozen=True)
 class TimeStepping(Settings):
     """Integrate in time with a constant step."""
@@ -37,7 +40,8 @@ class TimeStepping(Settings):
     spectral_radius: float = 0.5  # of generalised-alpha at high frequency; damps the start transient by this a step
     pre_roll: int = 24  # steps before the first sample
     newton: Newton = Newton.ONE_A_STEP  # the fastest at the same accuracy
-    tolerance: float = 1e-10  # of Newton's method, relative and absolute; Exudyn's 1e-8 shows in the reactions
+    tolerance: float = 1e-10  # of Newton's method; Exudyn's 1e-8 shows in the reactions
+    reduced: bool = False  # one coordinate for every body to which the ground leaves no more
     extra: Extra = Extra.NOTHING
 
 
@@ -51,8 +55,8 @@ class Textbook(TimeStepping):
     extra: Extra = Extra.SENSORS
 
 
-def configure(settings: Any, options: TimeStepping) -> None:
-    """Choose the integrator in Exudyn's simulation settings."""
+def configure(settings: Any, options: TimeStepping, size: float) -> None:
+    """Choose the integrator in Exudyn's simulation settings, for a linkage of some size, m."""
     integration = settings.timeIntegration
     integration.solverType = getattr(engine().DynamicSolverType, options.solver)
     integration.generalizedAlpha.spectralRadius = options.spectral_radius
@@ -61,6 +65,6 @@ def configure(settings: Any, options: TimeStepping) -> None:
     integration.generalizedAlpha.computeInitialAccelerations = False  # those take no account of the drive's own
     integration.adaptiveStep = False  # it adds up time, and ends on a tiny step with absurd forces
     integration.newton.relativeTolerance = options.tolerance
-    integration.newton.absoluteTolerance = options.tolerance
+    integration.newton.absoluteTolerance = NOTHING * size * options.tolerance
     integration.newton.useModifiedNewton = options.newton is not Newton.FULL
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP

@@ -35,20 +35,19 @@ def add_loads(system: System, poses: Poses, start: State) -> None:
         system.mbs.AddLoad(items.Force(markerNumber=system.at(load.body, load.at), **vector))
     for spring in scene.springs:
         ends = [system.at(*spring.first), system.at(*spring.second)]
-        system.mbs.AddObject(
-            items.SpringDamper(markerNumbers=ends, stiffness=spring.stiffness, referenceLength=spring.length)
-        )
+        stiffness = spring.stiffness / system.force_unit
+        system.mbs.AddObject(items.SpringDamper(markerNumbers=ends, stiffness=stiffness, referenceLength=spring.length))
     if scene.gravity is not None:
-        for body in system.objects.values():
-            mass = system.mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
-            system.mbs.AddLoad(items.Gravity(markerNumber=mass, loadVector=[*scene.gravity, 0]))
+        for name, body in system.bodies.items():
+            weight = [body.mass * g for g in scene.gravity]
+            system.mbs.AddLoad(items.Force(markerNumber=system.mass_marker(name), loadVector=[*weight, 0]))
     system.mbs.Assemble()
 
 
 def _vector(system: System, poses: Poses, start: State, load: Load) -> dict[str, Any]:
     """Return the argument that says the force of a load, constant or a function."""
     if isinstance(load, Force):
-        return {"loadVector": [*load.force, 0]}
+        return {"loadVector": [*(f / system.force_unit for f in load.force), 0]}
     if isinstance(load, ForceTable):
         return {"loadVectorUserFunction": _tabulated(system, load)}
     return {"loadVectorUserFunction": _switched(system, load, PressStroke(system, poses, start, load).switches())}
@@ -56,11 +55,11 @@ def _vector(system: System, poses: Poses, start: State, load: Load) -> dict[str,
 
 def _tabulated(system: System, table: ForceTable) -> ForceFunction:
     along, zero, node = system.along(table.body), system.displaced(table.body, 0j), system.nodes[table.body]
+    way, unit = system.way(table.body), system.force_unit
     coordinates = engine().OutputVariableType.Coordinates
 
     def force(mbs: Any, _clock: float, _unused: Any) -> list[float]:
-        x, y, _ = mbs.GetNodeOutput(node, coordinates)
-        f = float(table.along(zero + along.real * x + along.imag * y))
+        f = 1 / unit * float(table.along(zero + float(np.dot(way, mbs.GetNodeOutput(node, coordinates)))))
         return [f * along.real, f * along.imag, 0]
 
     return force
@@ -69,7 +68,7 @@ def _tabulated(system: System, table: ForceTable) -> ForceFunction:
 def _switched(system: System, load: PressForce, switches: Sequence[float]) -> ForceFunction:
     """Return the force that is off until the first of the instants of a cycle, on until the second, and so on."""
     course, cycle, repeats = system.course, system.scene.drive.cycle, system.scene.drive.repeats
-    on, off = [*load.force, 0.0], [0.0, 0.0, 0.0]
+    on, off = [*(f / system.force_unit for f in load.force), 0.0], [0.0, 0.0, 0.0]
 
     def force(_mbs: Any, clock: float, _unused: Any) -> list[float]:
         time = clock - course.lead + SAME_INSTANT * cycle

@@ -2,20 +2,14 @@
 
 from dataclasses import dataclass
 
-from scenes import Motion, Sampling, Scene, Settings
-from scenes.motion import asks_forces, channels, quantity
+from scenes import Sampling, Scene, Settings
 
-from .exudyn_run import Run
+from .exudyn_run import Array, Run, asks_accelerations
 
 
 @dataclass(frozen=True)
 class Pointwise(Settings):
     """Solve position, velocity, acceleration and reactions at every sample, without integrating."""
-
-
-def asks_accelerations(scene: Scene) -> bool:
-    """Return whether any channel needs accelerations."""
-    return asks_forces(scene) or any(quantity(channel) in ("ax", "ay", "alpha") for channel in channels(scene))
 
 
 class PointwiseRun(Run):
@@ -50,10 +44,5 @@ class PointwiseRun(Run):
             "acceleration_solves": self.poses.curvatures - curved,
         }
 
-    def read(self) -> Motion:
-        """Return the channels.
-
-        Raises:
-            Failure: the result is not finite.
-        """
-        return self._motion(self._samples)
+    def _result(self) -> Array:
+        return self._samples

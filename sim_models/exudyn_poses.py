@@ -20,6 +20,8 @@ from .exudyn_system import System
 
 KNOTS = 18  # poses of a cycle that are followed one by one; those between are then found from them all at once
 ITERATIONS = 12  # from a predicted pose, with the Jacobian there
+PATIENT_ITERATIONS = 60  # from a rough sketch, or next to a lock, where Newton's method gains a bit a step
+LOOKS = 9  # for a pose beyond where the motion cannot be followed
 CONVERGED = 1e-9  # the largest last correction, over the size
 ROUND_OFF = 1e-15  # of the size: what is left after it, going by how fast corrections get smaller
 STRAY = 0.1  # largest correction of a predicted pose, over the length of the step to it
@@ -100,8 +102,8 @@ class Poses:
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
 
-    def follow(self, state: State, position: float, bisections: int = BISECTIONS) -> State:
-        """Return the state at another position: predicted, corrected, in smaller steps if it strays.
+    def follow(self, state: State, position: float, bisections: int = BISECTIONS, goal: float | None = None) -> State:
+        """Return the state at another position: predicted, corrected, in smaller steps towards a goal if it strays.
 
         Raises:
             Failure: no pose continues the motion on this branch.
@@ -112,13 +114,34 @@ class Poses:
         if found:
             return reached
         if bisections == 0:
-            raise Failure(
-                Status.cannot_assemble,
-                f"the bodies cannot follow the drive past {self.system.scene.where(float(state.position))}:"
-                " the linkage locks there, or two ways of assembling it meet",
+            raise self._stuck(state, position if goal is None else goal)
+        goal = position if goal is None else goal
+        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
+        return self.follow(middle, position, bisections - 1, goal)
+
+    def _stuck(self, state: State, position: float) -> Failure:
+        """Return why no pose follows: there is none at all, or there are two, too close to tell which it is."""
+        past = f"past {self.system.scene.where(float(state.position))}"
+        if self.nearest(state.q, position) is None:
+            return Failure(
+                Status.cannot_assemble, f"the bodies cannot follow the drive {past}: the linkage locks there"
             )
-        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1)
-        return self.follow(middle, position, bisections - 1)
+        return Failure(
+            Status.not_converged,
+            f"which way the bodies follow the drive {past} cannot be told: two ways of assembling them nearly meet",
+        )
+
+    def nearest(self, q: Array, position: float) -> Array | None:
+        """Return a pose near q that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""
+        for _ in range(PATIENT_ITERATIONS):
+            residual = self.equations.residual(q, position)
+            step = cast("Array", np.linalg.lstsq(self.equations.jacobian(q), -residual, rcond=None)[0])
+            length = float(self.length(step))
+            if length < CONVERGED and np.abs(residual).max() < CONVERGED * self.system.size:
+                return q + step
+            q = q + step / max(1.0, 2 * length)
+            self.newton_iterations += 1
+        return None
 
     def state(self, q: Array, position: Array, *, curved: bool = True) -> State:
         """Return the state in a pose that meets the constraints."""

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import asks_forces
+from scenes.motion import asks_forces, quantity
+from scenes.motion import channels as asked_channels
 
 from . import exudyn_channels as channels
 from .exudyn_loads import add_loads
@@ -28,14 +29,19 @@ def failure(error: Exception, doing: str) -> Failure:
     return Failure(status, f"Exudyn gave up {doing}: {clause}")
 
 
+def asks_accelerations(scene: Scene) -> bool:
+    """Return whether any channel needs accelerations."""
+    return asks_forces(scene) or any(quantity(channel) in ("ax", "ay", "alpha") for channel in asked_channels(scene))
+
+
 class Run:
     """One scene's system at its start, to be solved at some instants."""
 
     drive_limit = DRIVE_LIMIT
 
-    def __init__(self, scene: Scene, sampling: Sampling) -> None:
+    def __init__(self, scene: Scene, sampling: Sampling, *, si: bool = False) -> None:
         self.scene = scene
-        self.system = System(scene)
+        self.system = System(scene, si=si)
         self.poses = Poses(self.system)
         self.start = start(self.poses)
         add_loads(self.system, self.poses, self.start)
@@ -50,18 +56,38 @@ class Run:
         levels = 4 if asks_forces(self.scene) else 3 if accelerations else 2
         return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
 
-    def _motion(self, samples: Array) -> Motion:
-        """Check samples of shape (2 to 4, n, 3 bodies) and return their channels."""
+    def read(self) -> Motion:
+        """Return the channels.
+
+        Raises:
+            Failure: a check of the result failed; it has the motion with it.
+        """
+        samples = self._result()
+        motion = Motion({"time": self.times} | self._channels(samples))
+        try:
+            self._check(samples, motion)
+        except Failure as failed:
+            raise Failure(failed.status, failed.reason, motion) from None
+        return motion
+
+    def _result(self) -> Array:
+        """Return the samples found, shape (2 to 4, n, 3 bodies)."""
+        raise NotImplementedError
+
+    def _channels(self, samples: Array) -> dict[str, Array]:
+        """Return the channels asked for."""
+        q, v, *others = samples
+        forces = channels.forces(self.system, others[1]) if len(others) > 1 else {}
+        return channels.kinematics(self.system, q, v, *others[:1]) | forces
+
+    def _check(self, samples: Array, motion: Motion) -> None:
+        """Refuse what is not finite, or not where the drive is, or where Exudyn leaves out a force."""
         finite = np.isfinite(samples).all(axis=(0, 2))
         if not finite.all():
             where = self.scene.where(self.positions[np.argmin(finite)])
             raise Failure(Status.nonfinite, f"values are not finite from {where} on")
-        q, v, *others = samples
-        self._check_drive(channels.driven(self.system, q))
-        self._check_springs(q)
-        kinematics = channels.kinematics(self.system, q, v, *others[:1])
-        forces = channels.forces(self.system, others[1]) if len(others) > 1 else {}
-        return Motion({"time": self.times} | kinematics | forces)
+        self._check_drive(motion[self.scene.drive_channel])
+        self._check_springs(samples[0])
 
     def _check_springs(self, q: Array) -> None:
         """Refuse an instant at which a spring pushes and has no direction, which Exudyn takes for no force."""

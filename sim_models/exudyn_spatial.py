@@ -8,7 +8,7 @@ import numpy as np
 from scenes import Failure, Status
 from scenes.scene import Body, Slide
 
-from .exudyn_bodies import RigidBody
+from .exudyn_equations import Array
 from .exudyn_system import Chosen, System
 
 
@@ -29,10 +29,15 @@ class SpatialSystem(System):
         joints = (*self.pins.values(), *self.slides.values())
         return np.array([column for joint in joints for column in self.columns(joint)[:2]] + self.columns(self.drive))
 
-    def _add_node(self) -> Any:
-        return self.mbs.AddNode(self._items.NodeRigidBodyRxyz())
+    def narrowed(self, q: Array) -> Array:
+        """Return all coordinates from x, y and angle of every body, or their rates."""
+        all_coordinates = np.zeros(self.node_size * len(self.bodies))
+        all_coordinates[self.coordinates] = q
+        return all_coordinates
 
-    def _add_body(self, body: RigidBody, node: Any) -> Any:
+    def _add_body(self, name: str) -> Any:
+        body = self.bodies[name]
+        node = self.nodes[name] = self.mbs.AddNode(self._items.NodeRigidBodyRxyz())
         inertia = [body.inertia, body.inertia, body.inertia, 0, 0, 0]  # but for the last axis without effect
         return self.mbs.AddObject(self._items.ObjectRigidBody(mass=body.mass, inertia=inertia, nodeNumber=node))
 

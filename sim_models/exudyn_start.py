@@ -2,7 +2,6 @@
 
 from cmath import phase
 from math import pi, remainder, tau
-from typing import cast
 
 import numpy as np
 
@@ -11,10 +10,8 @@ from scenes.scene import GROUND
 
 from .exudyn_bodies import sketched
 from .exudyn_equations import Array
-from .exudyn_poses import CONVERGED, Poses, State
+from .exudyn_poses import Poses, State
 from .exudyn_system import System, engine
-
-ITERATIONS = 50  # the sketch may be rough
 
 
 def start(poses: Poses) -> State:
@@ -75,16 +72,10 @@ def _rough(system: System, position: float) -> Array:
 
 
 def _assembled(poses: Poses, rough: Array, position: float) -> Array:
-    """Return a pose that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""
-    q, equations = rough, poses.equations
-    for _ in range(ITERATIONS):
-        residual = equations.residual(q, position)
-        step = cast("Array", np.linalg.lstsq(equations.jacobian(q), -residual, rcond=None)[0])
-        length = float(poses.length(step))
-        if length < CONVERGED and np.abs(residual).max() < CONVERGED * poses.system.size:
-            return q + step
-        q = q + step / max(1.0, 2 * length)
-        poses.newton_iterations += 1
+    """Return a pose that meets the constraints."""
+    found = poses.nearest(rough, position)
+    if found is not None:
+        return found
     raise Failure(
         Status.cannot_assemble,
         f"the bodies do not fit together where the sketch shows them, {poses.system.scene.where(position)}",

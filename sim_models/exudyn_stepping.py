@@ -9,13 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.engine import ESTIMATE
 from scenes.motion import asks_forces
 from scenes.scene import ConstantSpeed
 
+from .exudyn_checks import check_channels
 from .exudyn_extras import Extras
-from .exudyn_integrator import Extra, TimeStepping, configure
+from .exudyn_integrator import Extra, Textbook, TimeStepping, configure
 from .exudyn_loads import add_loads
 from .exudyn_poses import State
+from .exudyn_reduced import ReducedSystem
 from .exudyn_run import Array, Run, failure
 from .exudyn_spatial import SpatialSystem
 from .exudyn_system import System, engine
@@ -24,8 +27,6 @@ BRANCH_LIMIT = 0.05  # of the linkage's size; a body that far from its assembled
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to where the linkage locks
 LOCK_NEARS = 2.0  # times as fast as anywhere in the cycle, for the same drive: it is not worth starting there
 DRIFT_LIMIT = 1e-3  # of the drive, as DRIVE_LIMIT: steps of index 2 hold the rate only, and integrate one that varies
-RINGING_LIMIT = 0.1  # of the peak acceleration
-HALVING_LIMIT = 0.1  # of the peak acceleration; above it two runs are too far apart to extrapolate
 
 
 class SteppedRun(Run):
@@ -34,7 +35,7 @@ class SteppedRun(Run):
     def __init__(self, scene: Scene, settings: TimeStepping, sampling: Sampling) -> None:
         self.options = settings
         self.stride = ceil(settings.steps / sampling.samples)  # steps from sample to sample
-        super().__init__(scene, sampling)
+        super().__init__(scene, sampling, si=isinstance(settings, Textbook))
         if settings.solver == "TrapezoidalIndex2":
             if settings.richardson:
                 self.stride += self.stride % 2  # what rings in every other step cancels between two even numbers
@@ -49,7 +50,7 @@ class SteppedRun(Run):
     def _assembled_cycle(self) -> State:
         """Return the states at a cycle's samples, which prove it possible and tell the branch."""
         one = slice(self.sampling.samples if self.scene.drive.repeats else None)
-        return self.poses.through(self.start, self.positions[one], curved=False)
+        return self.poses.through(self.start, self.positions[one])
 
     def _rolled_back(self) -> State:
         """Return the state in which the integration begins.
@@ -78,10 +79,11 @@ class SteppedRun(Run):
         return way.rows(-1)
 
     def _integrated(self) -> System:
-        """Return the system that moves in time: the one of the poses, unless more is asked for than the scene needs."""
-        if self.options.extra is not Extra.SPATIAL:
+        """Return the system that moves in time: the one of the poses, unless another is asked for."""
+        if not self.options.reduced and self.options.extra is not Extra.SPATIAL:
             return self.system
-        model = SpatialSystem(self.scene)
+        kind = ReducedSystem if self.options.reduced else SpatialSystem
+        model = kind(self.scene, si=isinstance(self.options, Textbook))
         add_loads(model, self.poses, self.start)
         return model
 
@@ -89,16 +91,14 @@ class SteppedRun(Run):
         """Set the integrator, and its initial values."""
         self.lead = self.options.pre_roll * self.step
         self._extras = Extras(self.model, self.options, self.step)
-        configure(self.model.settings, self.options)
+        configure(self.model.settings, self.options, self.system.size)
         drive, values, initial = self.scene.drive.at(-self.lead), self.model.state, engine().ConfigurationType.Initial
         for place, of_plane in (
             (values.SetODE2Coordinates, begin.q),
             (values.SetODE2Coordinates_t, begin.velocities(drive.rate)),
             (values.SetODE2Coordinates_tt, begin.accelerations(drive.rate, drive.acceleration)),
         ):
-            all_coordinates = np.zeros(self.model.node_size * len(self.scene.bodies))
-            all_coordinates[self.model.coordinates] = of_plane
-            place(all_coordinates, initial)
+            place(self.model.narrowed(of_plane), initial)
 
     def solve(self) -> None:
         """Integrate.
@@ -116,9 +116,11 @@ class SteppedRun(Run):
         integration.numberOfSteps = before + stride * (self.sampling.count - 1)
         integration.endTime = self.lead + self.times[-1]
         self.model.course.run(self.lead, self.step / refinement, integration.numberOfSteps)
-        samples.fill(np.nan)
+        reduced = self.model if isinstance(self.model, ReducedSystem) else None
+        recorded = samples if reduced is None else np.empty((*samples.shape[:2], reduced.unknowns))
+        recorded.fill(np.nan)
         mbs = self.model.mbs
-        mbs.SetPostStepUserFunction(self._recorder(samples, before, stride))
+        mbs.SetPostStepUserFunction(self._recorder(recorded, before, stride))
         try:
             mbs.SolveDynamic(self.model.settings)
         except engine().SolverError:
@@ -129,6 +131,8 @@ class SteppedRun(Run):
         finally:
             mbs.SetPostStepUserFunction(0)  # else the system and this run keep each other alive
         self._check_end(mbs.sys["dynamicSolver"])
+        if reduced is not None:
+            samples[:] = reduced.widened(recorded, self.poses, self.times)
 
     def _recorder(self, samples: Array, before: int, stride: int) -> Callable[[Any, float], bool]:
         """Return what Exudyn calls at the start and after every step: it keeps the state of those that are samples."""
@@ -166,23 +170,31 @@ class SteppedRun(Run):
     def _where(self, clock: float) -> str:
         return self.scene.where(float(self.scene.drive.at(clock - self.lead).position))
 
-    def read(self) -> Motion:
-        """Return the channels.
-
-        Raises:
-            Failure: the result is not finite, left the drive or the branch, or changes too much with the step.
-        """
+    def _result(self) -> Array:
         samples = self._runs[-1]
         if self.options.richardson:
             coarse, fine = self._runs
             samples = (4 * fine - coarse) / 3  # both methods are of order 2
-        motion = self._motion(samples)
+        return samples
+
+    def _check(self, samples: Array, motion: Motion) -> None:
+        """Refuse what left the drive or the branch as well, or is not what the equations of motion ask for."""
+        super()._check(samples, motion)
         self._check_branch(samples[0])
-        peak = self._peak(samples[2])
-        self._check_ringing(samples[2], peak)
-        if self.options.richardson:
-            self._check_halving(coarse[2], fine[2], peak)
-        return motion
+        q = self._assembled.q
+        self.residuals[ESTIMATE] = check_channels(
+            self.system, motion.samples, self._channels(self._asked(len(samples))), q, self.positions
+        )
+
+    def _asked(self, levels: int) -> Array:
+        """Return what the equations of motion ask for in the assembled poses, shape (levels, samples, 3 bodies)."""
+        states = self._assembled
+        times = self.times[: len(states.q)]
+        _, rate, acceleration = self.scene.drive.at(times)
+        asked = [states.q, states.velocities(rate), states.accelerations(rate, acceleration)]
+        if levels > 3:
+            asked.append(self.poses.multipliers(states, rate, acceleration, times + self.system.course.lead))
+        return np.array(asked)
 
     def _check_branch(self, q: Array) -> None:
         """Compare every pose with the assembled one, which is the same in every cycle."""
@@ -193,31 +205,6 @@ class SteppedRun(Run):
         if off.max() > BRANCH_LIMIT:
             where = self.scene.where(self.positions[np.argmax(off > BRANCH_LIMIT)])
             raise Failure(Status.wrong_branch, f"at {where} the bodies are assembled another way")
-
-    def _peak(self, accelerations: Array) -> float:
-        """Return their peak, or that of a turning arm of the linkage's size, by the scale of the poses."""
-        rate = self.scene.drive.peak_rate / (1 if self.scene.driven_slide is None else self.system.size)
-        return max(float(self.poses.length(accelerations).max()), rate**2)
-
-    def _check_ringing(self, accelerations: Array, peak: float) -> None:
-        """Compare some with those of assembled states: a start transient may have lasted, where steps damp little."""
-        for row, state in ((0, self.start), (len(self._assembled.q) - 1, self._assembled.rows(-1))):
-            _, rate, acceleration = self.scene.drive.at(self.times[row])
-            off = float(self.poses.length(accelerations[row] - state.accelerations(rate, acceleration))) / peak
-            if not off <= RINGING_LIMIT:
-                where = self.scene.where(self.positions[row])
-                raise Failure(
-                    Status.not_converged, f"accelerations ring: at {where} they are off by {off:.2g} of their peak"
-                )
-
-    def _check_halving(self, coarse: Array, fine: Array, peak: float) -> None:
-        """Compare the accelerations of both runs."""
-        change = float(self.poses.length(fine - coarse).max()) / peak
-        self.residuals["step halving"] = change
-        if change > HALVING_LIMIT:
-            raise Failure(
-                Status.not_converged, f"accelerations change by {change:.2g} of their peak when the step is halved"
-            )
 
 
 def _places(q: Array, size: float) -> NDArray[np.complex128]:

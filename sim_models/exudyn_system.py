@@ -6,7 +6,9 @@ drive are constraints on coordinates. All hold at position level. What acts on t
 """
 
 import os
+from collections.abc import Set as AbstractSet
 from functools import cached_property
+from math import log2
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -14,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Body, Slide
+from scenes.scene import GROUND, Body, ForceTable, Slide
 
-from .exudyn_bodies import RigidBody, rigid_body
+from .exudyn_bodies import in_unit, rigid_body
 from .exudyn_course import Course
 
 Chosen: TypeAlias = slice | NDArray[np.intp]
@@ -37,22 +39,29 @@ class System:
     node_size = 3  # coordinates of a body
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, si: bool = False) -> None:
+        """Build the system in units of its own, or in SI."""
         self.scene, self.course = scene, Course(scene.drive)
         exudyn = engine()
         self._items: Any = exudyn.itemInterface
         self.bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
+        self.force_unit = 1.0 if si else self._force_unit()
+        self.bodies = {name: in_unit(body, self.force_unit) for name, body in self.bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
         self.mbs: Any = self._container.AddSystem()
         self._ground_node = self.mbs.AddNode(self._items.NodePointGround())
         self._ground = self.mbs.AddObject(self._items.ObjectGround())
-        self.nodes = {name: self._add_node() for name in self.bodies}
-        self.objects = {name: self._add_body(body, self.nodes[name]) for name, body in self.bodies.items()}
-        self.pins = {pin.channel: self._add_pin(pin.point, pin.first, pin.second) for pin in scene.pins}
+        self.nodes: dict[str, Any] = {}
+        self.objects = {name: self._add_body(name) for name in self.bodies}
+        self.pins = {
+            pin.channel: self._add_pin(pin.point, pin.first, pin.second)
+            for pin in scene.pins
+            if not (pin.first == GROUND and pin.second in self.reduced)
+        }
         self.slides = {
             name: self._add_guide(name, body.slide) if body.slide.on == GROUND else self._add_slot(body, body.slide)
             for name, body in scene.bodies.items()
-            if body.slide is not None
+            if body.slide is not None and not (body.slide.on == GROUND and name in self.reduced)
         }
         self.drive, self.drive_factor = self._add_drive()
         self.mbs.Assemble()
@@ -71,6 +80,23 @@ class System:
         least, most = (0.0, 0.0) if self.scene.driven_slide is None else self.scene.drive.extent
         return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
 
+    def _force_unit(self) -> float:
+        """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
+
+        Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
+        masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are.
+        """
+        scene = self.scene
+        least, most = scene.drive.extent
+        rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+        pull = self.size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
+        forces = [body.mass * pull for body in self.bodies.values()]
+        for load in scene.loads:
+            forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
+        forces += [spring.stiffness * self.size for spring in scene.springs]
+        largest = max(forces)
+        return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
+
     @property
     def coordinates(self) -> Chosen:
         """Where x, y and angle of every body in turn stand among all coordinates."""
@@ -81,11 +107,20 @@ class System:
         """Where two of every pin, two of every slide and the drive's stand among all multipliers."""
         return slice(None)
 
+    def narrowed(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the system's coordinates from x, y and angle of every body, or their rates."""
+        return q
+
+    @property
+    def reduced(self) -> AbstractSet[str]:
+        """The bodies with one coordinate, which leaves their joint with the ground nothing to hold."""
+        return frozenset()
+
     def counts(self) -> dict[str, int]:
         """Return how large the system is: bodies, coordinates, constraint equations and sensors."""
         return {
             "bodies": len(self.bodies),
-            "coordinates": self.node_size * len(self.bodies),
+            "coordinates": len(self.mbs.systemData.GetODE2Coordinates()),
             "constraints": len(self.mbs.systemData.GetAECoordinates()),
             "sensors": int(self.mbs.systemData.NumberOfSensors()),
         }
@@ -114,6 +149,16 @@ class System:
         first = com + self.lever(body) - complex(*self.slide(body).through)
         return (self.along(body).conjugate() * first).real
 
+    def way(self, body: str) -> Any:
+        """Return the factors of a slider's own coordinates that make its way along its guide, but for a constant."""
+        factors = np.zeros(self.node_size)
+        factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
+        return factors
+
+    def mass_marker(self, body: str) -> Any:
+        """Return a marker at a body's centre of mass."""
+        return self._marker(body, 0j)
+
     def at(self, body: str, point: str) -> Any:
         """Return a marker at a point of a body or of the ground."""
         if body == GROUND:
@@ -124,13 +169,13 @@ class System:
         """Return where the multipliers of a constraint stand among all."""
         return list(self.mbs.systemData.GetObjectLTGAE(constraint))
 
-    def _add_node(self) -> Any:
-        return self.mbs.AddNode(self._items.NodeRigidBody2D())
-
-    def _add_body(self, body: RigidBody, node: Any) -> Any:
+    def _add_body(self, name: str) -> Any:
+        body = self.bodies[name]
+        node = self.nodes[name] = self.mbs.AddNode(self._items.NodeRigidBody2D())
         return self.mbs.AddObject(self._items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
 
     def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        """Return a marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
         number = self._ground if body == GROUND else self.objects[body]
         create = getattr(self._items, f"MarkerBody{kind}")
         return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
@@ -180,21 +225,25 @@ class System:
             )
         )
 
-    def _add_drive(self) -> tuple[Any, float]:
-        """Hold factor * (position - what the drive asks for) at zero; return constraint and factor.
+    def _drive_markers(self) -> tuple[float, Any, Any, float]:
+        """Return a factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
 
         The position is the angle of a crank. That of a slider is along . (x, y), but for a constant; the constraint
         has one coordinate without a factor, so its factor makes that of the larger part -1.
         """
-        name, course = self.scene.drive.body, self.course
+        name = self.scene.drive.body
         if self.scene.driven_slide is None:
-            factor, zero, first, second, ratio = 1.0, 0.0, self._coordinate(GROUND, 0), self._coordinate(name, 2), 1.0
-        else:
-            parts = (self.along(name).real, self.along(name).imag)
-            large = int(abs(parts[1]) > abs(parts[0]))
-            factor, zero = -1 / parts[large], self.displaced(name, 0j)
-            first, second = self._coordinate(name, large), self._coordinate(name, 1 - large)
-            ratio = factor * parts[1 - large]
+            return 1.0, self._coordinate(GROUND, 0), self._coordinate(name, 2), 1.0
+        parts = (self.along(name).real, self.along(name).imag)
+        large = int(abs(parts[1]) > abs(parts[0]))
+        factor = -1 / parts[large]
+        return factor, self._coordinate(name, large), self._coordinate(name, 1 - large), factor * parts[1 - large]
+
+    def _add_drive(self) -> tuple[Any, float]:
+        """Hold factor * (position - what the drive asks for) at zero; return constraint and factor."""
+        name, course = self.scene.drive.body, self.course
+        factor, first, second, ratio = self._drive_markers()
+        zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
         constraint = self.mbs.AddObject(
             self._items.CoordinateConstraint(

@@ -15,7 +15,8 @@ from scenes import Failure, Status
 from .multiprecision_linkage import Linkage
 
 LARGEST_TURN = radians(2)  # of any body in one step
-SMALLEST_TURN = 1e-6  # the predicted turn of the fastest body where a march gives up
+SMALLEST_TURN = 1e-7  # the predicted turn of the fastest body where a march gives up: not far above where roundings of
+# the scene's own doubles make or undo a lock, which is at their root, 1e-8
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
 ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
@@ -37,26 +38,27 @@ class March:
 
         From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it moves the drive.
         A Taylor predictor of second order is followed by Newton; a step is halved unless Newton contracts and the
-        Jacobian stays regular from one pose to the next, which keeps the assembly branch.
+        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step may be twice
+        as long.
 
         Raises:
             Failure: the Jacobian becomes singular on the way.
         """
         rows = self.rows
-        share = 0.0
+        share, longest = 0.0, LARGEST_TURN
         while share < 1:
             left = goal - rows.value(q)
             J = rows.jacobian(q)
             rate = self._solve(J, left, q)
             curvature = self._solve(J, rows.centripetal(q, rate), q)
             turn = self._largest_turn(rate)
-            share = LARGEST_TURN / max(LARGEST_TURN, turn)
+            share = longest / max(longest, turn)
             while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
                 share /= 2
                 self.counters["rejected_steps"] += 1
                 if not share * turn >= SMALLEST_TURN:
                     raise self._singular(q)
-            q = reached
+            q, longest = reached, min(LARGEST_TURN, 2 * share * turn)
             self.counters["steps"] += 1
         return q
 

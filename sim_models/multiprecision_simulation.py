@@ -17,7 +17,7 @@ from .multiprecision_march import March
 from .multiprecision_rows import angles
 from .multiprecision_stroke import end_of_stroke
 
-ENOUGH = 1e-20  # largest proven error of the motion, relative; far below what a double resolves
+ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below what a double resolves
 
 
 class State(NamedTuple):
@@ -74,9 +74,10 @@ class MultiprecisionSimulation:
                 self._states.append(self._state(march.enclose(q, goal), rate, acceleration))
             self.residuals = self._residuals()
         self.counters = march.counters
-        if not self.residuals["constraints"] <= ENOUGH:
-            reason = f"{self._digits} digits prove the motion only to {self.residuals['constraints']:.0e}"
-            raise Failure(Status.not_converged, reason)
+        for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
+            if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
+                reason = f"{self._digits} digits prove the {what} only to {self.residuals[proven]:.0e}"
+                raise Failure(Status.not_converged, reason)
 
     def read(self) -> Motion:
         """Return the channels asked for, rounded to double precision here and nowhere before."""
@@ -127,7 +128,7 @@ class MultiprecisionSimulation:
         """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
 
         A drive's pace is its rate, in rad/s, or in lengths of a driven slider's way a second. The error of the forces
-        is that of any relative to the largest.
+        is that of any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
         """
         drive = self._scene.drive
         pace = drive.peak_rate / (1.0 if self._scene.driven_slide is None else float(np.ptp(drive.extent)))
@@ -141,7 +142,9 @@ class MultiprecisionSimulation:
         if self._scene.has_masses:
             force = np.max([_radii(state.multipliers) for state in self._states])
             peak = np.max(np.abs(_table(state.multipliers.entries() for state in self._states)))
-            residuals["newton-euler"] = float(force / peak if peak > 0 else force)
+            heaviest = max(float(self._linkage.mass[k, k]) for k in range(0, len(units), 3))
+            scale = max(peak, heaviest * self._linkage.size * pace**2)
+            residuals["newton-euler"] = float(force / scale if scale > 0 else force)
         return residuals
 
 

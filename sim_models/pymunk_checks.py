@@ -8,19 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Scene, Status
+from scenes.engine import ESTIMATE
 from scenes.motion import Samples
 
-from .pymunk_linkage import Linkage, Poses, branch
+from .pymunk_linkage import Linkage, Poses, branch, solved
 
 # Rad of a crank, or by a slider's travel; the driven body is moved, not simulated, so only rounding adds up.
 LARGEST_DRIFT = 1e-6
 # Of the crank's radius, or of half a slider's travel; the curvature of a step opens joints, by 0.004 at 5 deg in the
 # toggle press.
 LARGEST_GAP = 0.05
-# Of the largest acceleration. Enough sweeps bring the first to zero whatever the step; measured, the accelerations are
-# off by a third of it. The second is what the extrapolation starts from.
-LARGEST_SOLVER_ERROR = 0.1
-LARGEST_LEVEL_CHANGE = 0.1
+# Of a channel's peak: of one level, and of what is extrapolated, and so meant to be good to a per cent.
+LARGEST_ERROR, LARGEST_EXTRAPOLATED_ERROR = 0.1, 0.01
 LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by nothing but rounding
 CHUNK = 1000  # steps whose Jacobians are in memory at a time
 
@@ -47,8 +46,8 @@ def check_path(linkage: Linkage, path: Path, start_branch: Samples) -> tuple[dic
             drifts or a joint gapes.
     """
     scene, positions = linkage.scene, path.positions
-    finite = np.all(np.isfinite(path.q) & np.isfinite(path.v), axis=(1, 2))
-    _require(scene, finite, positions, Status.nonfinite, "a pose or velocity is not finite")
+    known = np.all(np.isfinite(path.q) & np.isfinite(path.v), axis=(1, 2))
+    _require(scene, known, positions, Status.nonfinite, "a pose or velocity is not finite")
 
     chunks = np.array_split(np.arange(len(positions)), ceil(len(positions) / CHUNK))
     measures = [_measure(linkage, path, rows) for rows in chunks]
@@ -71,22 +70,31 @@ def check_path(linkage: Linkage, path: Path, start_branch: Samples) -> tuple[dic
     return {"drive": float(drift.max()), "joint_gap": float(gap.max())}, unsolved
 
 
-def check_convergence(linkage: Linkage, path: Path, accelerations: Poses, unsolved: Poses) -> dict[str, float]:
-    """Return the solver's error, by the largest acceleration; all have shape (n, bodies, 3).
+def solver_error(linkage: Linkage, accelerations: Poses, unsolved: Poses) -> dict[str, float]:
+    """Return what the sweeps left unsolved, by the largest acceleration; both have shape (n, bodies, 3)."""
+    return {"solver": float(_sizes(linkage, unsolved).max() / _sizes(linkage, accelerations - unsolved).max())}
 
-    Raises:
-        Failure: not_converged, too few sweeps.
-    """
-    solver_error = _sizes(linkage, unsolved).max(axis=(1, 2)) / _sizes(linkage, accelerations - unsolved).max()
-    sentence = f"the sweeps leave over {LARGEST_SOLVER_ERROR:.0%} of the largest acceleration unsolved"
-    _require(linkage.scene, solver_error <= LARGEST_SOLVER_ERROR, path.positions, Status.not_converged, sentence)
-    return {"solver": float(solver_error.max())}
+
+def finite(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
+    """Return where all channels are finite, shape (n,)."""
+    found: NDArray[np.bool_] = np.all(np.isfinite([*channels.values()]), axis=0)
+    return found
 
 
 def check_finite(scene: Scene, channels: Mapping[str, Samples]) -> None:
     """Raise a Failure, nonfinite, with the first position of the drive where a channel is not finite."""
-    finite = np.all(np.isfinite([*channels.values()]), axis=0)
-    _require(scene, finite, channels[scene.drive_channel], Status.nonfinite, "a result is not finite")
+    _require(scene, finite(channels), channels[scene.drive_channel], Status.nonfinite, "a result is not finite")
+
+
+def check_closed(scene: Scene, positions: Samples, error: Samples, largest: float) -> dict[str, float]:
+    """Return the largest of the channels' errors, shape (n,), which are to be no larger than `largest` anywhere.
+
+    Raises:
+        Failure: not_converged, too far.
+    """
+    sentence = f"the constraints contradict the result by over {largest:.0%} of its peak"
+    _require(scene, error <= largest, positions, Status.not_converged, sentence)
+    return {ESTIMATE: float(error.max())}
 
 
 def check_impulses(linkage: Linkage, positions: Samples, expected: Samples, found: Samples) -> dict[str, float]:
@@ -101,19 +109,12 @@ def check_impulses(linkage: Linkage, positions: Samples, expected: Samples, foun
     return {"impulses": float(mismatch.max())}
 
 
-def check_levels(linkage: Linkage, positions: Samples, accelerations: Sequence[Poses]) -> dict[str, float]:
-    """Return how far those of the two finest levels are apart, by the largest; nothing for one level.
-
-    Raises:
-        Failure: not_converged, too far for an extrapolation.
-    """
+def level_change(linkage: Linkage, accelerations: Sequence[Poses]) -> dict[str, float]:
+    """Return how far those of the two finest levels are apart, by the largest; nothing for one level."""
     if len(accelerations) == 1:
         return {}
     coarse, fine = accelerations[-2:]
-    change = _sizes(linkage, fine - coarse).max(axis=(1, 2)) / _sizes(linkage, fine).max()
-    sentence = f"the accelerations change by over {LARGEST_LEVEL_CHANGE:.0%} of the largest with the step"
-    _require(linkage.scene, change <= LARGEST_LEVEL_CHANGE, positions, Status.not_converged, sentence)
-    return {"level_change": float(change.max())}
+    return {"level_change": float(_sizes(linkage, fine - coarse).max() / _sizes(linkage, fine).max())}
 
 
 def _sizes(linkage: Linkage, accelerations: Poses) -> Poses:
@@ -135,7 +136,7 @@ def _measure(linkage: Linkage, path: Path, rows: NDArray[np.intp]) -> tuple[Samp
     J, C = linkage.jacobian(q), linkage.gaps(q, path.positions[rows])
     residual = (np.einsum("nij,nj->ni", J, v.reshape(len(v), -1)) + path.correction * C / path.dt) / path.dt
     residual[:, -1] = 0  # the driven body is moved, not solved
-    unsolved = np.linalg.solve(J, residual[..., None]).reshape(q.shape)
+    unsolved = solved(J, residual)
     gap = np.abs(C[:, :-1])
     gap[:, 2 * len(linkage.scene.pins) + 1 :: 2] *= linkage.size  # the sliders' angles count as gaps at the far end
     return branch(J), np.abs(C[:, -1]), gap.max(axis=1), unsolved

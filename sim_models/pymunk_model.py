@@ -18,6 +18,7 @@ from scenes import Sampling, Scene
 
 from .pymunk_settings import Extra, PymunkSettings, Textbook
 from .pymunk_simulation import PymunkSimulation
+from .pymunk_sweeps import iterations_needed
 from .pymunk_textbook import TextbookSimulation
 
 __all__ = [
@@ -29,7 +30,9 @@ __all__ = [
     "LONG_LADDER",
     "PymunkSettings",
     "Textbook",
+    "at_steps",
     "build",
+    "iterations_needed",
     "version",
 ]
 
@@ -113,6 +116,11 @@ ABLATIONS: tuple[PymunkSettings, ...] = (
     *(_true(360, 2, 500, extra) for extra in ("shapes", "callback", "properties")),
     _true(360, 2, MOTOR_SWEEPS, "motor"),
 )
+
+
+def at_steps(steps: int, iterations: int = DEFAULT.iterations) -> PymunkSettings:
+    """Return one run of that many steps a cycle, for maps of where the steps are stable."""
+    return _true(steps, 1, iterations)
 
 
 def version() -> str:

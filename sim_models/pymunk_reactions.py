@@ -9,12 +9,18 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from scenes.motion import Samples, channels, force_channels
+from scenes.motion import Samples, asks_forces, channels, force_channels
 from scenes.scene import GROUND
 
-from .pymunk_linkage import Complex, Linkage, Plane, Poses, planes, with_ground
+from .pymunk_linkage import Complex, Linkage, Plane, Poses, planes, solved, with_ground
 from .pymunk_loads import Acts, forces
 from .pymunk_masses import held
+
+
+def found_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, acts: Acts) -> dict[str, Samples]:
+    """Return the channels asked for, shape (n,), and where there are forces among them, all forces."""
+    found = motion_channels(linkage, q, v, a)
+    return found | reaction_channels(linkage, q, v, a, acts) if asks_forces(linkage.scene) else found
 
 
 def motion_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
@@ -54,8 +60,8 @@ def reaction_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, acts: Acts
         lacking[:, i] += _wrench(r, member.mass * (acceleration - gravity))
         lacking[:, i, 2] += member.inertia * a[:, i, 2]
     transposed = linkage.jacobian(q).swapaxes(1, 2)
-    multipliers = np.linalg.solve(transposed, lacking.reshape(len(q), -1, 1))
-    return dict(zip(force_channels(scene), multipliers[..., 0].T, strict=True))
+    multipliers = solved(transposed, lacking.reshape(len(q), -1)).reshape(len(q), -1)
+    return dict(zip(force_channels(scene), multipliers.T, strict=True))
 
 
 def joint_forces(

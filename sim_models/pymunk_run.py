@@ -96,6 +96,12 @@ class Run:
         """Every step from t = 0."""
         return Path(self.record[1:, :, :3], self.record[1:, :, 3:], self.positions, self.dt, self._correction)
 
+    @property
+    def accelerations(self) -> Poses:
+        """The change of the rates at every step from t = 0."""
+        changes: Poses = np.diff(self.record[..., 3:], axis=0) / self.dt
+        return changes
+
     def advance(self) -> None:
         """Step from before t = 0 to the end."""
         space, record, joints = self._space, self._record, [*self.joints.values()]

@@ -7,14 +7,25 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Motion, Sampling, Scene
+from scenes import Failure, Motion, Sampling, Scene
 from scenes.motion import Samples, asks_forces, channels, force_channels
 
-from .pymunk_checks import check_convergence, check_finite, check_impulses, check_levels, check_path
+from .pymunk_checks import (
+    LARGEST_ERROR,
+    LARGEST_EXTRAPOLATED_ERROR,
+    check_closed,
+    check_finite,
+    check_impulses,
+    check_path,
+    finite,
+    level_change,
+    solver_error,
+)
+from .pymunk_closed import closed, largest_errors
 from .pymunk_linkage import Linkage, Poses, branch, planes, with_ground
 from .pymunk_loads import Acts, acting
 from .pymunk_masses import ballasted_masses, fictitious_masses, own_masses
-from .pymunk_reactions import joint_forces, motion_channels, reaction_channels
+from .pymunk_reactions import found_channels, joint_forces
 from .pymunk_run import Run
 from .pymunk_settings import PymunkSettings
 from .pymunk_start import start, stroke_ends
@@ -24,12 +35,32 @@ LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
 @dataclass(frozen=True)
 class Level:
-    """What one run gave at the n samples, and how far it is off."""
+    """What one run gave at the n samples: poses, rates, accelerations, and the channels that follow from them.
 
-    samples: Mapping[str, Samples]
-    accelerations: Poses
+    These are those asked for, and where there are forces among them, all forces.
+    """
+
+    run: Run
+    q: Poses
+    v: Poses
+    a: Poses
     acts: Acts  # (n, press forces)
-    residuals: Mapping[str, float]
+    samples: Mapping[str, Samples]
+
+
+def loaded(scene: Scene, settings: PymunkSettings) -> bool:
+    """Return whether forces act on the bodies; where nobody asks for any, the drive alone moves fictitious masses."""
+    return asks_forces(scene) and not settings.fictitious
+
+
+def linkage_of(scene: Scene, settings: PymunkSettings) -> Linkage:
+    """Return the linkage with the masses that these settings give it.
+
+    Raises:
+        Failure: unsupported, cannot_assemble; see `Linkage`.
+    """
+    masses = ballasted_masses if loaded(scene, settings) else fictitious_masses
+    return Linkage(scene, own_masses if settings.extra == "motor" else masses)
 
 
 class PymunkSimulation:
@@ -37,9 +68,8 @@ class PymunkSimulation:
 
     def __init__(self, scene: Scene, settings: PymunkSettings, sampling: Sampling) -> None:
         self._scene, self._sampling = scene, sampling
-        self._loaded = asks_forces(scene) and not settings.fictitious
-        masses = ballasted_masses if self._loaded else fictitious_masses
-        self._linkage = Linkage(scene, own_masses if settings.extra == "motor" else masses)
+        self._loaded = loaded(scene, settings)
+        self._linkage = linkage_of(scene, settings)
         spared = not (self._loaded or settings.fictitious or settings.extra == "motor")
         iterations = ceil(settings.iterations / LIGHTER) if spared else settings.iterations
 
@@ -60,6 +90,7 @@ class PymunkSimulation:
             )
             for level in range(settings.levels)
         ]
+        self._driven = scene.drive.at(sampling.times(scene))
         self.residuals: dict[str, float] = {}
 
     @property
@@ -77,45 +108,61 @@ class PymunkSimulation:
                 run.advance()
 
     def read(self) -> Motion:
-        """Check each run and return the extrapolated channels.
+        """Return the extrapolated channels, having checked each run, and what follows from them all.
 
         Raises:
-            Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened.
+            Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
+                and with the motion, unless that is not finite.
         """
         with np.errstate(over="ignore", invalid="ignore"):
-            levels = [self._read(run) for run in self._runs]
-        self.residuals = {name: max(level.residuals[name] for level in levels) for name in levels[0].residuals}
-        positions = self._sampling.commanded(self._scene)
-        self.residuals |= check_levels(self._linkage, positions, [level.accelerations for level in levels])
-        samples = {name: _richardson([level.samples[name] for level in levels]) for name in levels[0].samples}
+            levels = [self._level(run) for run in self._runs]
+            samples = self._extrapolated(levels)
+            motion = Motion({"time": self._sampling.times(self._scene)} | samples)
+            try:
+                self.residuals = self._checked(levels, samples)
+            except Failure as failure:
+                raise Failure(failure.status, failure.reason, motion if np.all(finite(samples)) else None) from None
+        return motion
+
+    def _level(self, run: Run) -> Level:
+        sampled = slice(None, None, run.stride)
+        q, a = run.path.q[sampled], run.accelerations[sampled]
+        v = run.path.v[sampled] - run.dt / 2 * a
+        acts = run.acts if self._loaded else self._acting(q, v)
+        return Level(run, q, v, a, acts, found_channels(self._linkage, q, v, a, acts))
+
+    def _extrapolated(self, levels: Sequence[Level]) -> dict[str, Samples]:
+        asked = [name for name in channels(self._scene) if name in levels[0].samples]
+        samples = {name: _richardson([level.samples[name] for level in levels]) for name in asked}
         # Where the levels have a press force now on and now off, no limit can be told from them.
         finest = levels[-1]
         switched = np.any([level.acts != finest.acts for level in levels], axis=(0, 2))
         for name in force_channels(self._scene):
             if name in samples:
                 samples[name][switched] = finest.samples[name][switched]
-        return Motion({"time": self._sampling.times(self._scene)} | samples)
+        return samples
 
-    def _read(self, run: Run) -> Level:
-        linkage, path = self._linkage, run.path
-        residuals, unsolved = check_path(linkage, path, self._branch)
-        accelerations = np.diff(run.record[..., 3:], axis=0) / run.dt
-        sampled = slice(None, None, run.stride)
-        q, a = path.q[sampled], accelerations[sampled]
-        v = path.v[sampled] - run.dt / 2 * a
-        samples = motion_channels(linkage, q, v, a)
-        acts = run.acts
-        if asks_forces(self._scene):
-            if not self._loaded:
-                acts = self._acting(q, v)
-            reactions = reaction_channels(linkage, q, v, a, acts)
-            samples |= {name: reactions[name] for name in channels(self._scene) if name in reactions}
-        check_finite(self._scene, samples)
-        residuals |= check_convergence(linkage, path, accelerations, unsolved)
+    def _checked(self, levels: Sequence[Level], samples: Mapping[str, Samples]) -> dict[str, float]:
+        """Return the residuals of all checks."""
+        linkage, positions = self._linkage, self._sampling.commanded(self._scene)
+        of_levels = [self._check_run(level) for level in levels]
+        residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
+        residuals |= level_change(linkage, [level.a for level in levels])
+        true = closed(linkage, _richardson([level.q for level in levels]), self._driven)
+        expected = found_channels(linkage, *true, levels[-1].acts)
+        errors = largest_errors(linkage, samples, expected)
+        largest = LARGEST_ERROR if len(levels) == 1 else LARGEST_EXTRAPOLATED_ERROR
+        return residuals | check_closed(self._scene, positions, errors, largest)
+
+    def _check_run(self, level: Level) -> dict[str, float]:
+        linkage, run = self._linkage, level.run
+        residuals, unsolved = check_path(linkage, run.path, self._branch)
+        check_finite(self._scene, level.samples)
+        residuals |= solver_error(linkage, run.accelerations, unsolved)
         if run.joints:
-            expected = joint_forces(linkage, q, v, a, reactions, run.joints)
-            residuals |= check_impulses(linkage, path.positions[sampled], expected, run.impulses / run.dt)
-        return Level(samples, a, acts, residuals)
+            expected = joint_forces(linkage, level.q, level.v, level.a, level.samples, run.joints)
+            residuals |= check_impulses(linkage, run.path.positions[:: run.stride], expected, run.impulses / run.dt)
+        return residuals
 
     def _acting(self, q: Poses, v: Poses) -> Acts:
         """Return, for the n samples, which press forces act, shape (n, press forces)."""

@@ -22,6 +22,7 @@ LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
 LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
 SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is locked
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to somewhere else
+PATIENT_NEWTON_STEPS = 60  # next to a lock it gains a bit a step
 CLOSED = 1e-12  # how far from zero a constraint may stay, by the linkage's size; well above rounding
 HALVINGS = 25  # of a continuation step that holds a dead point; the displacement there is then known to rounding
 
@@ -32,7 +33,7 @@ def start(linkage: Linkage) -> Poses:
     """Return the pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
 
     Raises:
-        Failure: cannot_assemble, here or somewhere on the drive's way, with its position.
+        Failure: cannot_assemble, or next to a lock not_converged, here or somewhere on the drive's way.
     """
     sketched = _sketched(linkage)
     q = _sketch(linkage, sketched)
@@ -47,7 +48,7 @@ def move(linkage: Linkage, q: Poses, here: float, there: float) -> Poses:
     Raises:
         Failure: cannot_assemble, with the drive's position.
     """
-    *_, (_, q) = _path(linkage, q, here, there)
+    *_, (_, q) = way(linkage, q, here, there)
     return q
 
 
@@ -58,7 +59,7 @@ def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
         Failure: cannot_assemble somewhere on the way, with the drive's position.
     """
     drive = linkage.scene.drive
-    paths = [[(drive.start, q), *_path(linkage, q, drive.start, end)] for end in drive.extent]
+    paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
     return [
         load.closing * max(_furthest(linkage, load, path) for path in paths)
         for load in linkage.scene.loads
@@ -153,7 +154,7 @@ def _angle(known: Iterable[Samples]) -> float:
 # --- continuation ----------------------------------------------------------------------------------------------------
 
 
-def _path(linkage: Linkage, q: Poses, here: float, there: float) -> Iterator[Place]:
+def way(linkage: Linkage, q: Poses, here: float, there: float) -> Iterator[Place]:
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.scene.drive.extent
     unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
@@ -178,13 +179,20 @@ def _follow(
         elif step > SMALLEST_STEP:
             step /= 2
         else:
-            sentence = f"the bodies cannot be put together at {linkage.scene.where(position)}"
-            raise Failure(Status.cannot_assemble, sentence)
+            raise _stuck(linkage, q, position, gaps)
 
 
-def _newton(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Poses | None:
+def _stuck(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Failure:
+    """Return why there is no next place: there is none at all, or there are two, too close to tell which it is."""
+    where = linkage.scene.where(position)
+    if _newton(linkage, q, position, gaps, PATIENT_NEWTON_STEPS) is None:
+        return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}")
+    return Failure(Status.not_converged, f"two ways to put the bodies together are too close to tell apart at {where}")
+
+
+def _newton(linkage: Linkage, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS) -> Poses | None:
     """Return the solution of C(q) = gaps near q, or None."""
-    for _ in range(NEWTON_STEPS):
+    for _ in range(steps):
         excess = linkage.gaps(q, np.array([position])) - gaps
         if np.abs(excess).max() <= CLOSED * linkage.size:
             return q

@@ -12,13 +12,14 @@ from math import ceil
 import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import asks_forces, channels
+from scenes.motion import channels
 from scenes.scene import Force
 
-from .pymunk_checks import Path, check_finite, check_path
+from .pymunk_checks import LARGEST_ERROR, Path, check_closed, check_finite, check_path, finite
+from .pymunk_closed import closed, largest_errors
 from .pymunk_linkage import Linkage, branch
 from .pymunk_masses import own_masses
-from .pymunk_reactions import motion_channels, reaction_channels
+from .pymunk_reactions import found_channels
 from .pymunk_record import PropertyRecord
 from .pymunk_settings import ERROR_BIAS, Textbook
 from .pymunk_space import Model, pair
@@ -55,7 +56,7 @@ class TextbookSimulation:
             if isinstance(load, Force)
         ]
         self._before, self._after = PropertyRecord(bodies.values()), PropertyRecord(bodies.values())
-        self.residuals: Mapping[str, float] = {}
+        self.residuals: dict[str, float] = {}
 
     @property
     def counters(self) -> Mapping[str, int]:
@@ -80,18 +81,27 @@ class TextbookSimulation:
         """Return the channels asked for.
 
         Raises:
-            Failure: nonfinite, wrong_branch or diverged, with the drive's position where it happened.
+            Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
+                and with the motion, unless that is not finite.
         """
         linkage, before, after = self._linkage, self._before.rows(), self._after.rows()
         q, v, a = after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / self._dt
+        acts = np.zeros((len(q), 0), dtype=np.bool_)
+        found = found_channels(linkage, q, v, a, acts)
+        samples = {name: found[name] for name in channels(self._scene) if name in found}
+        motion = Motion({"time": self._sampling.times(self._scene)} | samples)
         path = Path(q, v, self._sampling.commanded(self._scene), self._dt, 1 - ERROR_BIAS**self._dt)
-        self.residuals, _ = check_path(linkage, path, self._branch)
-        samples = motion_channels(linkage, q, v, a)
-        if asks_forces(self._scene):
-            reactions = reaction_channels(linkage, q, v, a, np.zeros((len(q), 0), dtype=np.bool_))
-            samples |= {name: reactions[name] for name in channels(self._scene) if name in reactions}
-        check_finite(self._scene, samples)
-        return Motion({"time": self._sampling.times(self._scene)} | samples)
+        try:
+            self.residuals, _ = check_path(linkage, path, self._branch)
+            check_finite(self._scene, samples)
+            # The motor may lag: the linkage is to follow the crank where it is.
+            driven = self._scene.drive.at(motion["time"])._replace(position=linkage.drive_position(q))
+            true = found_channels(linkage, *closed(linkage, q, driven), acts)
+            errors = largest_errors(linkage, samples, true)
+            self.residuals |= check_closed(self._scene, path.positions, errors, LARGEST_ERROR)
+        except Failure as failure:
+            raise Failure(failure.status, failure.reason, motion if np.all(finite(samples)) else None) from None
+        return motion
 
 
 def _refuse(scene: Scene) -> None:

@@ -48,13 +48,15 @@ def size(motion: Motion, scene: Scene) -> float:
 def scales(scene: Scene, motion: Motion) -> dict[str, float]:
     """Return by kind the peak over all channels of that kind; a torque may vanish where the forces do not.
 
-    So may angular velocities and accelerations: they are differences of velocities, and of squares of velocities.
+    So may angular velocities and accelerations: they are differences of velocities, and of squares of velocities. Where
+    all guides stay parallel and the drive is steady, nothing accelerates.
     """
     peaks: dict[str, float] = {"angle": 1.0, "crank_angle": 1.0, "displacement": 1.0}
     for channel in channels(scene):
         if kind(channel) not in ("angle", "crank_angle", "displacement"):
             peaks[kind(channel)] = max(peaks.get(kind(channel), 0.0), float(np.abs(motion[channel]).max()))
     peaks["displacement"] = peaks["x"]
+    peaks["ax"] = max(peaks["ax"], peaks["vx"] ** 2 / size(motion, scene))
     if "omega" in peaks:
         peaks["omega"] = max(peaks["omega"], peaks["vx"] / size(motion, scene))
         peaks["alpha"] = max(peaks["alpha"], peaks["omega"] ** 2)

@@ -11,6 +11,7 @@ from compare.reference import Reference
 from scenes import Motion, Sampling, Scene, Settings
 
 SAMPLING = Sampling(72)
+CHECKS = {"drive", "closure", "branch", "velocity", "acceleration", "Newton", "Euler", "power"}
 Outcome = Motion | Exception
 References = Callable[[str], Reference]
 Plug = Callable[[Outcome], None]

@@ -17,6 +17,7 @@ from compare.reference import establish, relative_errors
 from scenes import Sampling, Scene
 from scenes.motion import channels, quantity
 
+from .comparisons import CHECKS
 from .conftest import TOGGLE_PRESS, SceneFrom, busy_scene
 from .mechanisms import MECHANISMS
 
@@ -39,7 +40,7 @@ def test_against_50_digits(toggle_press: Scene) -> None:
 
 def test_power_balance(toggle_press: Scene) -> None:
     found = checks(toggle_press, analytic.solve(toggle_press, TURN), 0.18)
-    assert {check.check for check in found} == {"closure", "Newton", "Euler", "power"}
+    assert {check.check for check in found} == CHECKS
     for check in found:
         assert check.worst <= 1e-11, check  # roundings only, as above
 

@@ -163,6 +163,7 @@ def test_slip_of_the_drive_is_seen(name: str) -> None:
     with pytest.raises(Failure) as raised:
         simulation.read()
     assert raised.value.status is Status.diverged
+    assert raised.value.motion is not None
 
 
 @pytest.mark.parametrize("start", [165.0, 165.9])

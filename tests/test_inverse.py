@@ -63,6 +63,26 @@ def test_a_point_that_does_not_slide(scene_from: SceneFrom) -> None:
         analytic.inverse(scene, 1.0)
 
 
+IDLE = """
+[bodies.stay]
+lengths = { "Q-S" = 0.5 }
+mass = 1
+[bodies.stopped]
+points = { S = [0, 0] }
+slides = { through = [0.3, 0.1], along = [0, 1] }
+mass = 1
+"""
+
+
+@pytest.mark.parametrize("drive", ["", "\nstart = 0.5\nend = 1.5"])
+def test_a_slider_that_never_moves(scene_from: SceneFrom, drive: str) -> None:
+    """A bar from the ground to a slider of its own: neither tells where the crank is."""
+    text = SLIDER_CRANK.replace("O = [0, 0]\n", "O = [0, 0]\nQ = [0, 1]\n").replace("[drive]", f"{IDLE}[drive]")
+    text = text.replace("B = [3.8, 0]", "B = [3.8, 0]\nS = [0.3, 1.4]").replace('slider = "B"', 'slider = "S"')
+    with pytest.raises(ValueError, match="S stands still wherever the drive is"):
+        analytic.inverse(scene_from(text.replace("speed = 10", f"speed = 10{drive}")), 1.4)
+
+
 # --- not round the turn -----------------------------------------------------------------------------------------------
 
 

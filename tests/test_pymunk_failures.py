@@ -33,8 +33,8 @@ def failure_of(scene: Scene, settings: PymunkSettings = DEFAULT) -> Failure:
 
 
 def test_too_few_sweeps_never_pass(press: Scene) -> None:
-    # Measured: 40 leave a tenth of the accelerations unsolved, the limit; then they are off by a hundredth.
-    statuses = {failure_of(press, PymunkSettings("", 360, 1, sweeps)).status for sweeps in (1, 3, 10, 30)}
+    # Measured: with 20 the result is off by 1.3 %, as it says itself; the limit is 10 %.
+    statuses = {failure_of(press, PymunkSettings("", 360, 1, sweeps)).status for sweeps in (1, 3, 10, 18)}
     assert statuses <= {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}
 
 

@@ -14,7 +14,8 @@ import pytest
 import scenes
 from compare import registry, speed_tables
 from compare.asked import TIERS
-from compare.choice import chosen
+from compare.choice import cheapest_within, offered
+from compare.explained import explain
 from compare.reference import Reference, establish
 from compare.report import page
 from compare.speed import speed_table
@@ -393,15 +394,15 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("tier", TIERS)
 def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
-    settings, why = chosen("stub", tier, pd.DataFrame())
+    settings, why = offered("stub", tier)
     assert settings is {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
     assert why == ""
 
 
 def test_a_note_is_told(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "EXACT", _second_order(72, note="for show"))
-    for accuracy in ("exact", 1e-9):
-        settings, why = chosen("stub", accuracy, table(("stub", "72 steps", 1.0, 1e-3)))
+    speed = table(("stub", "72 steps", 1.0, 1e-3))
+    for settings, why in (offered("stub", "exact"), cheapest_within("stub", 1e-9, speed)):
         assert settings is stub.EXACT
         assert why.endswith("stub, 72 steps, noted: for show")
 
@@ -418,7 +419,7 @@ def test_a_note_is_told(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> No
 def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
     speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
     speed.loc[speed["setting"] == "72 steps", "torque_max"] = nan  # what has no error in a group does not meet it
-    settings, why = chosen("stub", level, speed)
+    settings, why = cheapest_within("stub", level, speed)
     assert settings.label == label
     assert said in why
 
@@ -427,7 +428,7 @@ def test_an_accuracy_by_number(reference: Reference, level: float, label: str, s
 def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "LADDER", (_second_order(72, note="for show"), *StubEngine.LADDER))
     speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
-    assert chosen("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
+    assert cheapest_within("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
 
 
 def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
@@ -445,7 +446,7 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
 def study_of(reference: Reference, speed: pd.DataFrame) -> Study:
     sampling = Sampling(72)
     motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
-    return Study(reference.scene, sampling, reference, motion, [], [], speed, [])
+    return Study(reference.scene, sampling, reference, explain(reference, sampling), motion, [], [], speed, [])
 
 
 def test_the_sentence(reference: Reference) -> None:

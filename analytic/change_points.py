@@ -1,0 +1,64 @@
+"""Poses on the drive's way in which two ways of assembling the bodies meet: no one motion leads through them.
+
+There a dyad is in line, as in a lock, but the drive can go on: a parallelogram stretched out, or a crank as long as its
+rod. Each position beside it is solved on its own branch, and all look fine, but between two of them the motion jumps.
+"""
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.drive import Driven
+from scenes.motion import Samples
+
+from .decomposition import Decomposition, decompose, inner_joint
+from .kinematics import kinematics
+from .motion_range import in_line
+from .newton_group import Group
+
+SAMPLES = 720  # a cycle, to find where a dyad comes near its lock
+POINTS, ROUNDS = 17, 16  # of each look closer: 8 times closer, down to the last place
+MEET = 64 * np.finfo(float).eps  # of the largest coordinate: what doubles cannot tell from a lock
+
+
+def check_way(scene: Scene) -> None:
+    """Look for such poses over the drive's range; larger groups are watched while they are followed.
+
+    Raises:
+        Failure: `unsupported` when the sketch leaves a branch open, `cannot_assemble` at such a pose.
+    """
+    linkage = decompose(scene)
+    if all(isinstance(group, Group) for group in linkage.groups):
+        return
+    least, most = scene.drive.extent
+    way = np.linspace(least, most, SAMPLES + 1)
+    distances = _to_lock(scene, linkage, way)
+    if any((distance < 0).any() for distance in distances.values()):
+        return  # it locks, of which there is more to say than this
+    for joint, distance in distances.items():
+        before, after = np.append(np.inf, distance[:-1]), np.append(distance[1:], np.inf)
+        steepest = np.fmax(np.where(before < np.inf, before, 0), np.where(after < np.inf, after, 0)) - distance
+        lowest = (distance <= before) & (distance <= after) & (distance <= steepest)  # so that it may reach zero
+        for i in np.flatnonzero(lowest).tolist():
+            where = _closest(scene, linkage, joint, float(way[max(i - 1, 0)]), float(way[min(i + 1, SAMPLES)]))
+            if where is not None:
+                group = next(group for group in linkage.groups if inner_joint(group) == joint)
+                reason = f"two ways of assembling the bodies meet at {scene.where(where)}: {in_line(group)}"
+                raise Failure(Status.cannot_assemble, reason)
+
+
+def _closest(scene: Scene, linkage: Decomposition, joint: str, least: float, most: float) -> float | None:
+    """Return where between two positions a dyad is as close to its lock as doubles can tell, or None."""
+    for _ in range(ROUNDS):
+        way = np.linspace(least, most, POINTS)
+        distance = _to_lock(scene, linkage, way)[joint]
+        i = int(np.argmin(np.where(np.isnan(distance), np.inf, distance)))
+        least, most = float(way[max(i - 1, 0)]), float(way[min(i + 1, POINTS - 1)])
+    size = max(abs(complex(*place)) for place in scene.sketch.points.values())
+    return float(way[i]) if distance[i] <= MEET * size else None
+
+
+def _to_lock(scene: Scene, linkage: Decomposition, position: Samples) -> dict[str, Samples]:
+    """Return by how much each dyad is away from its lock, m, shape (n,); NaN where it does not reach."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        k = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=False)
+    return {joint: np.broadcast_to(distance, position.shape) for joint, distance in k.to_lock.items()}
