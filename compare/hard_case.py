@@ -13,6 +13,7 @@ from scenes.engine import ESTIMATE
 from scenes.motion import quantity
 
 from . import registry
+from .digits import digits_lost
 from .errors import SHOWN_GROUPS
 from .escalation import attempts
 from .explained import Explained, explain
@@ -55,7 +56,8 @@ Row = dict[str, Any]
 
 def examine(case: Case) -> list[Row]:
     """Return one row an attempt of the engine; of the reference one, measured by arbitrary precision."""
-    rung = next(step for step in hard.ladder(case.ladder).steps if step.label == case.rung)
+    ladder = hard.ladder(case.ladder)
+    rung = next(step for step in ladder.steps if step.label == case.rung)
     try:
         scene = rung.scene()
     except InputError as error:
@@ -70,7 +72,8 @@ def examine(case: Case) -> list[Row]:
     except Failure as failure:
         return [_nothing_to_solve(case, scene, sampling, failure, rung.status)]
     if case.engine == REFERENCE:
-        return [_certified(case, reference, sampling, explained, rung.status)]
+        row = _certified(case, reference, sampling, explained, rung.status)
+        return [_counted(row, scene) if ladder.digits and row["outcome"] == Outcome.right else row]
     scene = replace(scene, tolerances={case.engine: dict.fromkeys(SHOWN_GROUPS, PROMISES[case.engine])})
 
     def judged(settings: Settings) -> Measurement:
@@ -144,6 +147,16 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
     return (
         row | {"setting": f"against {registry.ENTRIES[ORACLE].distribution}"} | _figures(measured, reference, explained)
     )
+
+
+def _counted(row: Row, scene: Scene) -> Row:
+    """Return the reference's row with the digits that it loses by group, and those that the condition allows."""
+    lost = digits_lost(scene)
+    groups = lost.set_index("group")[["lost", "allowed"]].to_dict("index")
+    figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
+    over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
+    wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}
+    return row | figures | wrong
 
 
 def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str) -> Row:

@@ -20,6 +20,10 @@ limits of its process, or when the scene was read. <b>silent</b>: it says ok and
 <b>false alarm</b>: it says that it failed, and what it computed is within its promise. A failure is followed by
 an attempt at more accurate settings. The reference itself is held to arbitrary precision.</p>"""
 
+DIGITS = """<p>Against arbitrary precision, relative to each channel's own peak, also at the position nearest to the lock
+and close around it; of as many as log10 of the condition of the problem and one more. The condition is by how much more
+than the scene's numbers a channel changes.</p>"""
+
 
 def section(cases: pd.DataFrame) -> str:
     """Return the section as a piece of a page; nothing where no hard case was run."""
@@ -31,8 +35,16 @@ def section(cases: pd.DataFrame) -> str:
     ladders = "".join(_ladder(ladder, table) for ladder, table in hard_tables.ladders(cases))
     return (
         f"<h2>Hard cases</h2>{said}{RULES.replace('$promises', promises)}{table_html(hard_tables.counts(cases))}"
-        f"{figure_html(figure) if figure else ''}{ladders}"
+        f"{figure_html(figure) if figure else ''}{ladders}{_digits(cases)}"
     )
+
+
+def _digits(cases: pd.DataFrame) -> str:
+    table = hard_tables.digits(cases)
+    if table.empty:
+        return ""
+    summary = "<summary>Digits that the reference loses next to a lock</summary>"
+    return f"<details>{summary}{DIGITS}{table_html(table)}</details>"
 
 
 def _ladder(ladder: Ladder, table: pd.DataFrame) -> str:

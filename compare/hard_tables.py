@@ -42,6 +42,18 @@ def verdict(cases: pd.DataFrame) -> str:
     )
 
 
+def digits(cases: pd.DataFrame) -> pd.DataFrame:
+    """Return the digits that the reference loses, and those that the condition allows, on the rungs that count them."""
+    groups = [group for group in SHOWN_GROUPS if f"{group}_lost" in cases]
+    counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
+    rows = (
+        {"ladder": row["ladder"], "rung": row["rung"], "κ": row["condition"]}
+        | {group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}" for group in groups}
+        for row in counted.to_dict("records")
+    )
+    return pd.DataFrame(rows)
+
+
 def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, pd.DataFrame]]:
     """Yield every ladder with a row a rung: what each engine ended with, at which error, after which attempts."""
     for name, of in cases.groupby("ladder", sort=False):

@@ -35,7 +35,7 @@ def overview(study: Study) -> pd.DataFrame:
 
 def by_group(study: Study) -> pd.DataFrame:
     """Return the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
-    columns = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms"]
+    columns = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained"]
     errors = study.errors
     if errors.empty:
         return errors

@@ -160,6 +160,7 @@ class LadderFile(Table):
     expected: str
     why: str
     status: dict[str, str] = {}
+    digits: bool = False
     long: bool = False
 
 

@@ -11,6 +11,7 @@ A ladder file says which paths of a scene file change, and the value that all of
     status = { "1e-2" = "cannot_assemble" }    # of the rungs that no model can solve; "invalid" where there is no scene
     expected = "What should happen."
     why = "Where the difficulty comes from."
+    digits = true                              # where the digits that the reference loses are to be counted
     long = true                                # only where the ladder takes minutes
 
 No ladder is for a wrong start velocity: a scene has none to set, each model finds its own from the drive.
@@ -65,6 +66,7 @@ class Ladder:
     parameter: str
     expected: str  # what should happen
     why: str  # where the difficulty comes from
+    digits: bool  # whether the digits that the reference loses are counted
     steps: tuple[Rung, ...]
 
 
@@ -86,7 +88,7 @@ def ladder(name_or_path: str | Path) -> Ladder:
         steps = _rungs(file, path)
     except InputError as error:
         raise InputError(f"{name_or_path}: {error}") from None
-    return Ladder(path.stem, file.title, file.parameter, file.expected, file.why, steps)
+    return Ladder(path.stem, file.title, file.parameter, file.expected, file.why, file.digits, steps)
 
 
 def _shipped() -> dict[str, Path]:
