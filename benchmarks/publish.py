@@ -8,11 +8,14 @@ import scenes
 from compare.drawing import linkage
 from compare.environment import environment
 from compare.figures import over_angle, panels
+from compare.hard.cases import forget, hard_cases
+from compare.hard.tables import counts, verdict
 from compare.registry import DEFAULT_ENGINES
-from compare.speed_figure import work_precision
+from compare.speed.figure import work_precision
+from compare.speed.timing import Budget
 from compare.study import study
 from compare.tables import by_group, checks, notes, overview, setup
-from compare.timing import Budget
+from scenes.hard import catalogue
 
 FOLDER = Path(__file__).parents[1] / "results" / "published"
 PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on toggle": "pin_P3"}
@@ -22,6 +25,8 @@ def main() -> None:
     """Run the toggle press with its long ladders, and write tables and pictures."""
     scene = scenes.load("toggle_press")
     result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(20, 30.0, long_ladders=True), print)
+    hard = hard_cases(catalogue(), DEFAULT_ENGINES, FOLDER, print)
+    forget(FOLDER)
     FOLDER.mkdir(exist_ok=True)
     for panel in panels(result.reference):
         if panel.title in PICTURED:
@@ -42,6 +47,7 @@ def main() -> None:
             ("Errors by group", groups),
             ("Checks without a reference", checks(result)),
             ("Speed against error: one turn, 72 samples", speed),
+            (f"Hard cases: {verdict(hard)}", counts(hard)),
             ("Made on", where),
         )),
     ]  # fmt: skip

@@ -9,7 +9,7 @@ from scenes import InputError
 
 from . import registry
 from .asked import TIERS, accuracy
-from .family_grid import variation
+from .family.grid import variation
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"

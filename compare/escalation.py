@@ -9,7 +9,7 @@ from scenes import Settings, Status
 
 from .measure import Measurement
 from .runner import Run
-from .speed import tiers
+from .speed.ladders import tiers
 
 HELPED = {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}  # by more accuracy, at times
 

@@ -16,11 +16,13 @@ import pandas as pd
 from scenes import InputError, Motion
 from scenes.motion import header
 
-from . import hard_tables, tables, work_precision
+from . import tables
 from .environment import environment
 from .errors import group_floors
+from .hard import tables as hard_tables
 from .registry import route
 from .report import page
+from .speed import work_precision
 from .study import Study
 from .units import axis
 

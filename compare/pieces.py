@@ -1,7 +1,15 @@
-"""Pieces of a page: figures and tables."""
+"""Pieces of a page: templates, figures and tables."""
+
+from importlib.resources import files
+from string import Template
 
 import pandas as pd
 import plotly.graph_objects as go
+
+
+def template(package: str, name: str) -> Template:
+    """Return a template that lies beside the modules of a package."""
+    return Template((files(package) / name).read_text(encoding="utf-8"))
 
 
 def figure_html(figure: go.Figure) -> str:

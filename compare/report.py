@@ -1,8 +1,6 @@
 """The page: one self-contained HTML file, opened from disk with no network."""
 
 from html import escape
-from importlib.resources import files
-from string import Template
 
 import pandas as pd
 import plotly.graph_objects as go
@@ -10,20 +8,21 @@ from plotly.offline import get_plotlyjs
 
 from scenes.scene import ConstantSpeed
 
-from . import speed_tables, tables
-from .audit_page import section as audit_section
+from . import tables
+from .audit.page import section as audit_section
 from .drawing import linkage
 from .environment import environment
 from .figures import assur_groups, over_angle, panels
-from .hard_page import section as hard_section
+from .hard.page import section as hard_section
+from .hard.stability_figure import stability_maps
 from .lock_figure import over_distance
-from .pieces import figure_html, table_html
-from .speed import SAMPLING
-from .speed_figure import work_precision
-from .stability_figure import stability_maps
+from .pieces import figure_html, table_html, template
+from .speed import tables as speed_tables
+from .speed.figure import work_precision
+from .speed.ladders import SAMPLING
+from .speed.work_precision import TIE
 from .study import Study
 from .units import axis, cycle_name, position_name
-from .work_precision import TIE
 
 ONLY_ANALYTIC = (
     "By the inner joint of each group. From the reference: only the analytic core knows Assur groups. To lock: by how"
@@ -42,7 +41,6 @@ part of a joint's error that a step corrects.</p>"""
 
 def page(study: Study) -> str:
     """Return the whole report as HTML."""
-    template = Template((files("compare") / "report.html").read_text(encoding="utf-8"))
     scene = study.scene
     curves = "".join(_section(panel.title, over_angle(study, panel)) for panel in panels(study.reference))
     locks, near = assur_groups(study), over_distance(study)
@@ -50,7 +48,7 @@ def page(study: Study) -> str:
         curves += _section("Assur groups: transmission angle, and distance to lock", locks, ONLY_ANALYTIC)
     if near is not None:
         curves += _section("Errors against the distance to lock", near, EXPLAINED)
-    return template.substitute(
+    return template("compare", "report.html").substitute(
         title=escape(scene.title),
         source=escape(scene.source),
         setup=escape(tables.setup(study)),

@@ -16,7 +16,7 @@ from scenes.hard import catalogue, ladder
 from . import registry
 from .arguments import parser
 from .asked import narrowed
-from .family_grid import grid
+from .family.grid import grid
 
 if TYPE_CHECKING:
     from .gates import Gate
@@ -66,7 +66,7 @@ def _run(options: argparse.Namespace) -> int:
     with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
         missed = [run(scene, options, status) for scene in scenes]
     if options.full:
-        from .hard import forget
+        from .hard.cases import forget
 
         forget(options.out)
     return 1 if any(missed) else 0
@@ -100,11 +100,11 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
         KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
     """
     from . import output
-    from .hard import hard_cases
-    from .stability import stability_table
+    from .hard.cases import hard_cases
+    from .hard.stability import stability_table
+    from .speed.timing import Budget
     from .stopping import Stopped, stoppable
     from .study import study
-    from .timing import Budget
 
     def progress(doing: str) -> None:
         if stopping():
@@ -142,9 +142,9 @@ def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     Raises:
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
-    from . import family_report
-    from .family import Family, members
-    from .family_tables import label, on_a_line
+    from .family import report as family_report
+    from .family.family import Family, members
+    from .family.tables import label, on_a_line
 
     def progress(doing: str) -> None:
         status.update(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
@@ -177,7 +177,7 @@ def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
 
 def _tell(result: "Study") -> None:
     from .errors import SHOWN_GROUPS
-    from .speed_tables import verdict
+    from .speed.tables import verdict
     from .tables import overview
 
     for row in overview(result).to_dict("records"):

@@ -10,15 +10,15 @@ from scenes import Motion, Sampling, Scene, Settings
 
 from . import registry
 from .asked import Accuracy
-from .choice import cheapest_within, offered
 from .escalation import escalated
 from .explained import Explained, explain
 from .gates import Gate, gates
 from .measure import Measurement, measure
 from .reference import Reference, establish
-from .speed import settings_of, speed_table
+from .speed.choice import cheapest_within, offered
+from .speed.ladders import settings_of, speed_table
+from .speed.timing import Budget
 from .stopping import kept
-from .timing import Budget
 
 
 @dataclass(frozen=True)

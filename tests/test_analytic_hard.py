@@ -11,7 +11,7 @@ from analytic import continuation
 from analytic.decomposition import decompose
 from analytic.solve import solve_decomposed
 from compare import registry
-from compare.digits import stopping
+from compare.hard.digits import stopping
 from compare.reference import establish, relative_errors
 from scenes import Failure, Motion, Sampling, Scene, hard
 from scenes.motion import Samples

@@ -19,8 +19,8 @@ from compare.errors import compare
 from compare.figures import panels
 from compare.reference import Reference, establish
 from compare.runner import Run
+from compare.speed.timing import Budget
 from compare.study import Study, study
-from compare.timing import Budget
 from compare.verdict import judged
 from scenes import InputError, Motion, Sampling, Status
 from scenes.motion import channels, header

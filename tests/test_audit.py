@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compare import audit_clamp, registry
-from compare import audit_clamp_formulas as formulas
-from compare.audit import audit, write
-from compare.audit_claims import EXACT, Claim, Verdict, half_unit, judge
-from compare.audit_clamp_designs import (
+from compare import registry
+from compare.audit import clamp as audit_clamp
+from compare.audit import clamp_formulas as formulas
+from compare.audit.claims import EXACT, Claim, Verdict, half_unit, judge
+from compare.audit.clamp_designs import (
     design,
     first_velocity_ratio,
     force_ratio,
@@ -23,11 +23,12 @@ from compare.audit_clamp_designs import (
     platen_stroke,
     stroke_ratio,
 )
-from compare.audit_clamp_rounding import one_for_all
-from compare.audit_clamp_variables import DESIGNS
-from compare.audit_toggle_positions import EQUATIONS as POSITIONS
-from compare.audit_toggle_rates import EQUATIONS as RATES
-from compare.audit_toggle_variables import Uneven, Variables, over_two_turns
+from compare.audit.clamp_rounding import one_for_all
+from compare.audit.clamp_variables import DESIGNS
+from compare.audit.run import audit, write
+from compare.audit.toggle_positions import EQUATIONS as POSITIONS
+from compare.audit.toggle_rates import EQUATIONS as RATES
+from compare.audit.toggle_variables import Uneven, Variables, over_two_turns
 
 from . import audit_transcription as second
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from compare.asked import narrowed
-from compare.audit_claims import Verdict
-from compare.audit_sources import CLAMP, SCENES, TOGGLE_PRESS, claims_of, source_of
+from compare.audit.claims import Verdict
+from compare.audit.sources import CLAMP, SCENES, TOGGLE_PRESS, claims_of, source_of
 from compare.report import page
+from compare.speed.timing import Budget
 from compare.study import Study, study
-from compare.timing import Budget
 from scenes import LIBRARY, Sampling, load, shipped
 
 HEADING = "The source paper, audited"
@@ -80,7 +80,7 @@ def test_the_section_runs_no_engine_and_no_oracle(monkeypatch: pytest.MonkeyPatc
         raise AssertionError
 
     monkeypatch.setattr("compare.runner.run", refused)
-    monkeypatch.setattr("compare.audit_clamp.run", refused)
+    monkeypatch.setattr("compare.audit.clamp.run", refused)
     monkeypatch.setattr("compare.reference.establish", refused)
     for source in SCENES:
         assert claims_of(source)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compare.audit import main
-from compare.audit_claims import Equation, Verdict, bound, comparison, judge, limit, number
+from compare.audit.claims import Equation, Verdict, bound, comparison, judge, limit, number
+from compare.audit.run import main
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from analytic import kinematics
 from compare import registry
-from compare.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions, stopping
+from compare.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions, stopping
 from compare.reference import establish
 from scenes import Failure, Sampling, Scene, Status, hard
 from scenes.scene import ConstantSpeed

@@ -13,10 +13,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 import analytic
 import scenes
-from compare import family_tables, registry
-from compare.family import Family, Member, members
-from compare.family_cycle import Cycle
-from compare.family_grid import grid, variation
+from compare import registry
+from compare.family import tables as family_tables
+from compare.family.cycle import Cycle
+from compare.family.family import Family, Member, members
+from compare.family.grid import grid, variation
 from compare.run import main
 from scenes import InputError, Sampling
 
@@ -388,7 +389,7 @@ def test_check_names_the_member_that_misses(
 def test_a_stop_keeps_the_members_that_are_done(
     crank_slider: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from compare import family
+    from compare.family import family
 
     arguments = [crank_slider, "--vary", "drive.speed=10:50:5", "--engines", "analytic", "--out", str(tmp_path / "out")]
     left = iter(range(2))

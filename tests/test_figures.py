@@ -11,9 +11,9 @@ from compare import tables
 from compare.drawing import linkage
 from compare.figures import Panel, assur_groups, over_angle, panels
 from compare.report import page
-from compare.speed_figure import work_precision
+from compare.speed.figure import work_precision
+from compare.speed.timing import Budget
 from compare.study import Study, study
-from compare.timing import Budget
 from compare.units import prefixed
 from scenes import Motion, Sampling, load
 from scenes.motion import Samples, channels

@@ -8,10 +8,13 @@ import numpy as np
 import pytest
 
 import scenes
-from compare import hard, hard_case, hard_tables, registry
-from compare.hard_case import Case, examine
-from compare.isolation import Ended, Limits
-from compare.kept import Kept
+from compare import registry
+from compare.hard import case as hard_case
+from compare.hard import cases as hard
+from compare.hard import tables as hard_tables
+from compare.hard.case import Case, examine
+from compare.hard.isolation import Ended, Limits
+from compare.hard.kept import Kept
 from compare.stopping import Stopped
 from scenes import Failure, Motion, Sampling, Status
 
@@ -187,7 +190,7 @@ def test_results_of_another_version_do_not_count(tmp_path: Path, monkeypatch: py
     assert Kept(file, "key").rows == {"a": [{"x": 1}], "c": []}
     assert Kept(file, "other key").rows == {}
     Kept(file, "key").add("a", [{"x": 1}])
-    monkeypatch.setattr("compare.kept._version", lambda: "another")
+    monkeypatch.setattr("compare.hard.kept._version", lambda: "another")
     assert Kept(file, "key").rows == {}
 
 

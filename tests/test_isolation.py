@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from compare.isolation import Ended, Limits, isolated
+from compare.hard.isolation import Ended, Limits, isolated
 from compare.stopping import Stopped, kept
 from scenes import Status
 

@@ -12,17 +12,18 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare import registry, speed_tables
+from compare import registry
 from compare.asked import TIERS
-from compare.choice import cheapest_within, offered
 from compare.explained import explain
 from compare.reference import Reference, establish
 from compare.report import page
-from compare.speed import speed_table
-from compare.speed_figure import work_precision as picture
+from compare.speed import tables as speed_tables
+from compare.speed.choice import cheapest_within, offered
+from compare.speed.figure import work_precision as picture
+from compare.speed.ladders import speed_table
+from compare.speed.timing import Budget, take_turns
+from compare.speed.work_precision import above_floor, cheapest, choices, front, orders, solved, step_costs
 from compare.study import Study, study
-from compare.timing import Budget, take_turns
-from compare.work_precision import above_floor, cheapest, choices, front, orders, solved, step_costs
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 
 # --- the clock --------------------------------------------------------------------------------------------------------
@@ -312,7 +313,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
     monkeypatch.setattr("compare.runner.perf_counter", clock)
-    monkeypatch.setattr("compare.speed.take_turns", partial(take_turns, clock=clock, wall=clock))
+    monkeypatch.setattr("compare.speed.ladders.take_turns", partial(take_turns, clock=clock, wall=clock))
     return engine
 
 

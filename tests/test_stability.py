@@ -10,9 +10,10 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare import registry, stability
+from compare import registry
+from compare.hard import stability
+from compare.hard.stability_figure import LETTERS, stability_maps
 from compare.reference import establish
-from compare.stability_figure import LETTERS, stability_maps
 from compare.stopping import Stopped
 from scenes import Scene, Status
 

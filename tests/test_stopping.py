@@ -10,9 +10,9 @@ import scenes
 from compare import registry
 from compare.registry import DEFAULT_ENGINES
 from compare.run import main
+from compare.speed.timing import Budget
 from compare.stopping import Stopped, kept, stoppable
 from compare.study import study
-from compare.timing import Budget
 from scenes import Motion, Sampling
 
 from .comparisons import Plug

@@ -14,8 +14,8 @@ from compare.gates import gates
 from compare.measure import Measurement, measure
 from compare.reference import Reference
 from compare.runner import Run, run
+from compare.speed.timing import Budget
 from compare.study import study
-from compare.timing import Budget
 from compare.verdict import judged as judged_run
 from scenes import Failure, Motion, Status
 

@@ -1,0 +1,1 @@
+"""The two source papers, audited: what they print against what is computed."""

@@ -1,0 +1,7 @@
+"""`python -m compare.audit`."""
+
+import sys
+
+from .run import main
+
+sys.exit(main())

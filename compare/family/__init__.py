@@ -1,0 +1,1 @@
+"""Families of scenes: members that differ in some numbers."""

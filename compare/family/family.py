@@ -1,0 +1,87 @@
+"""A family of linkages: one scene with other numbers, each member solved by the reference and cross-checked."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
+from scenes.changes import named
+from scenes.motion import Samples
+
+from .. import registry
+from ..gates import Gate, gates
+from ..measure import Measurement, measure
+from ..reference import Floor, establish
+from .cycle import SAMPLING, Cycle, cycle
+from .grid import Variation
+
+INVALID = "invalid"  # the status of a member that is no scene, beside those of an engine
+
+
+@dataclass(frozen=True)
+class Member:
+    """One linkage of a family: what it does, or why it cannot run."""
+
+    changes: Mapping[str, float]  # path in the scene file -> value, in the units of the file
+    status: str
+    reason: str
+    cycle: Cycle | None = None
+    floor: Floor | None = None  # of the reference
+    measurements: Sequence[Measurement] = ()  # one an engine, in the order asked for
+    gates: Sequence[Gate] = ()
+
+
+@dataclass(frozen=True)
+class Family:
+    """The members that were run, in the order of the grid; fewer than asked for where the user stopped."""
+
+    scene: Scene  # as its file has it
+    variations: Sequence[Variation]
+    engines: Sequence[str]
+    members: list[Member] = field(default_factory=list)
+
+
+def members(
+    file: str | Path,
+    changes: Iterable[Mapping[str, float]],
+    engines: Sequence[str],
+    sampling: Sampling,
+    progress: Callable[[str], None],
+) -> Iterator[Member]:
+    """Yield one member after the other, those that cannot run too."""
+    for change in changes:
+        try:
+            yield _member(load(file, change), change, engines, sampling, progress)
+        except InputError as error:
+            yield Member(change, INVALID, str(error).removeprefix(f"{named(file, change)}: "))
+        except Failure as failure:
+            yield Member(change, failure.status.name, failure.reason)
+        except Exception as error:  # one odd linkage must not take the others with it
+            yield Member(change, Status.crashed.name, f"{type(error).__name__}: {error}".splitlines()[0])
+
+
+def _member(
+    scene: Scene,
+    change: Mapping[str, float],
+    engines: Sequence[str],
+    sampling: Sampling,
+    progress: Callable[[str], None],
+) -> Member:
+    """Solve, certify and cross-check one member.
+
+    Raises:
+        Failure: the reference cannot solve it.
+        InputError: there is nothing to compare, since its output stands still.
+    """
+    reference_at = registry.reference(scene)
+
+    def solve(time: Samples) -> Motion:
+        return reference_at(scene.drive.at(time).position, time)
+
+    found = cycle(scene, solve(SAMPLING.times(scene)), solve)
+    reference = establish(scene)
+    measurements = []
+    for engine in engines:
+        progress(engine)
+        measurements.append(measure(reference, engine, sampling))
+    return Member(change, Status.ok.name, "", found, reference.floor, measurements, list(gates(scene, measurements)))

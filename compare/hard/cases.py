@@ -1,0 +1,55 @@
+"""The hard cases: every engine on every rung of every ladder, in processes of their own, kept as they come."""
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from scenes import hard
+
+from .. import registry
+from ..stopping import kept as until_stopped
+from .case import Case, Outcome, Row, case_row, examine
+from .isolation import Ended, Limits, isolated
+from .kept import Kept
+
+PARTIAL = "hard.partial.jsonl"
+
+
+def cases(ladders: Iterable[str], engines: Sequence[str]) -> list[Case]:
+    """Return every engine on every rung."""
+    return [
+        Case(name, rung.label, engine) for name in ladders for rung in hard.ladder(name).steps for engine in engines
+    ]
+
+
+def hard_cases(
+    ladders: Sequence[str], engines: Sequence[str], folder: Path, progress: Callable[[str], None]
+) -> pd.DataFrame:
+    """Return one row an attempt, in the order of the ladders.
+
+    Results are kept in `folder` as they come, and what is kept there is not done again until `forget` is called. A stop
+    leaves what is done, there and in what is returned.
+    """
+    limits = Limits()
+    wanted = cases(ladders, engines)
+    kept = Kept(folder / PARTIAL, limits)
+    left = [case for case in wanted if str(case) not in kept.rows]
+
+    def poll() -> None:
+        progress(f"hard cases, {len(kept.rows)} of {len(wanted)} done")
+
+    for case, result in until_stopped(isolated(examine, left, limits, poll)):
+        kept.add(str(case), [_ended(case, result)] if isinstance(result, Ended) else result)
+    return pd.DataFrame([row for case in wanted for row in kept.rows.get(str(case), [])])
+
+
+def forget(folder: Path) -> None:
+    """Drop what is kept: a command that came to its end starts anew the next time."""
+    (folder / PARTIAL).unlink(missing_ok=True)
+
+
+def _ended(case: Case, ended: Ended) -> Row:
+    """Return the row of a run that gave no answer; of the reference it is arbitrary precision that gave none."""
+    outcome = Outcome.uncertified if case.engine == registry.REFERENCE else Outcome.refused
+    return case_row(case, ended.status.name, ended.reason, "isolation", outcome)

@@ -1,0 +1,190 @@
+"""Where engines are stable: status and error over two parameters, cell by cell.
+
+| map | across | up |
+|---|---|---|
+| `sweeps` | sweeps in each step, of an engine that iterates there | steps a cycle |
+| `lock` | scenes ever closer to a lock | steps a cycle |
+| `mass` | by what the heaviest body's mass is multiplied | steps a cycle |
+| `drift` | cycles of the drive; the error is that of positions in the last one | steps a cycle |
+
+An engine has maps if its module offers `at_steps(steps)`, the settings of one run of that many steps a cycle. It has
+the first of them if theory says how many sweeps that needs, by `iterations_needed(scene, settings)`; then the settings
+are `at_steps(steps, sweeps)`.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias, cast
+
+import numpy as np
+import pandas as pd
+
+from scenes import Failure, InputError, Sampling, Scene, Settings
+
+from .. import registry
+from ..errors import SHOWN_GROUPS
+from ..measure import Measurement, measure
+from ..reference import Reference, establish
+from ..runner import run
+from ..stopping import kept
+
+SAMPLES = 24  # a cycle
+STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples
+FEWER_STEPS = STEPS[:-1]  # of long runs
+SWEEPS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
+MASS_FACTORS = (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3)
+TURNS = (1, 3, 10, 30, 100)
+
+Variant: TypeAlias = tuple[str, Scene]
+Cell: TypeAlias = dict[str, object]
+Progress: TypeAlias = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a cell is on its map: `label` is what it is called across, at `x`."""
+
+    map: str
+    engine: str
+    x: float
+    label: str
+    steps: int
+
+
+def stability_table(
+    scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress
+) -> pd.DataFrame:
+    """Return all maps of a scene, one row a cell; a stop keeps what is done.
+
+    `to_lock` are scenes ever closer to a lock; their labels are numbers. `error` is the largest relative error, NaN
+    where none is known; `needed` how many sweeps theory asks for, in the map of sweeps alone.
+
+    Raises:
+        InputError: the reference cannot solve the scene.
+    """
+    return pd.DataFrame([*kept(cells(scene, engines, to_lock, progress))])
+
+
+def cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress) -> Iterator[Cell]:
+    """Yield the cells of all maps.
+
+    Raises:
+        InputError: the reference cannot solve the scene.
+    """
+    able = [engine for engine in engines if hasattr(registry.engine(engine), "at_steps")]
+    if not able:
+        return
+    reference = establish(scene)
+    for engine in able:
+        if hasattr(registry.engine(engine), "iterations_needed"):
+            yield from over_sweeps(reference, engine, progress)
+    yield from over_variants("lock", to_lock, able, progress)
+    if scene.has_masses:
+        yield from over_variants("mass", heavier(scene), able, progress)
+    for engine in able:
+        yield from over_turns(reference, engine, progress)
+
+
+def over_sweeps(
+    reference: Reference,
+    engine: str,
+    progress: Progress,
+    sweeps: Sequence[int] = SWEEPS,
+    all_steps: Sequence[int] = STEPS,
+) -> Iterator[Cell]:
+    """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
+    module = cast("Any", registry.engine(engine))
+    for steps in all_steps:
+        try:
+            needed = module.iterations_needed(reference.scene, module.at_steps(steps))
+        except Failure:
+            needed = np.nan
+        for number in sweeps:
+            progress(f"stability of {engine}: {number} sweeps, {steps} steps")
+            place = Place("sweeps", engine, number, str(number), steps)
+            yield _cell(place, reference, module.at_steps(steps, number)) | {"needed": needed}
+
+
+def over_variants(
+    kind: str, variants: Sequence[Variant], engines: Sequence[str], progress: Progress, all_steps: Sequence[int] = STEPS
+) -> Iterator[Cell]:
+    """Yield steps a cycle against scenes, whose labels are numbers."""
+    for label, scene in variants:
+        reference: Reference | Scene
+        try:
+            reference = establish(scene)
+        except InputError:  # nothing to compare with; whether the engine notices is to be seen all the same
+            reference = scene
+        for engine in engines:
+            for steps in all_steps:
+                progress(f"stability of {engine}: {kind} {label}, {steps} steps")
+                yield _cell(Place(kind, engine, float(label), label, steps), reference, _at_steps(engine, steps))
+
+
+def over_turns(
+    reference: Reference,
+    engine: str,
+    progress: Progress,
+    turns: Sequence[int] = TURNS,
+    all_steps: Sequence[int] = FEWER_STEPS,
+) -> Iterator[Cell]:
+    """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
+    for number in turns if reference.scene.drive.repeats else ():
+        for steps in all_steps:
+            progress(f"stability of {engine}: drift over {number}, {steps} steps")
+            place = Place("drift", engine, number, str(number), steps)
+            yield _cell(place, reference, _at_steps(engine, steps), number)
+
+
+def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
+    """Return the scene with its heaviest body lighter and heavier, by factor."""
+    heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0)
+    return [
+        (
+            f"{factor:g}",
+            replace(
+                scene,
+                bodies={
+                    **scene.bodies,
+                    heaviest.name: replace(
+                        heaviest,
+                        mass=factor * (heaviest.mass or 0.0),
+                        inertia=None if heaviest.inertia is None else factor * heaviest.inertia,
+                    ),
+                },
+            ),
+        )
+        for factor in factors
+    ]
+
+
+def _at_steps(engine: str, steps: int) -> Settings:
+    return cast("Settings", cast("Any", registry.engine(engine)).at_steps(steps))
+
+
+def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns: int = 1) -> Cell:
+    """Run one cell; with a scene for reference there are no errors."""
+    sampling = Sampling(SAMPLES, turns)
+    if isinstance(reference, Scene):
+        found = Measurement(run(place.engine, reference, sampling, settings), None, [], pd.DataFrame())
+    else:
+        found = measure(reference, place.engine, sampling, settings)
+    errors: dict[str, float] = {}
+    last = np.nan
+    if not found.errors.empty:
+        by_group = found.errors.groupby("group")[["max", "last_turn_max"]].max(skipna=False)
+        errors = {group: by_group["max"][group] for group in SHOWN_GROUPS if group in by_group.index}
+        last = by_group["last_turn_max"].get("position", np.nan)
+    return {
+        "map": place.map,
+        "engine": place.engine,
+        "x": place.x,
+        "label": place.label,
+        "steps": place.steps,
+        "setting": settings.label,
+        "status": found.run.status.name,
+        "reason": found.run.reason,
+        "error": last if place.map == "drift" else max(errors.values(), default=np.nan),
+        **{f"{group}_max": error for group, error in errors.items()},
+        "solve_s": found.run.solve_s,
+    }

@@ -1,0 +1,1 @@
+"""Speed against error: ladders of settings, the clock, and what they say."""

@@ -1,0 +1,129 @@
+"""Every setting of every engine's ladder: errors and times, taken in separate runs."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import ceil, inf
+
+import numpy as np
+import pandas as pd
+
+from scenes import Sampling, Settings, Status
+
+from .. import registry
+from ..measure import Measurement, measure
+from ..reference import Reference
+from ..runner import Run
+from ..stopping import kept
+from .timing import Budget, Times, take_turns
+
+SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
+
+LADDER = "ladder"
+ABLATION = "ablation"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One setting of one engine, after its error run."""
+
+    role: str
+    settings: Settings
+    measurement: Measurement
+
+    @property
+    def run(self) -> Run:
+        """Return the error run."""
+        return self.measurement.run
+
+    @property
+    def seconds(self) -> float:
+        """Return what one run takes from end to end."""
+        return self.run.build_s + self.run.solve_s + self.run.read_s
+
+
+def speed_table(
+    reference: Reference, engines: Iterable[str], budget: Budget, progress: Callable[[str], None]
+) -> pd.DataFrame:
+    """Return one row a setting: status, times, errors by group, counters. Failed settings stay in the table.
+
+    The error run comes first and warms everything up. Then all settings take turns under the clock; those that failed,
+    and those that take longer than the budget has for one, keep the times of their error run. A stop leaves what is
+    done.
+    """
+    points = list(kept(point for engine in engines for point in _error_runs(reference, engine, budget, progress)))
+    timed = [point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s]
+    scene = reference.scene
+    builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, SAMPLING) for p in timed]
+    times = dict(zip(map(id, timed), take_turns(builds, budget, progress), strict=True))
+    return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
+
+
+def settings_of(engine: str, *, long_ladders: bool) -> Mapping[Settings, str]:
+    """Return an engine's settings and the role of each; what only `--full` takes among them if asked for."""
+    module = registry.engine(engine)
+    if not long_ladders:
+        return dict.fromkeys(module.LADDER, LADDER)
+    ladder = dict.fromkeys((*module.LADDER, *module.LONG_LADDER, *tiers(engine).values()), LADDER)
+    return dict.fromkeys(module.ABLATIONS, ABLATION) | ladder
+
+
+def tiers(engine: str) -> Mapping[str, Settings]:
+    """Return the settings that an engine offers by name."""
+    module = registry.engine(engine)
+    return {"fast": module.FAST, "balanced": module.DEFAULT, "exact": module.EXACT}
+
+
+def steps_a_cycle(settings: Settings) -> int | None:
+    """Return the steps of the coarsest run, rounded up as engines do; None of settings that take none."""
+    steps = getattr(settings, "steps", None)
+    return None if steps is None else SAMPLING.samples * ceil(steps / SAMPLING.samples)
+
+
+def _error_runs(reference: Reference, engine: str, budget: Budget, progress: Callable[[str], None]) -> Iterator[Point]:
+    """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
+    too_slow: dict[str, int] = {}  # steps a cycle, by family
+    for settings, role in settings_of(engine, long_ladders=budget.long_ladders).items():
+        steps, least = steps_a_cycle(settings) or 0, too_slow.get(settings.family, inf)
+        if steps > least:
+            reason = f"{least} steps a cycle took longer than {budget.point_s:g} s already"
+            run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
+            yield Point(role, settings, Measurement(run, None, [], pd.DataFrame()))
+            continue
+        progress(f"measuring the error of {engine}, {settings.label}")
+        point = Point(role, settings, measure(reference, engine, SAMPLING, settings))
+        if settings.family and point.seconds > budget.point_s:
+            too_slow[settings.family] = steps
+        yield point
+
+
+def _row(point: Point, times: Times | None) -> dict[str, object]:
+    run, errors, settings = point.run, point.measurement.errors, point.settings
+    clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.read_s], [run.solve_s])
+    row: dict[str, object] = {
+        "engine": run.engine,
+        "setting": settings.label,
+        "role": point.role,
+        "tier": " ".join(tier for tier, offered in tiers(run.engine).items() if offered == settings),
+        "family": settings.family,
+        "expected_order": settings.order,
+        "note": settings.note,
+        "steps": steps_a_cycle(settings),
+        "samples_a_turn": SAMPLING.samples,
+        "status": run.status.name,
+        "reason": run.reason,
+        "build_s": min(clean.build),
+        "solve_min_s": min(clean.solve),
+        "solve_median_s": np.median(clean.solve),
+        "solve_spread_s": np.ptp(clean.solve),
+        "solve_wall_s": min(clean.wall),
+        "read_s": min(clean.read),
+        "timed_runs": len(times.solve) if times else 0,
+    }
+    if not errors.empty:
+        for group, worst in errors.groupby("group")[["max", "rms"]].max(skipna=False).iterrows():
+            row |= {f"{group}_max": worst["max"], f"{group}_rms": worst["rms"]}
+    return row | {
+        "steps_made": run.counters.get("steps"),
+        "counters": " ".join(f"{name}={count}" for name, count in run.counters.items()),
+    }

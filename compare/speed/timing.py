@@ -1,0 +1,83 @@
+"""The clock: prepared runs take turns under it, round after round, until the fastest time of each is known.
+
+It counts processor time, of all threads together. On an idle machine that is the time on the wall, which stands beside
+it; on a busy one other programs make a run wait, and the time on the wall says more about them than about the run.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter, process_time
+
+from scenes import Simulation
+
+from ..stopping import kept
+
+LEAST_ROUNDS = 3  # for a minimum, a median and a spread
+AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much may be spent on speed: `LEAST_ROUNDS` in any case, up to `rounds` while `seconds` last."""
+
+    rounds: int
+    seconds: float  # of timing, with all that is not under the clock
+    long_ladders: bool = False
+    point_s: float = 1.0  # one run of one setting; what takes longer is not repeated
+
+
+@dataclass
+class Times:
+    """What the clock said about one setting, s, one entry a round."""
+
+    build: list[float] = field(default_factory=list)
+    solve: list[float] = field(default_factory=list)
+    read: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)  # of the solve, by a clock on the wall
+
+    @property
+    def known(self) -> bool:
+        """Whether the fastest solve was reached again and again."""
+        fastest = sorted(self.solve)[:LEAST_ROUNDS]
+        return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
+
+
+def take_turns(
+    builds: Sequence[Callable[[], Simulation]],
+    budget: Budget,
+    progress: Callable[[str], None],
+    clock: Callable[[], float] = process_time,
+    wall: Callable[[], float] = perf_counter,
+) -> list[Times]:
+    """Return the times of every setting, given what builds it.
+
+    One round goes over all settings, so that a slow spell of the machine falls on all of them. A setting whose fastest
+    time is known drops out, and leaves the rest of the budget to the others. A stop leaves the times that are known.
+    """
+    times = [Times() for _ in builds]
+    started = wall()
+
+    def due() -> Iterator[tuple[Callable[[], Simulation], Times]]:
+        for done in range(max(budget.rounds, LEAST_ROUNDS)):
+            unknown = [pair for pair in zip(builds, times, strict=True) if not pair[1].known]
+            for pair in unknown:
+                if done < LEAST_ROUNDS or wall() - started < budget.seconds:
+                    progress(f"timing {len(unknown)} settings, round {done + 1}")
+                    yield pair
+
+    for build, of in kept(due()):
+        _time(build, of, clock, wall)
+    return times
+
+
+def _time(build: Callable[[], Simulation], times: Times, clock: Callable[[], float], wall: Callable[[], float]) -> None:
+    started = clock()
+    simulation = build()
+    on_wall, built = wall(), clock()
+    simulation.solve()
+    solved, done_on_wall = clock(), wall()
+    simulation.read()
+    times.read.append(clock() - solved)
+    times.build.append(built - started)
+    times.solve.append(solved - built)
+    times.wall.append(done_on_wall - on_wall)
