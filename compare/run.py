@@ -126,6 +126,8 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
             stopped = stopping()
     except Stopped:
         raise KeyboardInterrupt from None
+    if stopped:
+        result.reasons.append("stopped by the user; what is not here was not done")
     status.update(f"{scene.name}: writing the report")
     folder = output.write(result, options.out)
     _tell(result)
