@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,8 @@ from .family.grid import grid
 if TYPE_CHECKING:
     from .gates import Gate
     from .study import Study
+
+TO_LOCK = "lock_rrr"  # the ladder in a map of every report
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -100,8 +102,6 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
         KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
     """
     from . import output
-    from .hard.cases import hard_cases
-    from .hard.stability import stability_table
     from .speed.timing import Budget
     from .stopping import Stopped, stoppable
     from .study import study
@@ -119,10 +119,7 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
         with stoppable() as stopping:
             result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
             if options.full:
-                able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
-                to_lock = [(rung.label, rung.scene()) for rung in ladder("lock_rrr").steps]
-                result = replace(result, maps=stability_table(scene, able, to_lock, progress))
-                result = replace(result, hard=hard_cases(catalogue(), able, options.out, progress))
+                result = _in_full(result, options, progress)
             stopped = stopping()
     except Stopped:
         raise KeyboardInterrupt from None
@@ -136,6 +133,17 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     if stopped:
         raise KeyboardInterrupt(f"stopped; {page} has what was done")
     return bool(options.check) and _missed(scene, {scene.name: result.gates})
+
+
+def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":
+    """Return the study with maps of stability and the hard cases, as far as the user lets it."""
+    from .hard.cases import hard_cases
+    from .hard.stability import stability_table
+
+    able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
+    to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).steps]
+    maps = stability_table(result.scene, able, to_lock, progress)
+    return replace(result, maps=maps, hard=hard_cases(catalogue(), able, options.out, progress))
 
 
 def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
