@@ -5,12 +5,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import scenes
 from compare import registry
 from compare.hard import case as hard_case
 from compare.hard import cases as hard
+from compare.hard import page
 from compare.hard import tables as hard_tables
 from compare.hard.case import Case, examine
 from compare.hard.isolation import Ended, Limits
@@ -210,3 +212,26 @@ def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) ->
     assert shown.title == "Rod"
     assert list(table["length of the rod"]) == ["shorter", "as_is", "locking"]
     assert list(table["exudyn"]) == ["ok", "ok", "timed_out (isolation)"]
+
+
+def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = Path(ladder)
+    file.write_text(LADDER.replace("[steps]", "digits = true\n[steps]"), encoding="utf-8")
+    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    assert row["outcome"] == "right"
+    assert 0 <= row["acceleration_lost"] <= row["acceleration_allowed"] <= 4
+    table = hard_tables.digits(pd.DataFrame([row]))
+    assert list(table.columns[3:]) == ["position", "velocity", "acceleration", "reaction", "torque"]
+    lost = pd.DataFrame([{"group": "velocity", "lost": 5.0, "allowed": 2.0}])
+    monkeypatch.setattr(hard_case, "digits_lost", lambda _: lost)
+    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
+
+
+def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
+    html = page.section(pd.DataFrame(rows))
+    assert "0 silent wrong answers and 0 false alarms in 3 attempts on 1 rungs of 1 ladders" in html
+    assert "All solve it." in html
+    assert "then wrong_branch" in html
+    assert page.section(pd.DataFrame()) == ""
