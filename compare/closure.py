@@ -53,7 +53,7 @@ def rates(constraints: Constraints) -> Iterator[tuple[str, str, Samples]]:
     """
     tell = constraints.condition**2 * np.finfo(float).eps < TELLING
     for derivative, quantity in ((1, "velocity"), (2, "acceleration")):
-        peak = float(np.abs(constraints.implied[derivative - 1]).max()) or 1.0
+        peak = float(np.abs(constraints.implied[derivative - 1][tell]).max(initial=0.0)) or 1.0
         for name, body in constraints.state.scene.bodies.items():
             yield quantity, name, np.where(tell, _off(constraints, body, derivative), 0.0) / peak
 

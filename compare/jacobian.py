@@ -17,6 +17,8 @@ from .state import State, Vectors, distances
 
 Matrices = NDArray[np.float64]
 
+SINGULAR = 1 / np.finfo(float).eps  # from this condition on
+
 
 class Constraints:
     """Rows: two a pin, two a guide (across it, and the turning against it), and the drive's.
@@ -122,7 +124,10 @@ class Constraints:
         return np.stack(found, axis=1)
 
     def _solve(self, right: Matrices) -> Matrices:
-        return np.asarray(np.linalg.solve(self.J, right[..., None])[..., 0], dtype=np.float64)
+        """Return the solutions, NaN in a singular pose."""
+        regular = (self.condition < SINGULAR)[:, None]
+        J = np.where(regular[..., None], self.J, np.eye(self.J.shape[-1]))
+        return np.where(regular, np.linalg.solve(J, right[..., None])[..., 0], np.nan)
 
 
 def _largest_length(state: State) -> float:

@@ -126,7 +126,7 @@ def references(tmp_path_factory: pytest.TempPathFactory) -> References:
 def plug(monkeypatch: pytest.MonkeyPatch) -> Plug:
     """Return a function that makes the engine named `stub` end as told."""
     real = registry.engine
-    entry = registry.Entry("a stub", "", "numpy", "numpy", "")
+    entry = registry.Entry("a stub", "", "numpy", "numpy", "", 1e-3)
     monkeypatch.setitem(registry.ENTRIES, "stub", entry)
 
     def plug(outcome: Outcome) -> None:

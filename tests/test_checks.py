@@ -13,7 +13,7 @@ from compare.runner import run
 from scenes import Motion, Sampling, Scene
 from scenes.scene import ForceTable
 
-from .comparisons import References, changed, commanded, of_scene
+from .comparisons import SAMPLING, References, changed, commanded, of_scene
 from .mechanisms import MECHANISMS
 
 # --- checks without a reference ---------------------------------------------------------------------------------------
@@ -133,3 +133,15 @@ def test_checks_with_gravity_and_given_inertia(scene_from: Callable[[str], Scene
     motion = analytic.solve(scene, np.linspace(0, 6, 100))
     for check in checks(scene, motion, 2.0):
         assert check.worst <= 1e-13, check
+
+
+def test_a_singular_pose_says_nothing_of_its_rates(reference: Reference, motion: Motion) -> None:
+    """A rod folded flat on a point of its own: nothing can be solved there, and nothing breaks."""
+    at = {q: motion[f"P4.{q}"] for q in ("x", "y")}
+    flat = {f"P5.{q}": np.where(np.arange(SAMPLING.count) == 7, at[q], motion[f"P5.{q}"]) for q in at}
+    flat |= {
+        f"{p}.{q}": np.where(np.arange(SAMPLING.count) == 7, 0.0, motion[f"{p}.{q}"]) for p in ("P3", "P2") for q in at
+    }
+    found = {c.check: c for c in checks(reference.scene, Motion({**motion.samples, **flat}), reference.stroke)}
+    assert found["closure"].worst > 0.1
+    assert all(np.isfinite(c.worst) for c in found.values())

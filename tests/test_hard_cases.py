@@ -47,9 +47,8 @@ def ladder(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, Any]]:
+def judge(ladder: str, plug: Plug) -> Callable[..., dict[str, Any]]:
     """Return a function that has an engine end as told on a rung, and returns the row."""
-    monkeypatch.setitem(hard_case.PROMISES, "stub", 1e-3)
 
     def judge(outcome: Motion | Failure, rung: str = "as_is") -> dict[str, Any]:
         plug(outcome)

@@ -24,7 +24,6 @@ from ..runner import run
 from ..speed.ladders import tiers
 from .digits import digits_lost
 
-PROMISES = {"exudyn": 1e-3, "pymunk": 1e-2, ORACLE: 1e-12}  # the largest error of an engine that says ok
 SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles
 
 
@@ -74,7 +73,7 @@ def examine(case: Case) -> list[Row]:
     if case.engine == REFERENCE:
         row = _certified(case, reference, sampling, explained, rung.status)
         return [_counted(row, scene) if ladder.digits and row["outcome"] == Outcome.right else row]
-    scene = replace(scene, tolerances={case.engine: dict.fromkeys(SHOWN_GROUPS, PROMISES[case.engine])})
+    scene = _promised(scene, case.engine)
 
     def judged(settings: Settings) -> Measurement:
         return _held_to_its_promise(scene, measure(reference, case.engine, sampling, settings, explained))
@@ -88,13 +87,18 @@ def _invalid(case: Case, error: InputError, expected: str) -> Row:
     return case_row(case, hard.INVALID, str(error), "reader", outcome)
 
 
+def _promised(scene: Scene, engine: str) -> Scene:
+    """Return the scene with what the engine promises for its tolerances."""
+    return replace(scene, tolerances={engine: dict.fromkeys(SHOWN_GROUPS, registry.ENTRIES[engine].promise)})
+
+
 def _held_to_its_promise(scene: Scene, measured: Measurement) -> Measurement:
     """Return the measurement, its status corrected where it breaks its promise, as it or the reference can tell."""
     run = measured.run
     missed = [str(gate) for gate in gates(scene, [measured]) if gate.missed]
     if run.status is not Status.ok or not missed:
         return measured
-    estimate, promise = run.residuals.get(ESTIMATE, 0.0), PROMISES[run.engine]
+    estimate, promise = run.residuals.get(ESTIMATE, 0.0), registry.ENTRIES[run.engine].promise
     found_by, reason = "reference", f"off the reference: {missed[0]}"
     if not estimate <= promise:
         found_by, reason = "engine", f"by its own estimate off by {estimate:.1e}, and it promises {promise:g}"
@@ -134,7 +138,7 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
 def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:
     """Return the row of the reference itself, which arbitrary precision knows better."""
     measured = measure(reference, ORACLE, sampling, explained=explained)
-    scene = replace(reference.scene, tolerances={ORACLE: dict.fromkeys(SHOWN_GROUPS, PROMISES[ORACLE])})
+    scene = _promised(reference.scene, ORACLE)
     missed = [str(gate) for gate in gates(scene, [measured]) if gate.missed]
     outcome = Outcome.right
     if expected != Status.ok.name:

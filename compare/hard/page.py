@@ -6,9 +6,9 @@ import pandas as pd
 
 from scenes.hard import Ladder
 
+from .. import registry
 from ..pieces import figure_html, table_html
 from . import tables
-from .case import PROMISES
 from .figure import over_condition
 
 RULES = """<p>Every engine on every rung of every ladder, each run in a process of its own with limits of time and
@@ -29,7 +29,7 @@ def section(cases: pd.DataFrame) -> str:
     """Return the section as a piece of a page; nothing where no hard case was run."""
     if cases.empty:
         return ""
-    promises = ", ".join(f"{engine} {promise:.0e}" for engine, promise in PROMISES.items())
+    promises = ", ".join(f"{name} {entry.promise:.0e}" for name, entry in registry.ENTRIES.items())
     said = f'<p class="verdict">{escape(tables.verdict(cases))}</p>'
     figure = over_condition(cases)
     ladders = "".join(_ladder(ladder, table) for ladder, table in tables.ladders(cases))
