@@ -4,6 +4,7 @@ A body has the coordinates of its first point and L times its angle, with L the 
 are lengths. The same matrix, transposed, turns what bodies want into reactions: one condition serves both solves.
 """
 
+from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
@@ -17,25 +18,32 @@ from .state import State, Vectors, distances
 
 Matrices = NDArray[np.float64]
 
-SINGULAR = 1 / np.finfo(float).eps  # from this condition on
+BLOCK = 4096  # samples, whose Jacobians are in memory at a time
 
 
 class Constraints:
     """Rows: two a pin, two a guide (across it, and the turning against it), and the drive's.
 
-    As many as coordinates, m, where the linkage has one degree of freedom and no constraint too many.
+    As many as coordinates, m, where the linkage has one degree of freedom and no constraint too many. What is asked of
+    a long motion is found block by block.
     """
 
-    def __init__(self, scene: Scene, motion: Motion) -> None:
-        """Take the poses from the motion, whose kinematic channels must be complete."""
+    def __init__(self, scene: Scene, motion: Motion, size: float | None = None) -> None:
+        """Take the poses from the motion, whose kinematic channels must be complete, and L unless it is given."""
         self.state = State(scene, motion)
-        self.size = _largest_length(self.state)
+        self.size = size or _largest_length(self.state)
         self.column = {name: 3 * number for number, name in enumerate(scene.bodies)}
         self._rows: list[Matrices] = []
-        self.J = self._jacobian()
 
-    def _jacobian(self) -> Matrices:
-        """Return the Jacobian, shape (n, rows, m)."""
+    def _blocks(self) -> Iterator["Constraints"]:
+        motion = self.state.motion
+        for start in range(0, len(motion["time"]), BLOCK):
+            rows = {channel: samples[start : start + BLOCK] for channel, samples in motion.samples.items()}
+            yield Constraints(self.state.scene, Motion(rows), self.size)
+
+    @cached_property
+    def jacobian(self) -> Matrices:
+        """J, shape (n, rows, m)."""
         state, scene = self.state, self.state.scene
         for pin in scene.pins:
             r, s = (self._arm(name, state.place(pin.point)) for name in (pin.first, pin.second))
@@ -69,14 +77,14 @@ class Constraints:
     @cached_property
     def condition(self) -> Samples:
         """The condition number of the Jacobian in the 2-norm at each sample, shape (n,)."""
-        values = np.linalg.svd(self.J, compute_uv=False)
+        values = np.concatenate([np.linalg.svd(block.jacobian, compute_uv=False) for block in self._blocks()])
         with np.errstate(divide="ignore"):
             return np.asarray(values[:, 0] / values[:, -1])
 
     @cached_property
     def branch(self) -> Samples:
         """The sign of the Jacobian's determinant at each sample, shape (n,): it changes only in a lock."""
-        return np.asarray(np.linalg.slogdet(self.J)[0], dtype=np.float64)
+        return np.concatenate([np.linalg.slogdet(block.jacobian)[0] for block in self._blocks()], dtype=np.float64)
 
     @cached_property
     def implied(self) -> tuple[Matrices, Matrices]:
@@ -85,10 +93,15 @@ class Constraints:
         J q' = e rate, J q'' = e acceleration + γ(q, q'), where γ is what pins and guides accelerate by at q'' = 0:
         ω² r at a pin, and across a guide also Coriolis' 2 ω u, u being the speed along it.
         """
+        velocities, accelerations = zip(*(block._implied() for block in self._blocks()), strict=True)
+        return np.concatenate(velocities), np.concatenate(accelerations)
+
+    def _implied(self) -> tuple[Matrices, Matrices]:
+        """Return both of one block."""
         state, scene = self.state, self.state.scene
         _, rate, acceleration = scene.drive.at(state.motion["time"])
         lever = self.size if scene.driven_slide is None else 1.0
-        right = np.zeros(self.J.shape[:2])
+        right = np.zeros(self.jacobian.shape[:2])
         right[:, -1] = lever * rate
         velocities = self._solve(right)
         right[:, -1] = lever * acceleration
@@ -125,9 +138,9 @@ class Constraints:
 
     def _solve(self, right: Matrices) -> Matrices:
         """Return the solutions, NaN in a singular pose."""
-        regular = (self.condition < SINGULAR)[:, None]
-        J = np.where(regular[..., None], self.J, np.eye(self.J.shape[-1]))
-        return np.where(regular, np.linalg.solve(J, right[..., None])[..., 0], np.nan)
+        regular = (np.linalg.slogdet(self.jacobian)[0] != 0)[:, np.newaxis]
+        J = np.where(regular[..., np.newaxis], self.jacobian, np.eye(self.jacobian.shape[-1]))
+        return np.where(regular, np.linalg.solve(J, right[..., np.newaxis])[..., 0], np.nan)
 
 
 def _largest_length(state: State) -> float:

@@ -102,6 +102,7 @@ def _summary(study: Study) -> dict[str, Any]:
                 "version": m.run.version,
                 "status": m.run.status.name,
                 "reason": m.run.reason,
+                "found_by": m.run.found_by,
                 "settings": asdict(m.run.settings) if m.run.settings else None,
                 "seconds": {"build": m.run.build_s, "solve": m.run.solve_s, "read": m.run.read_s},
                 "counters": m.run.counters,

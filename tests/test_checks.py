@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import analytic
+from compare import jacobian
 from compare.checks import checks
+from compare.jacobian import Constraints
 from compare.reference import Reference
 from compare.runner import run
 from scenes import Motion, Sampling, Scene
@@ -145,3 +147,14 @@ def test_a_singular_pose_says_nothing_of_its_rates(reference: Reference, motion:
     found = {c.check: c for c in checks(reference.scene, Motion({**motion.samples, **flat}), reference.stroke)}
     assert found["closure"].worst > 0.1
     assert all(np.isfinite(c.worst) for c in found.values())
+
+
+def test_a_long_motion_is_taken_in_blocks(
+    reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = Constraints(reference.scene, motion)
+    known = whole.condition, whole.branch, *whole.implied
+    monkeypatch.setattr(jacobian, "BLOCK", 10)
+    blocks = Constraints(reference.scene, motion)
+    for one, other in zip(known, (blocks.condition, blocks.branch, *blocks.implied), strict=True):
+        assert np.array_equal(one, other)

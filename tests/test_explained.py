@@ -87,6 +87,6 @@ def test_the_condition_is_that_of_the_matrix_that_moves_the_linkage(reference: R
     """Its inverse turns a gap at any joint into a change of pose: by at most the largest singular value's inverse."""
     motion = commanded(reference)
     constraints = Constraints(reference.scene, motion)
-    values = np.linalg.svd(constraints.J[7], compute_uv=False)
+    values = np.linalg.svd(constraints.jacobian[7], compute_uv=False)
     assert constraints.condition[7] == pytest.approx(values[0] / values[-1])
     assert EPS * constraints.condition.max() <= 1e-14
