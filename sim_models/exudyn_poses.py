@@ -113,23 +113,21 @@ class Poses:
         reached, found = self._reached(state, np.asarray(position))
         if found:
             return reached
-        if bisections == 0:
-            raise self._stuck(state, position if goal is None else goal)
         goal = position if goal is None else goal
+        if bisections == 0:
+            raise self._stuck(state, goal)
         middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
         return self.follow(middle, position, bisections - 1, goal)
 
-    def _stuck(self, state: State, position: float) -> Failure:
-        """Return why no pose follows: there is none at all, or there are two, too close to tell which it is."""
-        past = f"past {self.system.scene.where(float(state.position))}"
-        if self.nearest(state.q, position) is None:
-            return Failure(
-                Status.cannot_assemble, f"the bodies cannot follow the drive {past}: the linkage locks there"
-            )
-        return Failure(
-            Status.not_converged,
-            f"which way the bodies follow the drive {past} cannot be told: two ways of assembling them nearly meet",
-        )
+    def _stuck(self, state: State, goal: float) -> Failure:
+        """Return why no pose follows: somewhere on the way to the goal is none, or there are two, too close to tell."""
+        past = self.system.scene.where(float(state.position))
+        way = np.linspace(float(state.position), goal, LOOKS)[1:].tolist()
+        if any(self.nearest(state.q, position) is None for position in way):
+            reason = f"the bodies cannot follow the drive past {past}: the linkage locks there"
+            return Failure(Status.cannot_assemble, reason)
+        reason = f"which way the bodies follow the drive past {past} cannot be told: two ways of assembling them meet"
+        return Failure(Status.not_converged, reason)
 
     def nearest(self, q: Array, position: float) -> Array | None:
         """Return a pose near q that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""

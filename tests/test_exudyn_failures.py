@@ -38,6 +38,14 @@ def test_linkage_that_locks(settings: ExudynSettings, tmp_path: Path) -> None:
 
 
 @BOTH_ROUTES
+def test_a_lock_that_is_soon_over_is_a_lock(settings: ExudynSettings, tmp_path: Path) -> None:
+    """The rod is short of its guide for four degrees only; beyond, the bodies fit together again."""
+    failed = failure(edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 248.9')), settings)
+    assert failed.status is Status.cannot_assemble
+    assert "209.92" in failed.reason
+
+
+@BOTH_ROUTES
 def test_branches_that_meet(settings: ExudynSettings, tmp_path: Path) -> None:
     failed = failure(write(tmp_path, PARALLELOGRAM), settings)
     assert failed.status is Status.not_converged

@@ -61,12 +61,6 @@ class Pose:
     beta: Any
     phi: Any
 
-    @property
-    def psi(self) -> Samples:
-        """Return where A-D stands, rad."""
-        angle: Samples = self.alpha + self.theta + self.gamma
-        return angle
-
 
 @dataclass(frozen=True)
 class Moving(Pose):
