@@ -5,16 +5,16 @@ from pathlib import Path
 import pandas as pd
 
 import scenes
-from compare.drawing import linkage
-from compare.environment import environment
-from compare.figures import over_angle, panels
+from compare.engines.environment import environment
+from compare.engines.registry import DEFAULT_ENGINES
 from compare.hard.cases import forget, hard_cases
-from compare.hard.tables import counts, verdict
-from compare.registry import DEFAULT_ENGINES
-from compare.speed.figure import work_precision
+from compare.report.curves import over_angle, panels
+from compare.report.hard.tables import counts, verdict
+from compare.report.linkage import linkage
+from compare.report.speed.figure import work_precision
+from compare.report.tables import by_group, checks, notes, overview, setup
 from compare.speed.timing import Budget
 from compare.study import study
-from compare.tables import by_group, checks, notes, overview, setup
 from scenes.hard import catalogue
 
 FOLDER = Path(__file__).parents[1] / "results" / "published"

@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare import registry
-from compare.measure import measure
-from compare.reference import Reference, establish, relative_errors
+from compare.engines import registry
+from compare.engines.reference import Reference, establish, relative_errors
+from compare.judge.measure import measure
 from scenes import Sampling
 
 TURNS = (1, 100, 1000, 10_000)

@@ -7,8 +7,8 @@ from typing import NoReturn
 
 from scenes import InputError
 
-from . import registry
 from .asked import TIERS, accuracy
+from .engines import registry
 from .family.grid import variation
 
 USAGE = (

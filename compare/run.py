@@ -13,13 +13,13 @@ from rich.status import Status
 from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
 from scenes.hard import catalogue, ladder
 
-from . import registry
 from .arguments import parser
 from .asked import narrowed
+from .engines import registry
 from .family.grid import grid
 
 if TYPE_CHECKING:
-    from .gates import Gate
+    from .judge.gates import Gate
     from .study import Study
 
 TO_LOCK = "lock_rrr"  # the ladder in a map of every report
@@ -61,7 +61,9 @@ def _run(options: argparse.Namespace) -> int:
         scenes = [narrowed(scene, options.channels) for scene in scenes]
     _check(options, scenes)
 
-    from . import output  # late: the tables and plots are slow to import, and bad input should be told at once
+    from .report import (
+        files as output,  # late: the tables and plots are slow to import, and bad input should be told at once
+    )
 
     output.check_writable(options.out)
     run = _family if options.vary else _report
@@ -101,9 +103,9 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     Raises:
         KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
     """
-    from . import output
+    from .engines.stopping import Stopped, stoppable
+    from .report import files as output
     from .speed.timing import Budget
-    from .stopping import Stopped, stoppable
     from .study import study
 
     def progress(doing: str) -> None:
@@ -152,9 +154,9 @@ def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     Raises:
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
-    from .family import report as family_report
     from .family.family import Family, members
-    from .family.tables import label, on_a_line
+    from .report.family import page as family_report
+    from .report.family.tables import label, on_a_line
 
     def progress(doing: str) -> None:
         status.update(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
@@ -186,9 +188,9 @@ def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
 
 
 def _tell(result: "Study") -> None:
-    from .errors import SHOWN_GROUPS
-    from .speed.tables import verdict
-    from .tables import overview
+    from .judge.errors import SHOWN_GROUPS
+    from .report.speed.tables import verdict
+    from .report.tables import overview
 
     for row in overview(result).to_dict("records"):
         errors = "  ".join(f"{group} {row[group]:.1e}" for group in SHOWN_GROUPS if row[group] == row[group])

@@ -8,17 +8,17 @@ import pandas as pd
 
 from scenes import Motion, Sampling, Scene, Settings
 
-from . import registry
 from .asked import Accuracy
-from .escalation import escalated
-from .explained import Explained, explain
-from .gates import Gate, gates
-from .measure import Measurement, measure
-from .reference import Reference, establish
+from .engines import registry
+from .engines.reference import Reference, establish
+from .engines.stopping import kept
+from .judge.escalation import escalated
+from .judge.gates import Gate, gates
+from .judge.measure import Measurement, measure
+from .judge.round_off import Explained, explain
 from .speed.choice import cheapest_within, offered
 from .speed.ladders import settings_of, speed_table
 from .speed.timing import Budget
-from .stopping import kept
 
 
 @dataclass(frozen=True)

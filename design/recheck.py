@@ -7,10 +7,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from compare import runner
-from compare.errors import SHOWN_GROUPS
-from compare.measure import Measurement, measure
-from compare.reference import establish
+from compare.engines import runner
+from compare.engines.reference import establish
+from compare.judge.errors import SHOWN_GROUPS
+from compare.judge.measure import Measurement, measure
 from scenes import Motion, Sampling, Scene, load
 
 from .clamp import RATED, Array

@@ -13,9 +13,9 @@ from typing import Any
 import pandas as pd
 from plotly.offline import get_plotlyjs
 
-from compare.environment import environment
-from compare.output import placed
-from compare.pieces import figure_html, table_html
+from compare.engines.environment import environment
+from compare.report.files import placed
+from compare.report.html import figure_html, table_html
 
 from . import tables
 from .clamp import SCHEME_4, Array
@@ -77,7 +77,7 @@ def page(outcome: Outcome) -> str:
 
 
 def _head(title: str) -> str:
-    head = _template("compare", "report.html").template.partition("</head>")[0]
+    head = _template("compare.report", "page.html").template.partition("</head>")[0]
     return Template(head).substitute(title=escape(title), plotly=get_plotlyjs())
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from compare.output import check_writable
+from compare.report.files import check_writable
 from scenes import InputError
 
 from . import tables

@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from compare import registry
-from compare.reference import Reference
+from compare.engines import registry
+from compare.engines.reference import Reference
 from scenes import Motion, Sampling, Scene, Settings
 
 SAMPLING = Sampling(72)

@@ -10,8 +10,8 @@ from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
 import scenes
-from compare import registry
-from compare.reference import Floor, Reference, establish
+from compare.engines import registry
+from compare.engines.reference import Floor, Reference, establish
 from scenes import Motion, Scene
 
 from .comparisons import Outcome, Plug, References, Stub, commanded
@@ -116,7 +116,7 @@ def references(tmp_path_factory: pytest.TempPathFactory) -> References:
         file = folder / f"{name}.toml"
         file.write_text(MECHANISMS[name], encoding="utf-8")
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("compare.reference._certify", lambda _: Floor({}, "not certified here"))
+            patch.setattr("compare.engines.reference._certify", lambda _: Floor({}, "not certified here"))
             return establish(scenes.load(file))
 
     return of

@@ -8,8 +8,8 @@ import numpy as np
 from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.loads import Force
 
-from .. import registry
-from ..runner import run
+from ..engines import registry
+from ..engines.runner import run
 from .claims import Claim, judge, worst
 from .clamp_constraints import constraints
 from .clamp_designs import design

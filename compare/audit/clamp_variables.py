@@ -16,7 +16,7 @@ from numpy import pi, sin
 from scenes import Motion, Scene
 from scenes.motion import Samples
 
-from ..state import State
+from ..engines.state import State
 
 SOURCE = "double-toggle clamp"
 DESIGNS: Mapping[str, Mapping[str, str]] = {

@@ -10,8 +10,8 @@ from plotly.offline import get_plotlyjs
 
 from scenes import Scene
 
-from ..environment import environment
-from ..pieces import figure_html, table_html, template
+from ..engines.environment import environment
+from ..report.html import figure_html, table_html, template
 from .claims import Claim
 from .sources import claims_of, source_of
 from .table import RULES, overview, table
@@ -20,7 +20,7 @@ from .table import RULES, overview, table
 def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]], notes: Sequence[str]) -> str:
     """Return the whole page, given the pictures with titles and notes, and what a reader has to know."""
     return template("compare.audit", "audit.html").substitute(
-        head=Template(template("compare", "report.html").template.partition("</head>")[0]).substitute(
+        head=Template(template("compare.report", "page.html").template.partition("</head>")[0]).substitute(
             title="The source papers, audited", plotly=get_plotlyjs()
         ),
         overview=table_html(overview(claims)),

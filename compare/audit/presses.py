@@ -11,7 +11,7 @@ import numpy as np
 from scenes import Sampling, load
 from scenes.motion import Samples
 
-from .. import registry
+from ..engines import registry
 
 TURN = Sampling(3600)
 STEP = tau / TURN.samples

@@ -25,7 +25,9 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, or 2 for bad input."""
     try:
         options = _parser().parse_args(arguments)
-        from .. import output  # late: the tables and plots are slow to import, and bad input should be told at once
+        from ..report import (
+            files as output,  # late: the tables and plots are slow to import, and bad input should be told at once
+        )
 
         output.check_writable(options.out)
         with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
@@ -74,7 +76,7 @@ def audit(progress: Callable[[str], None]) -> tuple[list[Claim], list[str]]:
 
 def _floors() -> Iterator[str]:
     """Yield how far the reference may be off on each linkage that is audited."""
-    from ..reference import establish
+    from ..engines.reference import establish
 
     for name in (name for names in SCENES.values() for name in names):
         floor = establish(load(name)).floor
@@ -88,7 +90,7 @@ def write(claims: Sequence[Claim], notes: Sequence[str], folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    from ..output import placed
+    from ..report.files import placed
     from .figures import figures
     from .page import page
 

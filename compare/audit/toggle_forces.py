@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scenes import Sampling, load
 from scenes.motion import Samples
 
-from .. import registry
+from ..engines import registry
 from .claims import EXACT, Claim, Difference, Equation, Verdict, judge
 from .toggle_statics import FORCES, Statics, fitted, lever_moment, signed, statics, with_all_signs
 from .toggle_variables import SOURCE

@@ -7,8 +7,8 @@ import numpy as np
 
 from scenes import load
 
-from .. import registry
-from ..state import State
+from ..engines import registry
+from ..engines.state import State
 from .claims import Claim, comparison, judge, number, unstated
 from .presses import PART, Press, family, press, rounded
 from .toggle_forces import claims as force_claims

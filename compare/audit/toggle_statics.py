@@ -16,7 +16,7 @@ from scenes import Motion, Scene
 from scenes.loads import Force
 from scenes.motion import Samples
 
-from ..state import State, inertia
+from ..engines.state import State, inertia
 from .toggle_variables import bars
 
 CHANNELS = {"RP": "P1", "RP2": "P2", "RO": "O", "RP3": "P3", "RP4": "P4", "RP5": "P5"}  # forces, and their pins

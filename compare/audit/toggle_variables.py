@@ -17,8 +17,8 @@ from scenes import Motion, Sampling, load
 from scenes.drive import Driven, MotionLaw
 from scenes.motion import Samples
 
-from .. import registry
-from ..state import State, Vectors
+from ..engines import registry
+from ..engines.state import State, Vectors
 
 SOURCE = "toggle press"
 SAMPLES = 720  # a turn

@@ -12,7 +12,7 @@ from scenes import Motion, Sampling, Scene
 from scenes.motion import Samples
 from scenes.scene import Force, PressForce
 
-from ..units import axis
+from ..engines.axis import axis
 
 Solve: TypeAlias = Callable[[Samples], Motion]  # instants, s, shape (n,) -> the reference's motion
 Curves: TypeAlias = Mapping[str, Samples]  # by name, SI, each of shape (n,)

@@ -8,10 +8,10 @@ from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
 from scenes.changes import named
 from scenes.motion import Samples
 
-from .. import registry
-from ..gates import Gate, gates
-from ..measure import Measurement, measure
-from ..reference import Floor, establish
+from ..engines import registry
+from ..engines.reference import Floor, establish
+from ..judge.gates import Gate, gates
+from ..judge.measure import Measurement, measure
 from .cycle import SAMPLING, Cycle, cycle
 from .grid import Variation
 

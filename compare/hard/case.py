@@ -12,15 +12,15 @@ from scenes import Failure, InputError, Sampling, Scene, Settings, Status, hard
 from scenes.engine import ESTIMATE
 from scenes.motion import quantity
 
-from .. import registry
-from ..errors import SHOWN_GROUPS
-from ..escalation import attempts
-from ..explained import Explained, explain
-from ..gates import gates
-from ..measure import Measurement, measure
-from ..reference import Reference, found
-from ..registry import ORACLE, REFERENCE
-from ..runner import run
+from ..engines import registry
+from ..engines.reference import Reference, found
+from ..engines.registry import ORACLE, REFERENCE
+from ..engines.runner import run
+from ..judge.errors import SHOWN_GROUPS
+from ..judge.escalation import attempts
+from ..judge.gates import gates
+from ..judge.measure import Measurement, measure
+from ..judge.round_off import Explained, explain
 from ..speed.ladders import tiers
 from .digits import digits_lost
 

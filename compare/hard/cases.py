@@ -7,10 +7,10 @@ import pandas as pd
 
 from scenes import hard
 
-from .. import registry
-from ..stopping import kept as until_stopped
+from ..engines import registry
+from ..engines.isolation import Ended, Limits, isolated
+from ..engines.stopping import kept as until_stopped
 from .case import Case, Outcome, Row, case_row, examine
-from .isolation import Ended, Limits, isolated
 from .kept import Kept
 
 PARTIAL = "hard.partial.jsonl"

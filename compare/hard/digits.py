@@ -36,13 +36,13 @@ from scenes.loads import Force, ForceTable, Load, PressForce, Spring, Vector
 from scenes.motion import Samples, channels, quantity
 from scenes.scene import Body, ConstantSpeed
 
-from .. import registry
-from ..errors import GROUPS, SHOWN_GROUPS
-from ..jacobian import Constraints
-from ..press import acts, press_forces, stroke_end
-from ..reference import relative_errors
-from ..runner import run
-from ..state import State
+from ..engines import registry
+from ..engines.press_switches import acts, press_forces, stroke_end
+from ..engines.reference import relative_errors
+from ..engines.runner import run
+from ..engines.state import State
+from ..judge.constraints import Constraints
+from ..judge.errors import GROUPS, SHOWN_GROUPS
 
 EPS = float(np.finfo(float).eps)
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock

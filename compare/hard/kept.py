@@ -10,8 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from .. import registry
-from ..environment import environment
+from ..engines import registry
+from ..engines.environment import environment
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")
 

@@ -21,12 +21,12 @@ import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Settings
 
-from .. import registry
-from ..errors import SHOWN_GROUPS
-from ..measure import Measurement, measure
-from ..reference import Reference, establish
-from ..runner import run
-from ..stopping import kept
+from ..engines import registry
+from ..engines.reference import Reference, establish
+from ..engines.runner import run
+from ..engines.stopping import kept
+from ..judge.errors import SHOWN_GROUPS
+from ..judge.measure import Measurement, measure
 
 SAMPLES = 24  # a cycle
 STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples

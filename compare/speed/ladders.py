@@ -10,11 +10,11 @@ import pandas as pd
 
 from scenes import Sampling, Settings, Status
 
-from .. import registry
-from ..measure import Measurement, measure
-from ..reference import Reference
-from ..runner import Run
-from ..stopping import kept
+from ..engines import registry
+from ..engines.reference import Reference
+from ..engines.runner import Run
+from ..engines.stopping import kept
+from ..judge.measure import Measurement, measure
 from .timing import Budget, Times, take_turns
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them

@@ -10,7 +10,7 @@ from time import perf_counter, process_time
 
 from scenes import Simulation
 
-from ..stopping import kept
+from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one

@@ -14,7 +14,7 @@ import pandas as pd
 from scenes import Status
 from scenes.motion import Samples
 
-from ..errors import SHOWN_GROUPS
+from ..judge.errors import SHOWN_GROUPS
 from .ladders import LADDER
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}

@@ -1,0 +1,147 @@
+"""What every engine is measured against: the analytic core, its scales, and how far it may itself be off."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scenes import Failure, InputError, Motion, Sampling, Scene
+from scenes.motion import Samples, channels, force_channels, quantity
+
+from . import axis as units
+from . import registry
+from .press_switches import Acts, acts, fixed, press_forces, stroke_end
+from .runner import run
+from .state import State
+
+SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
+FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
+
+
+@dataclass(frozen=True)
+class Floor:
+    """How far the reference itself may be off: relative error by channel, and how that was established."""
+
+    by_channel: Mapping[str, float]
+    by: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The reference for one scene."""
+
+    scene: Scene
+    at: registry.Solve  # the motion at positions of the drive and instants: every channel, asked for or not
+    stroke: float  # m, of the output point
+    scale: Mapping[str, float]  # by channel, what errors are divided by
+    floor: Floor
+    stroke_ends: tuple[float, ...] = ()  # m, of each press force
+
+    def acts(self, *motions: Motion) -> list[Acts]:
+        """Return what may be said of each press force, by sample, from motions that are the same but for a hair."""
+        states = [State(self.scene, motion) for motion in motions]
+        loads = zip(press_forces(self.scene), self.stroke_ends, strict=True)
+        return [np.concatenate([acts(state, load, end) for state in states]) for load, end in loads]
+
+    def errors(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> dict[str, Samples]:
+        """Return the relative errors by channel, each of shape (n,), where `true` is what the motion should be.
+
+        At a sample on the switch of a press force all forces are compared with those on the side where they fit best.
+        """
+        found = relative_errors(motion, true, self.scale)
+        judged = [channel for channel in force_channels(self.scene) if channel in motion]
+        for scene, rows in fixed(self.scene, may) if judged else ():
+            other = registry.reference(scene)(true[scene.drive_channel][rows], true["time"][rows])
+            there = Motion({channel: motion[channel][rows] for channel in judged})
+            errors = relative_errors(there, other, self.scale)
+            better = sum(errors.values()) < sum(found[channel][rows] for channel in judged)
+            for channel in judged:
+                found[channel][rows] = np.where(better, errors[channel], found[channel][rows])
+        return found
+
+
+def establish(scene: Scene) -> Reference:
+    """Solve one cycle of the reference, take the scales from it, and certify it.
+
+    Raises:
+        InputError: the reference cannot solve the scene, so that there is nothing to compare with.
+    """
+    try:
+        uncertified = found(scene)
+    except Failure as failure:
+        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
+    return replace(uncertified, floor=_certify(uncertified))
+
+
+def found(scene: Scene) -> Reference:
+    """Solve one cycle of the reference and take the scales from it.
+
+    Raises:
+        Failure: the reference cannot solve the scene, or there is no one motion.
+        InputError: the output does not move, so that there is no scale.
+    """
+    sampling = Sampling(SCALE_SAMPLES)
+    everything = replace(scene, asked=None)
+    registry.check_reference(scene)
+    solve = registry.reference(everything)
+    motion = solve(sampling.commanded(scene), sampling.times(scene))
+    stroke = float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
+    if not stroke > 0:
+        raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
+    ends = tuple(stroke_end(State(scene, motion), load) for load in press_forces(scene))
+    return Reference(scene, solve, stroke, _scales(everything, motion, stroke), Floor({}, ""), ends)
+
+
+def _scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
+    """Return the scale of each channel.
+
+    Points are scaled by the stroke S, S w and S w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of their
+    pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
+    """
+    least, largest = scene.drive.extent
+    travel = largest - least
+    w = scene.drive.peak_rate if scene.driven_slide is None else scene.drive.peak_rate / travel
+    size = dict.fromkeys(("x", "y"), stroke) | dict.fromkeys(("vx", "vy"), stroke * w)
+    size |= dict.fromkeys(("ax", "ay"), stroke * w**2) | {"angle": 1.0, "crank_angle": 1.0, "omega": w, "alpha": w**2}
+    size |= {"displacement": travel, "time": scene.drive.cycle}
+    peak = {channel: _peak(motion, channel) for channel in channels(scene) if quantity(channel) not in size}
+    for channel in peak:
+        if quantity(channel) == "guide_moment":  # often zero by symmetry; a force times the stroke is its natural size
+            peak[channel] = max(peak[channel], stroke * peak[channel.replace("guide_moment", "guide_force")])
+    largest = max(peak.values(), default=0.0) or 1.0  # for a joint that never carries anything
+    return {c: size[quantity(c)] if quantity(c) in size else peak[c] or largest for c in channels(scene)}
+
+
+def _peak(motion: Motion, channel: str) -> float:
+    """Return the peak magnitude of a pin's vector for its components, of the channel itself otherwise."""
+    stem = channel.removesuffix(quantity(channel))
+    if quantity(channel) in ("fx", "fy"):
+        return float(np.hypot(motion[stem + "fx"], motion[stem + "fy"]).max())
+    return float(np.abs(motion[channel]).max())
+
+
+def relative_errors(motion: Motion, reference: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
+    """Return |motion - reference| / scale by channel, each of shape (n,); angles are compared modulo one turn.
+
+    The time is an input, and what only one model can say has no scale: neither is compared.
+    """
+    errors = {}
+    for channel in motion.samples:
+        if channel != "time" and channel in scale:
+            difference = motion[channel] - reference[channel]
+            if quantity(channel) == "angle":
+                difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+            errors[channel] = np.abs(difference) / scale[channel]
+    return errors
+
+
+def _certify(reference: Reference) -> Floor:
+    """Measure the reference against arbitrary precision at a few positions of one cycle."""
+    oracle = run(registry.ORACLE, reference.scene, Sampling(FLOOR_SAMPLES))
+    if oracle.motion is None:
+        return Floor({}, f"not certified: {oracle.reason}")
+    true = reference.at(oracle.motion[reference.scene.drive_channel], oracle.motion["time"])
+    errors = reference.errors(oracle.motion, true, reference.acts(true))
+    where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(reference.scene) else 'instants'}"
+    by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(reference.scene)}"
+    return Floor({channel: float(error.max()) for channel, error in errors.items()}, by)

@@ -1,0 +1,106 @@
+"""The one place that knows the engines' names. A module is imported when its engine runs, not before."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from typing import Any, TypeAlias, cast
+
+from scenes import Engine, InputError, Motion, Scene
+from scenes.errors import nearest
+from scenes.motion import Samples
+
+Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where an engine lives and what must be installed for it."""
+
+    purpose: str
+    module: str
+    package: str  # what is imported
+    distribution: str  # what is installed
+    install: str
+    promise: float  # the largest relative error of a run at balanced settings that says ok: hard cases hold it to that
+
+    @property
+    def missing(self) -> str | None:
+        """Return what to do before the engine can run, or None when it can."""
+        return None if find_spec(self.package) else f"{self.distribution} is not installed: {self.install}"
+
+    @property
+    def version(self) -> str:
+        """Return the installed version of what does the work, without importing it."""
+        try:
+            return f"{self.distribution} {version(self.distribution)}"
+        except PackageNotFoundError:
+            return "not installed"
+
+
+ENTRIES = {
+    "analytic": Entry(
+        "vector equations: dyads in closed form, larger groups by Newton; the reference",
+        "analytic.engine",
+        "numpy",
+        "numpy",
+        "pip install numpy",
+        1e-12,
+    ),
+    "exudyn": Entry(
+        "multibody DAE with Lagrange multipliers",
+        "sim_models.exudyn.engine",
+        "exudyn",
+        "exudyn",
+        "pip install exudyn",
+        1e-3,
+    ),
+    "pymunk": Entry(
+        "impulses, block Gauss-Seidel", "sim_models.pymunk.engine", "pymunk", "pymunk", "pip install pymunk", 1e-2
+    ),
+    "multiprecision": Entry(
+        "50 digits, Newton on the constraints; certifies the reference's floor",
+        "sim_models.multiprecision.engine",
+        "flint",
+        "python-flint",
+        "pip install '.[certify]'",
+        1e-12,
+    ),
+}
+REFERENCE = "analytic"
+DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
+ORACLE = "multiprecision"
+
+
+def check_names(names: Iterable[str]) -> None:
+    """Raise InputError for the first name that is no engine's."""
+    for name in names:
+        if name not in ENTRIES:
+            raise InputError(f"--engines: no engine '{name}'{nearest(name, ENTRIES)}")
+
+
+def engine(name: str) -> Engine[Any]:
+    """Return an engine's module, imported now."""
+    return cast("Engine[Any]", import_module(ENTRIES[name].module))
+
+
+def check_reference(scene: Scene) -> None:
+    """Raise Failure where the analytic core finds a pose on the drive's way that no one motion leads through."""
+    import_module("analytic").check_way(scene)
+
+
+def reference(scene: Scene) -> Solve:
+    """Return the analytic core's solver of a scene, against which every engine is measured.
+
+    It raises Failure where the linkage has no motion, as where a drive was taken beyond its end.
+
+    Raises:
+        Failure: the core cannot take the scene apart.
+    """
+    return cast("Solve", import_module("analytic").solver(scene))
+
+
+def route(scene: Scene) -> str:
+    """Return by which way the reference solves a scene, in a few words."""
+    return cast("str", import_module("analytic").route(scene))

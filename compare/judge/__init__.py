@@ -1,0 +1,1 @@
+"""What is wrong with a run: checks that need no reference first, errors against the reference last."""

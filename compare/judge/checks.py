@@ -1,0 +1,108 @@
+"""What an engine's own output must satisfy, with no reference.
+
+The drive where it was asked to be, closed joints, one branch, rates that fit the poses, Newton and Euler, power.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.motion import Samples, force_channels, kinematic_channels
+
+from ..engines.axis import axis
+from ..engines.press_switches import acts, press_forces, sides, stroke_end
+from ..engines.state import State, inertia
+from .closure import closed_by, gaps, rates
+from .constraints import Constraints
+
+
+@dataclass(frozen=True)
+class Check:
+    """The worst violation over the whole run."""
+
+    check: str
+    of: str  # the body, or the whole mechanism
+    worst: float  # relative
+    max_at: float  # in the unit of the scene's axis
+    where: str
+    relative_to: str
+
+
+def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
+    """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to."""
+    state = State(scene, motion)
+    violations = {("drive", scene.drive.body, "turn" if scene.driven_slide is None else "travel"): _drive(state)}
+    for body in scene.bodies.values():
+        if motion.samples.keys() >= closed_by(scene, body):
+            violations["closure", body.name, "stroke"] = gaps(state, body, stroke)
+    if motion.samples.keys() >= set(kinematic_channels(scene)):
+        constraints = Constraints(scene, motion)
+        violations["branch", "linkage", "sign of the Jacobian"] = (constraints.branch != constraints.branch[0]) * 1.0
+        for quantity, of, violation in rates(constraints):
+            violations[quantity, of, f"peak {quantity}"] = violation
+        if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
+            violations |= _balances(state, stroke)
+    return [_worst(*what, violation, state) for what, violation in violations.items()]
+
+
+def _worst(check: str, of: str, relative_to: str, violation: Samples, state: State) -> Check:
+    row = int(violation.argmax())
+    max_at = float(axis(state.scene).of(state.motion)[row])
+    where = state.scene.where(float(state.motion[state.scene.drive_channel][row]))
+    return Check(check, of, float(violation[row]), max_at, where, relative_to)
+
+
+def _drive(state: State) -> Samples:
+    """Return how far the drive is from where it was asked to be, in turns or travels, shape (n,)."""
+    scene = state.scene
+    least, most = scene.drive.extent
+    asked = scene.drive.at(state.motion["time"]).position
+    off: Samples = np.abs(state.motion[scene.drive_channel] - asked)
+    return off / (2 * np.pi if scene.driven_slide is None else most - least)
+
+
+Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
+
+
+def _balances(state: State, stroke: float) -> Violations:
+    """Return what forces and power leave over; on the switch of a press force, on the side where it is less."""
+    may = [acts(state, load, stroke_end(state, load)) for load in press_forces(state.scene)]
+    least: Violations = {}
+    for acting in sides(may):
+        standing = replace(state, acting=acting)
+        left_over = dict(_newton_euler(standing, stroke))
+        left_over["power", "mechanism", "peak of the largest power"] = _power(standing)
+        least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
+    return least
+
+
+def _newton_euler(state: State, stroke: float) -> Iterator[tuple[tuple[str, str, str], Samples]]:
+    """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
+    for body in state.scene.bodies.values():
+        com, _, acceleration = state.com(body)
+        force = -(body.mass or 0.0) * acceleration
+        moment = state.couples(body) - inertia(body) * state.turning(body.name)[2]
+        peak = 0.0
+        for push, at in (*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))):
+            force = force + push
+            moment = moment + ((at - com).conjugate() * push).imag
+            peak = max(peak, float(np.abs(push).max()))
+        peak = peak or 1.0  # a body that nothing pushes: the leftover itself, in N
+        yield ("Newton", body.name, "peak force on the body"), np.abs(force) / peak
+        yield ("Euler", body.name, "peak force times stroke"), np.abs(moment) / (peak * stroke)
+
+
+def _power(state: State) -> Samples:
+    """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
+    terms = []
+    if state.scene.driven_slide is None:
+        terms.append(state.motion["drive.torque"] * state.turning(state.scene.drive.body)[1])
+    for body in state.scene.bodies.values():
+        terms += [(push.velocity.conjugate() * push.force).real for push in state.applied(body)]
+        _, v, a = state.com(body)
+        _, omega, alpha = state.turning(body.name)
+        terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
+    peak = max(float(np.abs(term).max()) for term in terms) or 1.0
+    return np.abs(sum(terms)) / peak

@@ -1,0 +1,127 @@
+"""How far an engine is from the reference, channel by channel.
+
+The reference is evaluated at the engine's own instants, both at the position of the drive that the engine really had
+and at the one commanded: the difference between the two errors is the drive's, not the linkage's. The engine is never
+interpolated.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from scenes import Motion, Sampling
+from scenes.motion import UNITS, Samples, quantity
+from scenes.scene import ConstantSpeed
+
+from ..engines import registry
+from ..engines.axis import axis
+from ..engines.reference import Reference
+from ..engines.registry import REFERENCE
+from .round_off import Explained
+
+GROUPS: Mapping[str, str] = (
+    dict.fromkeys(("x", "y", "angle"), "position")
+    | dict.fromkeys(("vx", "vy", "omega"), "velocity")
+    | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
+    | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
+    | {"torque": "torque", "force": "torque", "crank_angle": "drive", "displacement": "drive"}
+)  # by quantity; every channel but the time is judged in one
+
+SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")  # of the linkage; the drive's is an input
+
+TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below which the output nearly stands still
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One engine's errors: relative, by channel, each of shape (n,)."""
+
+    actual: Mapping[str, Samples]  # against the reference at the drive's position that the engine had
+    commanded: Mapping[str, Samples]  # against the reference at the position asked for
+    position: Samples  # of the drive, rad or m, commanded
+    axis: Samples  # where the samples are on the axis of tables and curves
+    toggle: NDArray[np.bool_]  # where the output nearly stands still
+    samples_a_turn: int
+
+
+def compare(reference: Reference, sampling: Sampling, motion: Motion) -> Comparison:
+    """Measure one engine's motion against the reference at the engine's own instants.
+
+    Raises:
+        Failure: there is no reference where the engine's drive is.
+    """
+    scene = reference.scene
+    position = sampling.commanded(scene)
+    commanded = reference.at(position, sampling.times(scene))
+    actual = reference.at(motion[scene.drive_channel], motion["time"])
+    may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
+    slope = _slope(reference, commanded)
+    return Comparison(
+        reference.errors(motion, actual, may),
+        reference.errors(motion, commanded, may),
+        position,
+        axis(scene).of(commanded),
+        slope < TOGGLE_WINDOW * slope.max(),
+        sampling.samples,
+    )
+
+
+def _slope(reference: Reference, motion: Motion) -> Samples:
+    """Return |dx/dq| of the output point over the drive's position q, but for a constant factor.
+
+    It is the output's velocity at a constant speed of the drive; under a law, whose rests are no toggles, at another.
+    """
+    scene = reference.scene
+    if not isinstance(scene.drive, ConstantSpeed):
+        steady = ConstantSpeed(scene.drive.body, 1.0, *scene.drive.extent)
+        velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
+        steadily = registry.reference(replace(scene, drive=steady, asked=velocity))
+        motion = steadily(motion[scene.drive_channel], motion["time"])
+    return np.hypot(motion[f"{scene.output}.vx"], motion[f"{scene.output}.vy"])
+
+
+def group_floors(reference: Reference) -> dict[str, float]:
+    """Return the reference's floor by channel group: the largest of its channels."""
+    floors: dict[str, float] = {}
+    for channel, floor in reference.floor.by_channel.items():
+        group = GROUPS[quantity(channel)]
+        floors[group] = max(floors.get(group, 0.0), floor)
+    return floors
+
+
+def error_table(
+    engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
+) -> pd.DataFrame:
+    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one.
+
+    `unexplained` is the largest error where it is above what doubles explain, if that is known.
+    """
+    rows = []
+    unit = axis(reference.scene).unit
+    last_turn = slice(-comparison.samples_a_turn - 1, None)
+    for channel, error in comparison.actual.items():
+        worst = int(error.argmax())
+        commanded = comparison.commanded[channel]
+        floor = reference.floor.by_channel.get(channel, np.nan)
+        least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
+        by_rounding = np.zeros_like(error) if explained is None else explained.error(channel)
+        figures = {
+            "max": error[worst],
+            "unexplained": np.where(error <= by_rounding, 0.0, error).max(),  # NaN is not explained
+            "rms": np.sqrt(np.mean(error**2)),
+            "last_turn_max": error[last_turn].max(),
+            "toggle_max": error[comparison.toggle].max() if comparison.toggle.any() else np.nan,
+            "commanded_max": commanded.max(),
+            "commanded_rms": np.sqrt(np.mean(commanded**2)),
+        }
+        rows.append(
+            {"engine": engine, "channel": channel, "group": GROUPS[quantity(channel)]}
+            | {name: float(np.maximum(figure, floor if floor >= 0 else least)) for name, figure in figures.items()}
+            | {"explained": np.nan if explained is None else by_rounding.max()}
+            | {"max_at": comparison.axis[worst], "max_at_unit": unit, "floor": floor}
+            | {"scale": reference.scale[channel], "unit": UNITS[quantity(channel)]}
+        )
+    return pd.DataFrame(rows)

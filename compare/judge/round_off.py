@@ -1,0 +1,51 @@
+"""The part of an error that arithmetic in doubles explains, sample by sample. Only what is above it is a fault.
+
+Two figures: the condition of the constraint Jacobian times the unit round-off, and how far the motion moves when the
+scene's numbers are off by a few units in the last place. Near a lock the second is by far the larger, since velocities
+have the condition once in them, accelerations thrice.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenes import Sampling
+from scenes.motion import Samples
+
+from ..engines.reference import Reference
+from .constraints import Constraints
+from .perturbation import nearly, sensitivity
+
+EPS = float(np.finfo(float).eps)
+UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Relative errors that need no other explanation, at the samples of one run."""
+
+    condition: Samples  # of the constraint Jacobian, shape (n,)
+    sensitivity: Mapping[str, Samples]  # by channel, each of shape (n,)
+
+    @property
+    def decidable(self) -> bool:
+        """Whether doubles can tell that the linkage moves at all: not next to a singular pose."""
+        return bool(np.isfinite(list(self.sensitivity.values())).all() and (self.condition * EPS < UNKNOWN).all())
+
+    def error(self, channel: str) -> Samples:
+        """Return the largest error of a channel that needs no explanation, shape (n,)."""
+        return np.maximum(EPS * self.condition, self.sensitivity[channel])
+
+
+def explain(reference: Reference, sampling: Sampling) -> Explained:
+    """Return what is explained at the samples of a run, as commanded.
+
+    Raises:
+        Failure: the reference cannot take the scene apart.
+    """
+    scene = reference.scene
+    true = reference.at(sampling.commanded(scene), sampling.times(scene))
+    may = reference.acts(true)
+    moved = sensitivity(nearly(scene), true, lambda motion: reference.errors(motion, true, may))
+    return Explained(Constraints(scene, true).condition, moved)

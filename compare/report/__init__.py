@@ -1,0 +1,1 @@
+"""Every page, table, figure and file."""

@@ -1,0 +1,219 @@
+"""Curves over the drive's position or the time.
+
+The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.io import templates
+from plotly.subplots import make_subplots
+
+from scenes import Motion
+from scenes.motion import Samples, channels, quantity
+from scenes.scene import ConstantSpeed, Vector
+
+from ..engines.axis import axis, prefixed, turns_fully
+from ..engines.reference import Reference
+from ..engines.registry import REFERENCE
+from ..study import Study
+
+templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito's, told apart with any colour vision
+SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
+DASHES = ("solid", "dash", "dot")
+MARKERS = 36  # a cycle, shared out between the engines
+LAYOUT: dict[str, Any] = {
+    "margin": {"l": 70, "r": 20, "t": 40, "b": 55},
+    "legend": {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0},
+    "hoverlabel": {"namelength": -1},
+}
+SUBTITLED = {"margin": LAYOUT["margin"] | {"t": 80}, "legend": LAYOUT["legend"] | {"y": 1.07}}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What is plotted, and the channels that it is made of."""
+
+    name: str
+    channels: tuple[str, ...]
+    of: Callable[[Motion], Samples]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One figure: what is plotted, and the channels whose error, as a vector, is plotted below."""
+
+    title: str
+    axis: str
+    curves: tuple[Curve, ...]
+    judged: tuple[str, ...]
+
+
+def panels(reference: Reference) -> Iterator[Panel]:
+    """Yield the output's motion, then every joint's reaction, then the drive's torque or force: what is asked for."""
+    asked = set(channels(reference.scene))
+    for panel in (*_motion_panels(reference), *_force_panels(reference)):
+        curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.channels))
+        if curves:
+            yield replace(panel, curves=curves, judged=tuple(filter(asked.__contains__, panel.judged)))
+
+
+def _motion_panels(reference: Reference) -> Iterator[Panel]:
+    scene = reference.scene
+    guided = scene.guided(scene.output)
+    for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
+        x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
+        factor, unit = prefixed(reference.scale[x], unit)
+        curves: tuple[Curve, ...] = (_channel("x", x, factor), _channel("y", y, factor))
+        if guided is not None:
+            curves = (_along("along the guide", x, y, guided[1].along, factor),)
+        yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
+
+
+def _force_panels(reference: Reference) -> Iterator[Panel]:
+    scene = reference.scene
+    if not scene.has_masses:
+        return
+    for pin in scene.pins:
+        x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
+        factor, unit = prefixed(reference.scale[x], "N")
+        curves = (_magnitude("magnitude", x, y, factor), _channel("x", x, factor), _channel("y", y, factor))
+        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{unit}]", curves, (x, y))
+    for body in scene.bodies.values():
+        if body.slide is not None:
+            force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
+            per_force, newtons = prefixed(reference.scale[force], "N")
+            per_moment, newton_metres = prefixed(reference.scale[moment], "N m")
+            both = (_channel("force", force, per_force), _channel("moment", moment, per_moment))
+            axis = f"force [{newtons}], moment [{newton_metres}]"
+            yield Panel(f"Guide: force and moment on {body.name}", axis, both, (force, moment))
+    effort, newtons = ("torque", "N m") if scene.driven_slide is None else ("force", "N")
+    factor, unit = prefixed(reference.scale[f"drive.{effort}"], newtons)
+    curve = _channel(effort, f"drive.{effort}", factor)
+    yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), curve.channels)
+
+
+def _channel(name: str, channel: str, factor: float) -> Curve:
+    return Curve(name, (channel,), lambda motion: factor * motion[channel])
+
+
+def _along(name: str, x: str, y: str, along: Vector, factor: float) -> Curve:
+    parts = [(channel, factor * part) for channel, part in zip((x, y), along, strict=True) if part != 0]
+    return Curve(name, tuple(c for c, _ in parts), lambda motion: np.sum([f * motion[c] for c, f in parts], axis=0))
+
+
+def _magnitude(name: str, x: str, y: str, factor: float) -> Curve:
+    return Curve(name, (x, y), lambda motion: factor * np.hypot(motion[x], motion[y]))
+
+
+def over_angle(study: Study, panel: Panel) -> go.Figure:
+    """Draw one panel: curves above, errors below, on one axis."""
+    figure = make_subplots(2, 1, shared_xaxes=True, row_heights=[0.6, 0.4], vertical_spacing=0.06)
+    over = axis(study.scene).of(study.motion)
+    for curve, dash in zip(panel.curves, DASHES, strict=False):
+        line = {"color": "#555555", "dash": dash, "width": 1.5}
+        figure.add_scatter(x=over, y=curve.of(study.motion), name=curve.name, line=line, mode="lines", row=1, col=1)
+    stride = max(study.sampling.samples // MARKERS, 1)
+    floor = max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
+    for number, m in enumerate(study.measurements):
+        if m.run.motion is None or m.comparison is None or any(c not in m.run.motion for c in panel.judged):
+            continue
+        engine, colour = m.run.engine, COLOURS[number % len(COLOURS)]
+        rows = slice(number * stride, None, len(study.measurements) * stride)
+        marker = {"color": colour, "symbol": SYMBOLS[number % len(SYMBOLS)], "size": 8, "line": {"width": 2}}
+        for first, curve in enumerate(panel.curves):
+            figure.add_scatter(
+                x=over[rows],
+                y=curve.of(m.run.motion)[rows],
+                name=engine,
+                legendgroup=engine,
+                showlegend=first == 0,
+                mode="markers",
+                marker=marker,
+                row=1,
+                col=1,
+            )
+        if engine != REFERENCE:
+            error = np.sqrt(sum(np.square(m.comparison.actual[channel]) for channel in panel.judged))
+            figure.add_scatter(
+                x=over,
+                y=np.maximum(error, floor) if floor else np.where(error > 0, error, np.nan),
+                name=f"{engine} error",
+                legendgroup=engine,
+                showlegend=False,
+                mode="lines",
+                line={"color": colour, "width": 1.3},
+                row=2,
+                col=1,
+            )
+    if floor:
+        line = {"color": "#999999", "dash": "dot"}
+        figure.add_scatter(
+            x=over[[0, -1]], y=[floor] * 2, name="reference's floor", line=line, mode="lines", row=2, col=1
+        )
+    figure.update_yaxes(title=panel.axis, row=1, col=1)
+    figure.update_yaxes(title="relative error [-]", type="log", exponentformat="power", nticks=6, row=2, col=1)
+    return _on_axis(figure, study, 2).update_layout(LAYOUT, height=480)
+
+
+def _on_axis(figure: go.Figure, study: Study, last_row: int) -> go.Figure:
+    scene = study.scene
+    figure.update_xaxes(title=axis(scene).title, row=last_row, col=1)
+    backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0  # time runs from left to right
+    ticks = {"dtick": 60 * study.sampling.turns} if turns_fully(scene) else {}
+    return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
+
+
+def assur_groups(study: Study) -> go.Figure | None:
+    """Draw how far every Assur group is from its lock, as the reference alone can say; None if it says nothing."""
+    motion, over = study.motion, axis(study.scene).of(study.motion)
+    per_metre, metres = prefixed(study.reference.stroke, "m")
+    angles = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
+    rows = [
+        (channels, factor, layout)
+        for wanted, factor, layout in (("transmission", 180 / np.pi, angles), ("to_lock", per_metre, {}))
+        if (channels := [channel for channel in motion.samples if quantity(channel) == wanted])
+    ]
+    if not rows or study.scene.asked is not None:
+        return None
+    joints = list(dict.fromkeys(channel.rpartition(".")[0] for channels, _, _ in rows for channel in channels))
+    figure = make_subplots(len(rows), 1, shared_xaxes=True, vertical_spacing=0.06)
+    for row, (channels, factor, layout) in enumerate(rows, start=1):
+        for channel in channels:
+            joint = channel.rpartition(".")[0]
+            number = joints.index(joint)
+            line = {"color": COLOURS[number % len(COLOURS)], "dash": DASHES[number // len(COLOURS) % len(DASHES)]}
+            figure.add_scatter(
+                x=over,
+                y=factor * motion[channel],
+                name=joint,
+                legendgroup=joint,
+                showlegend=row == 1 or f"{joint}.transmission" not in motion,
+                mode="lines",
+                line=line,
+                row=row,
+                col=1,
+            )
+        lengths = {"title": f"to lock [{metres}]"} | _logarithmic(factor * np.array([motion[c] for c in channels]))
+        figure.update_yaxes(**layout or lengths, row=row, col=1)
+    return _on_axis(figure, study, len(rows)).update_layout(LAYOUT, height=(300, 480)[len(rows) - 1])
+
+
+def _logarithmic(values: Samples) -> dict[str, Any]:
+    """Return a log axis; where the values span few decades it has marks at 1, 2 and 5, where its own are too few."""
+    powers = np.log10(values[(values > 0) & np.isfinite(values)])
+    marks = np.outer(10.0 ** np.arange(-12, 12), (1, 2, 5)).ravel()
+    near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
+    if not 1 < len(near) < 8:
+        return {"type": "log", "exponentformat": "power", "dtick": 1}
+    return {
+        "type": "log",
+        "range": np.log10([0.9 * near[0], near[-1]]),
+        "tickvals": near,
+        "ticktext": [f"{m:g}" for m in near],
+    }

@@ -1,0 +1,139 @@
+"""The files of a study. They are written aside and moved in place when all are complete."""
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, fields, is_dataclass
+from enum import Enum
+from math import isfinite
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pandas as pd
+
+from scenes import InputError, Motion
+from scenes.motion import header
+
+from ..engines.axis import axis
+from ..engines.environment import environment
+from ..engines.registry import route
+from ..judge.errors import group_floors
+from ..speed import work_precision
+from ..study import Study
+from . import tables
+from .hard import tables as hard_tables
+from .page import page
+
+
+def check_writable(folder: Path) -> None:
+    """Raise InputError when the folder is sure not to take files; nothing is created."""
+    existing = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
+    if not existing.is_dir():
+        raise InputError(f"--out {folder}: expected a folder, and {existing} is a file")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(f"--out {folder}: expected a folder that can be written, and {existing} cannot")
+
+
+def write(study: Study, folder: Path) -> Path:
+    """Write a study's files into `folder/<scene>/` and return that folder.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    stale = ("motion.*.csv", "stability.csv", "hard.csv")  # what was not run this time must not look as if it had
+    with placed(folder, study.scene.name, *stale) as aside:
+        _write_all(study, aside)
+    return folder / study.scene.name
+
+
+@contextmanager
+def placed(folder: Path, name: str, *stale: str) -> Iterator[Path]:
+    """Yield a folder to write files into; once all are complete they go to `folder/<name>/` in place of the stale ones.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    target = folder / name
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=f".{name}-", dir=folder) as aside:
+            yield Path(aside)
+            target.mkdir(exist_ok=True)
+            for path in (path for pattern in stale for path in target.glob(pattern)):
+                path.unlink()
+            for path in Path(aside).iterdir():
+                path.replace(target / path.name)
+    except OSError as error:
+        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+
+
+def _write_all(study: Study, folder: Path) -> None:
+    study.errors.to_csv(folder / "errors.csv", index=False)
+    study.speed.to_csv(folder / "speed.csv", index=False)
+    for name, table in (("stability", study.maps), ("hard", study.hard)):
+        if len(table):
+            table.to_csv(folder / f"{name}.csv", index=False)
+    for m in study.measurements:
+        if m.run.motion is not None:
+            _table(m.run.motion).to_csv(folder / f"motion.{m.run.engine}.csv", index=False)
+    summary = json.dumps(_plain(_summary(study)), indent=1, allow_nan=False)
+    (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
+    (folder / "report.html").write_text(page(study), encoding="utf-8")
+
+
+def _table(motion: Motion) -> pd.DataFrame:
+    return pd.DataFrame({header(channel): values for channel, values in motion.samples.items()})
+
+
+def _summary(study: Study) -> dict[str, Any]:
+    return {
+        "scene": study.scene,
+        "sampling": asdict(study.sampling),
+        "axis": asdict(axis(study.scene)),
+        "reference": {
+            "route": route(study.scene),
+            "stroke_m": study.reference.stroke,
+            "floor": asdict(study.reference.floor),
+        },
+        "engines": {
+            m.run.engine: {
+                "version": m.run.version,
+                "status": m.run.status.name,
+                "reason": m.run.reason,
+                "found_by": m.run.found_by,
+                "settings": asdict(m.run.settings) if m.run.settings else None,
+                "seconds": {"build": m.run.build_s, "solve": m.run.solve_s, "read": m.run.read_s},
+                "counters": m.run.counters,
+                "residuals": m.run.residuals,
+                "unsupported": m.run.motion.unsupported if m.run.motion else {},
+                "checks": [asdict(check) for check in m.checks],
+            }
+            for m in study.measurements
+        },
+        "errors": study.errors.to_dict("records"),
+        "gates": tables.gates(study).to_dict("records"),
+        "cheapest": work_precision.choices(study.speed).to_dict("records"),
+        "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
+        "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],
+        "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
+        "environment": environment(),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return the value as JSON can hold it: what is not finite becomes null, a pair of points `A-B`."""
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {"-".join(sorted(k)) if isinstance(k, frozenset) else str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, frozenset):
+        return sorted(value)
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else None
+    return value.item() if hasattr(value, "item") else value

@@ -1,0 +1,1 @@
+"""Hard cases and maps of stability, as shown."""

@@ -1,0 +1,128 @@
+"""Heat maps of where engines are stable: the error as colour, failures in grey with a letter, theory as a line."""
+
+from collections.abc import Hashable, Iterator, Mapping
+from textwrap import wrap
+from typing import Any, TypeAlias
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from scenes import Status
+
+from ..curves import COLOURS, LAYOUT
+
+LETTERS: Mapping[Status, str] = {
+    Status.unsupported: "U",
+    Status.cannot_assemble: "A",
+    Status.wrong_branch: "B",
+    Status.diverged: "D",
+    Status.not_converged: "N",
+    Status.nonfinite: "F",
+    Status.timed_out: "T",
+    Status.crashed: "C",
+}
+TITLES: Mapping[str, tuple[str, str]] = {
+    "sweeps": ("Stability: steps and sweeps", "sweeps a step"),
+    "lock": ("Stability: steps and distance to lock", "distance to lock"),
+    "mass": ("Stability: steps and mass ratio", "factor of the heaviest body's mass"),
+    "drift": ("Stability: steps and cycles; error of positions in the last cycle", "cycles"),
+}
+TINY = 1e-16  # an error of zero has no logarithm
+SCALE = {
+    "cmin": -6,
+    "cmax": 0,
+    "colorscale": "Viridis",
+    "colorbar": {"title": "error", "tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]},
+}
+
+Trace: TypeAlias = dict[str, Any]
+Cell: TypeAlias = dict[Hashable, Any]
+GREYED: Trace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
+
+
+def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
+    """Yield title and figure of every map in the table, its engines side by side."""
+    for kind, rows in table.groupby("map", sort=False) if len(table) else ():
+        title, across = TITLES[str(kind)]
+        engines = [*dict.fromkeys(rows["engine"])]
+        figure = make_subplots(1, len(engines), subplot_titles=engines, shared_yaxes=True, horizontal_spacing=0.03)
+        for column, engine in enumerate(engines, start=1):
+            own = rows[rows["engine"] == engine]
+            for trace in _traces(own):
+                figure.add_trace(trace, row=1, col=column)
+            labels = [*dict.fromkeys(own["label"])]
+            figure.update_xaxes(title=across, tickvals=[*range(len(labels))], ticktext=labels, col=column)
+            figure.update_xaxes(range=[-0.5, len(labels) - 0.5], col=column)
+        steps = _steps(rows)
+        figure.update_xaxes(showgrid=False, zeroline=False)
+        figure.update_yaxes(showgrid=False, zeroline=False, tickvals=[*range(len(steps))], ticktext=steps)
+        figure.update_yaxes(range=[-0.5, len(steps) - 0.5]).update_yaxes(title="steps a cycle", col=1)
+        figure.add_annotation(text=_key(rows), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
+        margin = LAYOUT["margin"] | {"t": 60, "b": 100}
+        yield title, figure.update_layout(LAYOUT, margin=margin, coloraxis=SCALE, height=170 + 42 * len(steps))
+
+
+def _steps(rows: pd.DataFrame) -> list[int]:
+    return sorted(set(rows["steps"]))
+
+
+def _traces(rows: pd.DataFrame) -> Iterator[Trace]:
+    """Yield the cells of one engine that were solved, those that failed, and the boundary by theory."""
+    labels, steps = [*dict.fromkeys(rows["label"])], _steps(rows)
+    fine = rows["status"] == Status.ok.name
+    for shown, style in ((rows[fine], {"coloraxis": "coloraxis"}), (rows[~fine], GREYED)):
+        shape = len(steps), len(labels)
+        z, text, hover = np.full(shape, np.nan), np.full(shape, "", object), np.full(shape, "", object)
+        for cell in shown.to_dict("records"):
+            place = steps.index(cell["steps"]), labels.index(cell["label"])
+            z[place] = np.log10(max(cell["error"], TINY)) if cell["error"] == cell["error"] else 0.0
+            text[place] = _said(cell)
+            hover[place] = _hover(cell)
+        yield (
+            {"type": "heatmap", "z": z, "text": text, "customdata": hover, "hoverongaps": False}
+            | style
+            | {
+                "texttemplate": "%{text}",
+                "hovertemplate": "%{customdata}<extra></extra>",
+                "xgap": 1,
+                "ygap": 1,
+            }
+        )
+    needed = rows["needed"] if "needed" in rows else pd.Series(dtype=float)
+    if needed.notna().any():
+        yield _boundary(rows)
+
+
+def _said(cell: Cell) -> str:
+    """Return what stands in a cell: the error, or the letter of the failure."""
+    status = Status[str(cell["status"])]
+    return LETTERS[status] if status in LETTERS else f"{cell['error']:.0e}".replace("e-0", "e-").replace("e+00", "")
+
+
+def _hover(cell: Cell) -> str:
+    errors = {str(name).removesuffix("_max"): error for name, error in cell.items() if str(name).endswith("_max")}
+    lines = [f"{cell['label']}, {cell['setting']}", str(cell["status"]), *wrap(str(cell["reason"]), 60)]
+    lines += [f"{group}: {error:.1e}" for group, error in errors.items() if error == error]
+    return "<br>".join(filter(None, lines))
+
+
+def _boundary(rows: pd.DataFrame) -> Trace:
+    """Return where theory has the runs begin to hold, between the columns by the logarithm."""
+    across = rows.drop_duplicates("label")["x"].to_numpy(float)
+    needed = rows.groupby("steps")["needed"].first().to_numpy(float)
+    at = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
+    up = np.arange(len(needed))
+    line = {"color": COLOURS[1], "width": 3, "dash": "dash"}
+    return {"type": "scatter", "x": [at[0], *at, at[-1]], "y": [-0.5, *up, len(up) - 0.5], "mode": "lines"} | {
+        "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)",
+        "showlegend": True,
+        "line": line,
+    }
+
+
+def _key(rows: pd.DataFrame) -> str:
+    """Return what the letters mean that occur."""
+    found = [status for status in LETTERS if status.name in set(rows["status"])]
+    return "Largest relative error" + "".join(f" · {LETTERS[status]}: {status.name}" for status in found)

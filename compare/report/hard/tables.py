@@ -1,0 +1,81 @@
+"""What the hard cases came to: counts, a sentence, and every ladder rung by rung."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from scenes import hard
+
+from ...hard.case import Outcome
+from ...judge.errors import SHOWN_GROUPS
+
+FINDERS = ("engine", "checks", "reference", "isolation", "reader")
+
+
+def counts(cases: pd.DataFrame) -> pd.DataFrame:
+    """Return one row an engine: how many attempts came out how, and who noticed the failures."""
+    rows = []
+    for engine, attempts in cases.groupby("engine", sort=False):
+        outcomes, refused = attempts["outcome"], attempts[attempts["outcome"] == Outcome.refused]
+        found = {f"by {finder}": int((refused["found_by"] == finder).sum()) for finder in FINDERS}
+        rows.append(
+            {"engine": engine, "attempts": len(attempts), "right": int((outcomes == Outcome.right).sum())}
+            | {"refused": len(refused)}
+            | found
+            | {str(o): int((outcomes == o).sum()) for o in (Outcome.silent, Outcome.false_alarm, Outcome.uncertified)}
+        )
+    return pd.DataFrame(rows)
+
+
+def verdict(cases: pd.DataFrame) -> str:
+    """Return what the catalogue showed, in a sentence."""
+    if cases.empty:
+        return "No hard case was run."
+    ladders, rungs = cases["ladder"].nunique(), len(cases[["ladder", "rung"]].drop_duplicates())
+    of = {outcome: int((cases["outcome"] == outcome).sum()) for outcome in Outcome}
+    late = int((cases["found_by"] == "reference").sum())
+    return (
+        f"{of[Outcome.silent]} silent wrong answers and {of[Outcome.false_alarm]} false alarms in {len(cases)} attempts"
+        f" on {rungs} rungs of {ladders} ladders; {late} wrong answers were found by nothing but the reference."
+    )
+
+
+def digits(cases: pd.DataFrame) -> pd.DataFrame:
+    """Return the digits that the reference loses, and those that the condition allows, on the rungs that count them."""
+    groups = [group for group in SHOWN_GROUPS if f"{group}_lost" in cases]
+    counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
+    rows = (
+        {"ladder": row["ladder"], "rung": row["rung"], "κ": row["condition"]}
+        | {group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}" for group in groups}
+        for row in counted.to_dict("records")
+    )
+    return pd.DataFrame(rows)
+
+
+def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, pd.DataFrame]]:
+    """Yield every ladder with a row a rung: what each engine ended with, at which error, after which attempts."""
+    for name, of in cases.groupby("ladder", sort=False):
+        ladder = hard.ladder(str(name))
+        rows = []
+        for rung, attempts in of.groupby("rung", sort=False):
+            row: dict[str, object] = {ladder.parameter: rung, "condition": attempts["condition"].max()}
+            for engine, own in attempts.groupby("engine", sort=False):
+                row[str(engine)] = "; then ".join(_said(attempt) for _, attempt in own.iterrows())
+            rows.append(row)
+        yield ladder, pd.DataFrame(rows)
+
+
+def _said(attempt: "pd.Series[Any]") -> str:
+    """Return an attempt in a few words: status, largest error that doubles do not explain, and who noticed."""
+    said = str(attempt["status"])
+    errors = np.array([attempt.get(f"{group}_unexplained", np.nan) for group in SHOWN_GROUPS], dtype=float)
+    if not np.isnan(errors).all():
+        worst = np.nanmax(errors)
+        said += f" {worst:.0e}" if worst > 0 else " as doubles can"
+    if attempt["outcome"] == Outcome.refused and attempt["found_by"] != "engine":
+        said += f" ({attempt['found_by']})"
+    if attempt["outcome"] in (Outcome.silent, Outcome.false_alarm, Outcome.uncertified):
+        said += f" ({attempt['outcome']})"
+    return said

@@ -1,0 +1,141 @@
+"""The linkage, drawn to scale at a few positions of its drive."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from scenes import Scene
+from scenes.scene import GROUND, Body
+
+from ..engines.state import State, Vectors
+from ..study import Study
+from .curves import LAYOUT, SUBTITLED
+
+POSES = (0.0, 0.25, 0.5, 0.75)  # of the first cycle
+POSES_ONCE = (0.0, 1 / 3, 2 / 3, 1.0)  # of a run that need not end where it began
+BODY_COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#f0e442")  # Okabe and Ito
+SLOT_MARGIN = 0.05  # of the travel, at each end
+
+
+def linkage(study: Study) -> go.Figure:
+    """Draw the linkage at a few poses, with the paths of its moving points in grey."""
+    scene = study.scene
+    state = State(scene, study.motion)
+    paths = {point: 1e3 * state.place(point) for point in scene.owners}
+    poses = POSES if scene.drive.repeats else POSES_ONCE
+    rows = [round(pose * study.sampling.samples) for pose in poses]
+    titles = [_title(scene, float(study.motion[scene.drive_channel][row])) for row in rows]
+    figure = make_subplots(1, len(poses), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=0.01)
+    for column, row in enumerate(rows, start=1):
+        _pose(figure, state, paths, row, column)
+        figure.update_xaxes(title="x [mm]", matches="x", row=1, col=column)
+        figure.update_yaxes(scaleanchor="x", scaleratio=1, row=1, col=column)
+    figure.update_yaxes(title="y [mm]", row=1, col=1)
+    height = _height(np.concatenate(list(paths.values())))
+    legend = SUBTITLED["legend"] | {"y": 1 + 38 / (height - 135)}  # above the titles, at any height
+    return figure.update_layout(LAYOUT | SUBTITLED, legend=legend, height=height)
+
+
+def _height(points: Vectors) -> int:
+    """Return the figure's height in pixels: four poses side by side fill a page, and a tall linkage is made smaller."""
+    return int(np.clip(140 + 370 * np.ptp(points.imag) / max(np.ptp(points.real), 1e-3), 380, 680))
+
+
+def _title(scene: Scene, position: float) -> str:
+    if scene.driven_slide is not None:
+        return f"{scene.drive.body} at {1e3 * position:.4g} mm"
+    degrees = np.degrees(position)
+    return f"crank at {degrees % 360 if scene.drive.repeats else degrees:.4g}°"
+
+
+def _pose(figure: go.Figure, state: State, paths: Mapping[str, Vectors], row: int, column: int) -> None:
+    scene = state.scene
+    shown = {"row": 1, "col": column}
+    legend = column == 1
+    for point in scene.moving_points:
+        path, line = paths[point], {"color": "#dddddd", "width": 1}
+        figure.add_scatter(
+            x=path.real, y=path.imag, mode="lines", line=line, hoverinfo="skip", showlegend=False, **shown
+        )
+    colours = {name: BODY_COLOURS[number % len(BODY_COLOURS)] for number, name in enumerate(scene.bodies)}
+    for body in scene.bodies.values():
+        if body.slide is not None and body.slide.on != GROUND:
+            ends, line = _slot(state, body, row), {"color": colours[body.slide.on], "width": 10}
+            figure.add_scatter(
+                x=ends.real, y=ends.imag, mode="lines", line=line, opacity=0.3, legendgroup=body.slide.on,
+                hoverinfo="skip", showlegend=False, **shown,
+            )  # fmt: skip
+    for body in scene.bodies.values():
+        corners = np.array([paths[point][row] for point in _around(body, paths, row)])
+        closed = len(corners) > 2
+        outline = np.append(corners, corners[0]) if closed else corners
+        figure.add_scatter(
+            x=outline.real,
+            y=outline.imag,
+            fill="toself" if closed else None,
+            mode="lines+markers" if len(corners) > 1 else "markers",
+            line={"color": colours[body.name], "width": 5},
+            marker=_marker(state, body, colours[body.name], row),
+            text=_around(body, paths, row),
+            name=body.name,
+            legendgroup=body.name,
+            showlegend=legend,
+            **shown,
+        )
+    for number, spring in enumerate(scene.springs):
+        ends = np.array([paths[point][row] for _, point in (spring.first, spring.second)])
+        line = {"color": "#777777", "width": 2, "dash": "dot"}
+        figure.add_scatter(
+            x=ends.real, y=ends.imag, mode="lines", line=line, name="spring", legendgroup="spring",
+            showlegend=legend and number == 0, **shown,
+        )  # fmt: skip
+    ground = np.array(list(scene.ground.values())) * 1e3
+    marker = {"symbol": "triangle-up", "size": 12, "color": "black"}
+    names = list(scene.ground)
+    figure.add_scatter(
+        x=ground[:, 0], y=ground[:, 1], mode="markers", marker=marker, text=names, name="ground", showlegend=legend,
+        legendgroup="ground", **shown,
+    )  # fmt: skip
+
+
+def _around(body: Body, paths: Mapping[str, Vectors], row: int) -> tuple[str, ...]:
+    """Return the body's points; more than three in the order around their middle, after the first."""
+    if len(body.points) <= 3:
+        return body.points
+    middle = sum(paths[point][row] for point in body.points) / len(body.points)
+    first = paths[body.points[0]][row] - middle
+    return tuple(sorted(body.points, key=lambda p: float(np.angle((paths[p][row] - middle) / first) % (2 * np.pi))))
+
+
+def _marker(state: State, body: Body, colour: str, row: int) -> dict[str, Any]:
+    """Return the pins' marks; a slider's first point is a block on its guide."""
+    if body.slide is None:
+        return {"size": 7, "color": "white", "line": {"color": colour, "width": 2}}
+    others = len(body.points) - 1
+    marker = {
+        "size": [22 if body.slide.on == GROUND else 14, *[7] * others],
+        "color": [colour, *["white"] * others],
+        "symbol": ["square", *["circle"] * others],
+    }
+    if body.slide.on != GROUND:
+        along = state.frame(body.slide.on)[1][row] * complex(*body.slide.along)
+        marker["angle"] = -np.degrees(np.angle(along))  # clockwise
+    return marker | ({"line": {"color": colour, "width": 2}} if others else {})
+
+
+def _slot(state: State, body: Body, row: int) -> Vectors:
+    """Return both ends of the way that a slider takes on its carrier, where that is at one pose, shape (2,), mm."""
+    assert body.slide is not None
+    origin, x_axis = (vectors[row] for vectors in state.frame(body.slide.on))
+    way = state.on_guide(body).real
+    carrier = state.scene.bodies[body.slide.on]
+    if len(carrier.points) == 1:  # nothing else would show where the slot belongs
+        pin = x_axis.conjugate() * (state.place(carrier.points[0])[row] - origin) - complex(*body.slide.through)
+        way = np.append(way, (pin * complex(*body.slide.along).conjugate()).real)
+    margin = SLOT_MARGIN * np.ptp(way)
+    ends = np.array([way.min() - margin, way.max() + margin])
+    slot: Vectors = 1e3 * (origin + x_axis * (complex(*body.slide.through) + ends * complex(*body.slide.along)))
+    return slot

@@ -1,0 +1,83 @@
+"""The scene's channels from Exudyn's coordinates and Lagrange multipliers; none is made that nobody asked for.
+
+Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in turn, or their rates. Points of the
+plane are complex numbers, x + iy.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.motion import channels
+from scenes.scene import GROUND
+
+from .system import System
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+def driven(system: System, q: Array) -> Array:
+    """Return the position of the drive, shape (n,), rad or m."""
+    drive, (com, angle) = system.scene.drive.body, _body(system, system.scene.drive.body, q)
+    position: Array = angle if system.scene.driven_slide is None else system.displaced(drive, com)
+    return position
+
+
+def place(system: System, point: str, q: Array) -> NDArray[np.complex128]:
+    """Return where a moving point is, shape (n,), m."""
+    body = system.scene.owners[point][0]
+    com, angle = _body(system, body, q)
+    at: NDArray[np.complex128] = com + system.bodies[body].points[point] * np.exp(1j * angle)
+    return at
+
+
+def kinematics(system: System, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
+    """Return the channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
+    scene, asked = system.scene, set(channels(system.scene))
+    found = {scene.drive_channel: driven(system, q)}
+    for point in scene.moving_points:
+        if asked.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
+            continue
+        body = scene.owners[point][0]
+        (c, phi), (dc, omega) = _body(system, body, q), _body(system, body, v)
+        arm = system.bodies[body].points[point] * np.exp(1j * phi)
+        vectors = {"": c + arm, "v": dc + 1j * omega * arm}
+        if a is not None:
+            ddc, alpha = _body(system, body, a)
+            vectors["a"] = ddc + (1j * alpha - omega**2) * arm
+        for level, vector in vectors.items():
+            found |= {f"{point}.{level}x": vector.real, f"{point}.{level}y": vector.imag}
+    for name in scene.turning:
+        rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
+        found |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
+    return {name: samples for name, samples in found.items() if name in asked}
+
+
+def _body(system: System, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
+    """Return a body's centre of mass and angle, or their rates from those of the coordinates, each of shape (n,)."""
+    first = 3 * list(system.bodies).index(name)
+    return q[:, first] + 1j * q[:, first + 1], q[:, first + 2]
+
+
+def forces(system: System, multipliers: Array) -> dict[str, Array]:
+    """Return the force channels, from multipliers of shape (n, constraints)."""
+    multipliers = multipliers * system.force_unit
+    scene, asked = system.scene, set(channels(system.scene))
+    found: dict[str, Array] = {}
+    for pin, joint in system.pins.items():
+        fx, fy = -multipliers[:, system.columns(joint)].T
+        found |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
+    effort = -system.drive_factor * multipliers[:, system.columns(system.drive)[0]]
+    for name, constraint in system.slides.items():
+        force, moment = -multipliers[:, system.columns(constraint)].T
+        if system.slide(name).on == GROUND:
+            # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f. The drive
+            # moves a slider by its first point, but in coordinates its force acts at C too.
+            total = 1j * force + (effort if name == scene.drive.body else 0)
+            moment = moment - (system.lever(name).conjugate() * system.along(name) * total).imag
+        else:
+            force = -force  # the joint's first marker is the slider's, and at its first point
+        found |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
+    found |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
+    return {name: samples for name, samples in found.items() if name in asked}

@@ -1,0 +1,84 @@
+"""The equations of an Exudyn system, C(q) = 0 and M a + C_q^T lambda = f, term by term as Exudyn itself evaluates them.
+
+Its solver computes every term of a step's residual and Jacobian; what is solved with them is for others to say.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .system import System, engine
+
+Array: TypeAlias = NDArray[np.float64]
+Term: TypeAlias = Callable[..., Array]
+
+
+def _of_many(term: Term) -> Term:
+    """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
+
+    @wraps(term)
+    def terms(self: "Equations", q: Array, *more: Any) -> Array:
+        if q.ndim == 1:
+            return term(self, q, *more)
+        return np.array([term(self, *one) for one in zip(q, *more, strict=True)])
+
+    return terms
+
+
+class Equations:
+    """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
+
+    def __init__(self, system: System) -> None:
+        self._mbs, self._state, self._course = system.mbs, system.state, system.course
+        self._solver: Any = engine().MainSolverImplicitSecondOrder()
+        self._solver.InitializeSolver(system.mbs, system.settings)
+        self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
+        self._zeros = np.zeros((2 * self._n, 2 * self._n))
+        self._solver.ComputeMassMatrix(system.mbs)
+        self.masses: Array = np.diag(self._solver.GetSystemMassMatrix())  # constant, and diagonal: nodes are at the com
+        still = np.zeros(self._n)
+        self.drive_rate = self.rates(still, still)  # C_t for a drive with a rate of one, the same in any pose
+
+    @_of_many
+    def residual(self, q: Array, position: float) -> Array:
+        """Return C(q) with the drive at a position, shape (constraints,), m and rad."""
+        self._state.SetODE2Coordinates(q)
+        self._course.hold(position)
+        self._solver.ComputeAlgebraicEquations(self._mbs)
+        return self._constraint_rows()
+
+    @_of_many
+    def jacobian(self, q: Array) -> Array:
+        """Return C_q, shape (constraints, 3 bodies)."""
+        self._state.SetODE2Coordinates(q)
+        self._solver.SetSystemJacobian(self._zeros)
+        self._solver.ComputeJacobianAE(self._mbs)
+        jacobian: Array = self._solver.GetSystemJacobian()[self._n :, : self._n]
+        return jacobian
+
+    @_of_many
+    def rates(self, q: Array, v: Array) -> Array:
+        """Return C_q v + C_t for a drive that is held with a rate of one, shape (constraints,)."""
+        self._state.SetODE2Coordinates(q)
+        self._state.SetODE2Coordinates_t(v)
+        self._solver.ComputeAlgebraicEquations(self._mbs, velocityLevel=True)
+        return self._constraint_rows()
+
+    @_of_many
+    def forces(self, q: Array, clock: float) -> Array:
+        """Return f at an instant of Exudyn's clock, s: N and N m, shape (3 bodies,).
+
+        Of loads, springs and gravity none looks at velocities; a press load knows its instants.
+        """
+        self._state.SetODE2Coordinates(q)
+        self._state.SetTime(clock)
+        self._solver.ComputeODE2RHS(self._mbs)
+        forces: Array = self._solver.GetSystemResidual()[: self._n]
+        return forces
+
+    def _constraint_rows(self) -> Array:
+        rows: Array = self._solver.GetSystemResidual()[self._n :]
+        return rows

@@ -1,0 +1,59 @@
+"""What one might also ask of Exudyn and no scene needs: sensors, text files, a Python function in every step."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
+from typing import Any
+from weakref import finalize
+
+from scenes.motion import asks_forces
+from scenes.scene import GROUND
+
+from .settings import Extra, Textbook, TimeStepping
+from .system import System, engine
+
+
+class Extras:
+    """Sensors on a system, a folder for its files that lives as long as this does, and a callback."""
+
+    def __init__(self, system: System, options: TimeStepping, step: float) -> None:
+        extra, settings = options.extra, system.settings
+        if extra is Extra.TEXT or isinstance(options, Textbook):
+            self.folder = Path(mkdtemp(prefix="exudyn_"))
+            finalize(self, rmtree, self.folder)
+            settings.solution.file.write = True  # as it is preset, but not into the working folder
+            settings.solution.file.name = str(self.folder / "coordinates.txt")
+        if extra in (Extra.SENSORS, Extra.TEXT):
+            settings.solution.sensors.writePeriod = step
+            for number, sensor in enumerate(_sensors(system)):
+                file = str(self.folder / f"sensor{number}.txt") if extra is Extra.TEXT else ""
+                system.mbs.AddSensor(sensor(fileName=file, storeInternal=not file))
+            system.mbs.Assemble()
+        if extra is Extra.CALLBACK:
+            system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
+
+
+def _sensors(system: System) -> Iterator[Any]:
+    """Yield a sensor for every two channels or one, as a function of where it writes."""
+    scene, items, kinds = system.scene, engine().itemInterface, engine().OutputVariableType
+
+    def of_body(body: str, kind: Any, place: complex) -> Any:
+        number, local = system.objects[body], [place.real, place.imag, 0]
+        return lambda **to: items.SensorBody(bodyNumber=number, localPosition=local, outputVariableType=kind, **to)
+
+    def of_constraint(constraint: Any, kind: Any = kinds.Force) -> Any:
+        return lambda **to: items.SensorObject(objectNumber=constraint, outputVariableType=kind, **to)
+
+    for point in scene.moving_points:
+        body = scene.owners[point][0]
+        for kind in (kinds.Position, kinds.Velocity, kinds.Acceleration):
+            yield of_body(body, kind, system.bodies[body].points[point])
+    for name in scene.turning:
+        for kind in (kinds.Rotation, kinds.AngularVelocity, kinds.AngularAcceleration):
+            yield of_body(name, kind, 0j)
+    if asks_forces(scene):
+        for constraint in (*system.pins.values(), system.drive):
+            yield of_constraint(constraint)
+        for name, constraint in system.slides.items():
+            yield of_constraint(constraint, kinds.Force if system.slide(name).on == GROUND else kinds.ForceLocal)

@@ -1,0 +1,228 @@
+"""Poses of an Exudyn system: Newton's method on the constraints C(q) = 0 as Exudyn itself evaluates them.
+
+A pose belongs to a position s of the drive, whenever that may be, and is followed from one to others. With it come its
+derivatives by s, of which velocities and accelerations of any motion are made, and the multipliers by its forces:
+
+    C_q q' = -C_s,    C_q q'' = -(C_q q')_q q',    C_q^T lambda = f - M a.
+
+Arrays of one state have the shapes given; those of many have a leading axis besides.
+"""
+
+from typing import NamedTuple, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import Failure, Status
+
+from .equations import Array, Equations
+from .system import System
+
+KNOTS = 18  # poses of a cycle that are followed one by one; those between are then found from them all at once
+ITERATIONS = 12  # from a predicted pose, with the Jacobian there
+PATIENT_ITERATIONS = 60  # from a rough sketch, or next to a lock, where Newton's method gains a bit a step
+LOOKS = 9  # for a pose beyond where the motion cannot be followed
+CONVERGED = 1e-9  # the largest last correction, over the size
+ROUND_OFF = 1e-15  # of the size: what is left after it, going by how fast corrections get smaller
+STRAY = 0.1  # largest correction of a predicted pose, over the length of the step to it
+BISECTIONS = 30  # of a step, before it counts as impossible
+DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
+
+
+class State(NamedTuple):
+    """A pose that meets the constraints, and how it changes with the drive's position; or many."""
+
+    position: Array  # s, of the drive, shape (), rad or m
+    q: Array  # shape (3 bodies,), m and rad
+    tangent: Array  # q' = dq/ds, shape (3 bodies,)
+    curvature: Array  # q'', shape (3 bodies,)
+    inverse: Array  # of C_q, shape (3 bodies, constraints)
+    branch: Array  # sign of det C_q, which changes only where two branches meet, shape ()
+
+    def rows(self, chosen: NDArray[np.intp] | slice | int) -> "State":
+        """Return some of many states."""
+        return State(*(field[chosen] for field in self))
+
+    def velocities(self, rate: ArrayLike) -> Array:
+        """Return the velocities for a rate of the drive, shape (3 bodies,)."""
+        velocities: Array = self.tangent * np.asarray(rate)[..., np.newaxis]
+        return velocities
+
+    def accelerations(self, rate: ArrayLike, acceleration: ArrayLike) -> Array:
+        """Return the accelerations for a rate and an acceleration of the drive, shape (3 bodies,)."""
+        rate, acceleration = np.asarray(rate)[..., np.newaxis], np.asarray(acceleration)[..., np.newaxis]
+        accelerations: Array = self.curvature * rate**2 + self.tangent * acceleration
+        return accelerations
+
+
+class Poses:
+    """The poses of one system."""
+
+    def __init__(self, system: System) -> None:
+        self.system, self.equations = system, Equations(system)
+        self.newton_iterations = self.curvatures = 0  # found so far
+        # Corrections are measured with lengths over the linkage's size and angles in rad.
+        self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
+
+    def through(self, state: State, positions: Array, *, curved: bool = True) -> State:
+        """Return the states at many positions, passed one after the other from the state given.
+
+        Without curvatures, those of most states are not a number, and have cost nothing.
+
+        Raises:
+            Failure: no pose continues the motion on this branch.
+        """
+        knots = self._knots(np.append(state.position, positions))
+        followed = [state]
+        for position in positions[knots]:
+            followed.append(self.follow(followed[-1], float(position)))
+        known = State(*map(np.array, zip(*followed, strict=True)))
+        between = np.setdiff1d(np.arange(len(positions)), knots)
+        if not len(between):
+            return known.rows(slice(1, None))
+        last = np.searchsorted(knots, between)  # of the states that are known before each
+        before, after = known.rows(last), known.rows(last + 1)
+        guess = _interpolated(before, after, positions[between])
+        reached, found = self._at(guess, positions[between], before, curved=curved)
+        for row in np.flatnonzero(~found):
+            alone = self.follow(followed[last[row]], float(positions[between[row]]))
+            for field, value in zip(reached, alone, strict=True):
+                field[row] = value
+        order = np.argsort(np.append(knots, between))
+        return State(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
+
+    def _knots(self, positions: Array) -> NDArray[np.intp]:
+        """Return which positions after the first to follow one by one: every so far along the way, and the last.
+
+        Where the drive rests or turns back is one too, so that the others lie between two of them.
+        """
+        least, most = self.system.scene.drive.extent
+        steps = np.diff(positions)
+        blocks = np.abs(steps).cumsum() // ((most - least) / KNOTS)
+        ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
+        return np.flatnonzero(ends)
+
+    def follow(self, state: State, position: float, bisections: int = BISECTIONS, goal: float | None = None) -> State:
+        """Return the state at another position: predicted, corrected, in smaller steps towards a goal if it strays.
+
+        Raises:
+            Failure: no pose continues the motion on this branch.
+        """
+        if position == state.position:
+            return state
+        reached, found = self._reached(state, np.asarray(position))
+        if found:
+            return reached
+        goal = position if goal is None else goal
+        if bisections == 0:
+            raise self._stuck(state, goal)
+        middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
+        return self.follow(middle, position, bisections - 1, goal)
+
+    def _stuck(self, state: State, goal: float) -> Failure:
+        """Return why no pose follows: somewhere on the way to the goal is none, or there are two, too close to tell."""
+        past = self.system.scene.where(float(state.position))
+        way = np.linspace(float(state.position), goal, LOOKS)[1:].tolist()
+        if any(self.nearest(state.q, position) is None for position in way):
+            reason = f"the bodies cannot follow the drive past {past}: the linkage locks there"
+            return Failure(Status.cannot_assemble, reason)
+        reason = f"which way the bodies follow the drive past {past} cannot be told: two ways of assembling them meet"
+        return Failure(Status.not_converged, reason)
+
+    def nearest(self, q: Array, position: float) -> Array | None:
+        """Return a pose near q that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""
+        for _ in range(PATIENT_ITERATIONS):
+            residual = self.equations.residual(q, position)
+            step = cast("Array", np.linalg.lstsq(self.equations.jacobian(q), -residual, rcond=None)[0])
+            length = float(self.length(step))
+            if length < CONVERGED and np.abs(residual).max() < CONVERGED * self.system.size:
+                return q + step
+            q = q + step / max(1.0, 2 * length)
+            self.newton_iterations += 1
+        return None
+
+    def state(self, q: Array, position: Array, *, curved: bool = True) -> State:
+        """Return the state in a pose that meets the constraints."""
+        jacobian = self.equations.jacobian(q)
+        inverse = _inverse(jacobian)
+        tangent = -inverse @ self.equations.drive_rate
+        curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
+        return State(position, q, tangent, curvature, inverse, self.branch(jacobian))
+
+    def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, clock: ArrayLike) -> Array:
+        """Return the Lagrange multipliers of a motion that is there at an instant of Exudyn's clock, s."""
+        forces = self.equations.forces(state.q, clock)
+        inertia = self.equations.masses * state.accelerations(rate, acceleration)
+        return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
+
+    def speed(self, state: State) -> Array:
+        """Return how fast the bodies move when the drive's rate is one, over the linkage's size, or turn."""
+        return self.length(state.tangent)
+
+    def branch(self, jacobian: Array) -> Array:
+        """Return the sign of det C_q."""
+        sign: Array = np.linalg.slogdet(jacobian)[0]
+        return sign
+
+    def length(self, step: Array) -> Array:
+        """Return the largest change of a coordinate, over the linkage's size, or in rad."""
+        length: Array = np.abs(step / self.scale).max(axis=-1)
+        return length
+
+    def _reached(self, start: State, position: Array) -> tuple[State, NDArray[np.bool_]]:
+        """Return the state at another position, predicted by derivatives; and whether it was found."""
+        travel = (position - start.position)[..., np.newaxis]
+        return self._at(start.q + travel * (start.tangent + travel / 2 * start.curvature), position, start)
+
+    def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
+        """Return q'', with the change of C_q q' along q' by a symmetric difference."""
+        rates, h = self.equations.rates, (DIFFERENCE / self.length(tangent))[..., np.newaxis]
+        change = (rates(q + h * tangent, tangent) - rates(q - h * tangent, tangent)) / (2 * h)
+        self.curvatures += change.size // change.shape[-1]
+        return -_times(inverse, change)
+
+    def _at(
+        self, guess: Array, position: Array, start: State, *, curved: bool = True
+    ) -> tuple[State, NDArray[np.bool_]]:
+        """Return the state that is near a guess, which was made from a first one; and whether it was found."""
+        try:
+            q, found = self._corrected(guess, position, STRAY * self.length(guess - start.q) + CONVERGED)
+            reached = self.state(np.where(found[..., np.newaxis], q, start.q), position, curved=curved)
+        except np.linalg.LinAlgError:  # two branches meet at one of them
+            return start, np.zeros(position.shape, dtype=bool)
+        return reached, found & (reached.branch == start.branch)
+
+    def _corrected(self, guess: Array, position: Array, reach: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return what Newton's method finds with the Jacobian of the guess, and whether it is within reach of that."""
+        inverse = _inverse(self.equations.jacobian(guess))
+        q, found, length = guess, np.zeros(position.shape, dtype=bool), reach
+        for _ in range(ITERATIONS):
+            step = _times(inverse, self.equations.residual(q, position))
+            self.newton_iterations += position.size
+            q, before, length = q - step, length, self.length(step)
+            found = found | (length < CONVERGED) & ((length**2 < ROUND_OFF * before) | (length >= before))
+            if (found | (length > reach)).all():
+                break
+        return q, found & (self.length(q - guess) <= reach)
+
+
+def _inverse(matrix: Array) -> Array:
+    return cast("Array", np.linalg.inv(matrix))
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    product: Array = (matrix @ vector[..., np.newaxis])[..., 0]
+    return product
+
+
+def _interpolated(before: State, after: State, position: Array) -> Array:
+    """Return poses between others by the quintic that meets those with both derivatives."""
+    h = (after.position - before.position)[:, np.newaxis]
+    x = (position - before.position)[:, np.newaxis] / h
+
+    def part(x: Array, q: Array, dq: Array, ddq: Array) -> Array:
+        return (1 - x) ** 3 * ((1 + 3 * x + 6 * x**2) * q + x * (1 + 3 * x) * dq + x**2 / 2 * ddq)
+
+    return part(x, before.q, h * before.tangent, h**2 * before.curvature) + part(
+        1 - x, after.q, -h * after.tangent, h**2 * after.curvature
+    )

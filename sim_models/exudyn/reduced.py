@@ -1,0 +1,152 @@
+"""The same scene with one coordinate for every body to which the ground leaves no more.
+
+A body that only turns about a pin of the ground is a RotationalMass1D, one that slides on the ground a Mass1D, and its
+joint with the ground is no constraint any more. All others are as before. What those joints carry is found from the
+equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
+"""
+
+from collections.abc import Set as AbstractSet
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from scenes.scene import GROUND, Pin
+
+from .equations import Array
+from .poses import Poses
+from .system import System
+
+
+class ReducedSystem(System):
+    """A scene as an Exudyn system in which the ground's pins and guides are in the coordinates where they can be."""
+
+    @cached_property
+    def pivots(self) -> dict[str, Pin]:
+        """The bodies that only turn about a pin of the ground, and that pin."""
+        pins = {name: [p for p in self.scene.pins if (p.first, p.second) == (GROUND, name)] for name in self.bodies}
+        sliding = {name for name, body in self.scene.bodies.items() if body.slide is not None}
+        return {name: grounded[0] for name, grounded in pins.items() if len(grounded) == 1 and name not in sliding}
+
+    @cached_property
+    def sliders(self) -> frozenset[str]:
+        """The bodies that slide on the ground; those on which another slides stay as they are."""
+        slides = {name: body.slide for name, body in self.scene.bodies.items() if body.slide is not None}
+        carriers = {slide.on for slide in slides.values()}
+        return frozenset(name for name, slide in slides.items() if slide.on == GROUND and name not in carriers)
+
+    @property
+    def reduced(self) -> AbstractSet[str]:
+        """The bodies with one coordinate, which leaves their joint with the ground nothing to hold."""
+        return self.pivots.keys() | self.sliders
+
+    @property
+    def unknowns(self) -> int:
+        """How many coordinates there are, and as many multipliers."""
+        return len(self.mbs.systemData.GetODE2Coordinates())
+
+    def way(self, body: str) -> Any:
+        """Return the factors of a slider's own coordinates that make its way along its guide, but for a constant."""
+        return 1.0 if body in self.sliders else super().way(body)
+
+    def narrowed(self, q: Array) -> Array:
+        """Return this system's coordinates from x, y and angle of every body, or their rates."""
+        narrow = np.empty(self.unknowns)
+        for name, planar in zip(self.bodies, q.reshape(-1, 3), strict=True):
+            if name in self.pivots:
+                narrow[self._own(name)] = planar[2]
+            elif name in self.sliders:
+                narrow[self._own(name)] = (self.along(name).conjugate() * complex(*planar[:2])).real
+            else:
+                narrow[self._own(name)] = planar
+        return narrow
+
+    def widened(self, samples: Array, poses: Poses, clock: Array) -> Array:
+        """Return what a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
+        wide = np.zeros((len(samples), len(clock), 3 * len(self.bodies)))
+        for number, name in enumerate(self.bodies):
+            own, planar = samples[:3, :, self._own(name)], wide[:3, :, 3 * number : 3 * number + 3]
+            if name in self.pivots:
+                planar[:, :, 2] = own[:, :, 0]
+                (x, v, a) = self._turned(name, *own[:, :, 0])
+            elif name in self.sliders:
+                x, v, a = own[:, :, 0] * self.along(name)
+                x = x + self._origin(name)
+            else:
+                planar[:] = own
+                continue
+            com = np.stack([x, v, a])
+            planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
+        if len(samples) > 3:
+            wide[3] = self._all_multipliers(poses, wide[0], wide[2], samples[3], clock)
+        return wide
+
+    def _turned(self, body: str, phi: Array, omega: Array, alpha: Array) -> tuple[Any, Any, Any]:
+        """Return place, velocity and acceleration of the centre of mass of a body that turns about its pivot."""
+        arm = -self._pivot(body) * np.exp(1j * phi)
+        return self._origin(body) + arm, 1j * omega * arm, (1j * alpha - omega**2) * arm
+
+    def _all_multipliers(self, poses: Poses, q: Array, a: Array, multipliers: Array, clock: Array) -> Array:
+        """Return those of all joints, shape (n, constraints), from those that this system has."""
+        whole, equations = poses.system, poses.equations
+        found = np.zeros(q.shape)
+        for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
+            for name, joint in mine.items():
+                found[:, whole.columns(theirs[name])] = multipliers[:, self.columns(joint)]
+        effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
+        found[:, whole.columns(whole.drive)] = effort / whole.drive_factor
+        jacobian = equations.jacobian(q)
+        rest = equations.forces(q, clock) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, found)
+        for number, name in enumerate(self.bodies):
+            if name in self.reduced:
+                turns = name in self.pivots
+                columns = whole.columns(whole.pins[self.pivots[name].channel] if turns else whole.slides[name])
+                # A pin's rows of x and y are a unit matrix; a guide's are its normal, and the angle alone.
+                rows = slice(3 * number, 3 * number + (2 if turns else 3))
+                found[:, columns] = np.einsum("nck,nk->nc", jacobian[:, columns, rows], rest[:, rows])
+        return found
+
+    def _own(self, body: str) -> slice:
+        """Return where a body's coordinates are among all."""
+        first = self.mbs.systemData.GetObjectLTGODE2(self.objects[body])[0]
+        return slice(first, first + (1 if body in self.reduced else 3))
+
+    def _pivot(self, body: str) -> complex:
+        """Return where a body's pivot is, from its centre of mass, along its own axes."""
+        return self.bodies[body].points[self.pivots[body].point]
+
+    def _origin(self, body: str) -> complex:
+        """Return a body's pivot on the ground, or where a slider's centre of mass is with its coordinate at zero."""
+        if body in self.pivots:
+            return complex(*self.scene.ground[self.pivots[body].point])
+        normal = 1j * self.along(body)
+        return normal * (normal.conjugate() * (complex(*self.slide(body).through) - self.lever(body))).real
+
+    def _add_body(self, name: str) -> Any:
+        if name not in self.reduced:
+            return super()._add_body(name)
+        body, origin = self.bodies[name], self._origin(name)
+        node = self.nodes[name] = self.mbs.AddNode(self._items.Node1D())
+        place = {"nodeNumber": node, "referencePosition": [origin.real, origin.imag, 0]}
+        if name in self.pivots:
+            inertia = body.inertia + body.mass * abs(self._pivot(name)) ** 2
+            return self.mbs.AddObject(self._items.ObjectRotationalMass1D(inertia=inertia, **place))
+        x = self.along(name)  # it moves along its own x axis
+        axes = [[x.real, -x.imag, 0], [x.imag, x.real, 0], [0, 0, 1]]
+        return self.mbs.AddObject(self._items.ObjectMass1D(mass=body.mass, referenceRotation=axes, **place))
+
+    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        if body in self.pivots:
+            place = place - self._pivot(body)
+        elif body in self.sliders:
+            place = place * self.along(body).conjugate()
+        return super()._marker(body, place, kind)
+
+    def _coordinate(self, body: str, number: int) -> Any:
+        return super()._coordinate(body, 0 if body in self.reduced else number)
+
+    def _drive_markers(self) -> tuple[float, Any, Any, float]:
+        driven = self.scene.drive.body
+        if driven in self.sliders:
+            return 1.0, self._coordinate(GROUND, 0), self._coordinate(driven, 0), 1.0
+        return super()._drive_markers()

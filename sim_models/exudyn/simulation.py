@@ -1,0 +1,112 @@
+"""What both ways to solve an Exudyn system share: the system at its start, and the checks of what comes out."""
+
+from math import pi
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.motion import asks_forces, quantity
+from scenes.motion import channels as asked_channels
+
+from . import channels
+from .loads import add_loads
+from .poses import Poses
+from .start import start
+from .system import System, engine
+
+Array: TypeAlias = NDArray[np.float64]
+
+SPRING_LIMIT = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
+DRIVE_LIMIT = 1e-9  # rad, or of a slider's travel; held at position level, more than round-off is a failed run
+
+
+def failure(error: Exception, doing: str) -> Failure:
+    """Return what Exudyn raised as a failure, its many lines cut to one clause."""
+    status = Status.diverged if isinstance(error, engine().SolverError) else Status.crashed
+    clause = str(error).strip().splitlines()[0].partition(" [Python file")[0]
+    return Failure(status, f"Exudyn gave up {doing}: {clause}")
+
+
+def asks_accelerations(scene: Scene) -> bool:
+    """Return whether any channel needs accelerations."""
+    return asks_forces(scene) or any(quantity(channel) in ("ax", "ay", "alpha") for channel in asked_channels(scene))
+
+
+class Run:
+    """One scene's system at its start, to be solved at some instants."""
+
+    drive_limit = DRIVE_LIMIT
+
+    def __init__(self, scene: Scene, sampling: Sampling, *, si: bool = False) -> None:
+        self.scene = scene
+        self.system = System(scene, si=si)
+        self.poses = Poses(self.system)
+        self.start = start(self.poses)
+        add_loads(self.system, self.poses, self.start)
+        self.times = sampling.times(scene)
+        self.positions = sampling.commanded(scene)
+        self.sampling = sampling
+        self.counters: dict[str, int] = {}
+        self.residuals: dict[str, float] = {}
+
+    def _buffer(self, *, accelerations: bool = True) -> Array:
+        """Return room for samples of position, velocity, acceleration and, where forces are asked for, multipliers."""
+        levels = 4 if asks_forces(self.scene) else 3 if accelerations else 2
+        return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
+
+    def read(self) -> Motion:
+        """Return the channels.
+
+        Raises:
+            Failure: a check of the result failed; it has the motion with it.
+        """
+        samples = self._result()
+        motion = Motion({"time": self.times} | self._channels(samples))
+        try:
+            self._check(samples, motion)
+        except Failure as failed:
+            raise Failure(failed.status, failed.reason, motion) from None
+        return motion
+
+    def _result(self) -> Array:
+        """Return the samples found, shape (2 to 4, n, 3 bodies)."""
+        raise NotImplementedError
+
+    def _channels(self, samples: Array) -> dict[str, Array]:
+        """Return the channels asked for."""
+        q, v, *others = samples
+        forces = channels.forces(self.system, others[1]) if len(others) > 1 else {}
+        return channels.kinematics(self.system, q, v, *others[:1]) | forces
+
+    def _check(self, samples: Array, motion: Motion) -> None:
+        """Refuse what is not finite, or not where the drive is, or where Exudyn leaves out a force."""
+        finite = np.isfinite(samples).all(axis=(0, 2))
+        if not finite.all():
+            where = self.scene.where(self.positions[np.argmin(finite)])
+            raise Failure(Status.nonfinite, f"values are not finite from {where} on")
+        self._check_drive(motion[self.scene.drive_channel])
+        self._check_springs(samples[0])
+
+    def _check_springs(self, q: Array) -> None:
+        """Refuse an instant at which a spring pushes and has no direction, which Exudyn takes for no force."""
+        ground = self.scene.ground
+        for spring in self.scene.springs:
+            first, second = (
+                complex(*ground[name]) if name in ground else channels.place(self.system, name, q)
+                for name in (spring.first[1], spring.second[1])
+            )
+            length = np.abs(second - first)
+            if spring.length > 0 and not length.min() > SPRING_LIMIT * self.system.size:
+                where, ends = self.scene.where(self.positions[np.argmin(length)]), (spring.first[1], spring.second[1])
+                raise Failure(Status.nonfinite, f"a spring has no direction at {where}: {' and '.join(ends)} meet")
+
+    def _check_drive(self, position: Array) -> None:
+        slip = float(np.abs(position - self.positions).max())
+        least, most = self.scene.drive.extent
+        crank = self.scene.driven_slide is None
+        self.residuals["drive"] = slip / (2 * pi if crank else most - least)
+        if not slip <= self.drive_limit * (1 if crank else most - least):
+            off = f"{slip:.2g} {'rad' if crank else 'm'}"
+            raise Failure(Status.diverged, f"{self.scene.drive.body} is not where the drive asks it to be, by {off}")

@@ -1,0 +1,106 @@
+"""Where a system starts: assembled from the scene's sketch, on the branch that the sketch shows."""
+
+from cmath import phase
+from math import pi, remainder, tau
+
+import numpy as np
+
+from scenes import Failure, Status
+from scenes.scene import GROUND
+
+from .bodies import sketched
+from .equations import Array
+from .poses import Poses, State
+from .system import System, engine
+
+
+def start(poses: Poses) -> State:
+    """Return the state at the drive's start.
+
+    Raises:
+        Failure: the constraints leave a freedom or repeat each other; no pose is found near the sketch; or none from
+            there to the start.
+    """
+    system = poses.system
+    drawn = _sketched_position(system)
+    rough = _rough(system, drawn)
+    assembled = _assembled(poses, rough, drawn)
+    _check_freedoms(system, assembled)
+    sketch = poses.state(assembled, np.array(drawn))
+    _check_branch(poses, rough, sketch)
+    return poses.follow(sketch, system.scene.drive.start)
+
+
+def _sketched_position(system: System) -> float:
+    """Return the drive's position in the sketch, a crank's angle counted so that the way to the start is clear."""
+    scene = system.scene
+    drawn, begin = scene.sketch.drive, scene.drive.start
+    if scene.driven_slide is not None:
+        return drawn
+    # Any way will do for a crank that turns; another has only its own range.
+    near = begin if scene.drive.repeats else sum(scene.drive.extent) / 2
+    return near - remainder(near - drawn, tau)
+
+
+def _rough(system: System, position: float) -> Array:
+    """Return every body laid on the sketch as well as a rigid body can be, shape (3 bodies,).
+
+    A body of which the sketch shows no point has only slides, which take it to its place from anywhere.
+    """
+    scene, places = system.scene, sketched(system.scene)
+    own, drawn = {}, {}
+    for name, body in system.bodies.items():
+        known = [point for point in body.points if point in places]
+        own[name] = np.array([body.points[point] for point in known])
+        drawn[name] = np.array([places[point] for point in known])
+
+    def turned(name: str) -> float:
+        if GROUND in scene.aligned[name]:
+            return 0.0
+        if scene.drive.body in scene.aligned[name]:
+            return position
+        # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
+        shown = [other for other in scene.aligned[name] if len(own[other]) > 1]
+        return phase(sum(np.vdot(own[n] - own[n].mean(), drawn[n] - drawn[n].mean()) for n in sorted(shown)))
+
+    pose = []
+    for name in system.bodies:
+        angle = turned(name)
+        com = (drawn[name] - np.exp(1j * angle) * own[name]).mean() if len(own[name]) else 0j
+        pose += [com.real, com.imag, angle]
+    return np.array(pose)
+
+
+def _assembled(poses: Poses, rough: Array, position: float) -> Array:
+    """Return a pose that meets the constraints."""
+    found = poses.nearest(rough, position)
+    if found is not None:
+        return found
+    raise Failure(
+        Status.cannot_assemble,
+        f"the bodies do not fit together where the sketch shows them, {poses.system.scene.where(position)}",
+    )
+
+
+def _check_freedoms(system: System, q: Array) -> None:
+    """Refuse a system that Exudyn finds to be movable with the drive held, or held twice."""
+    system.state.SetODE2Coordinates(q, engine().ConfigurationType.Initial)
+    counts = system.mbs.ComputeSystemDegreeOfFreedom()
+    free, redundant = int(counts["degreeOfFreedom"]), int(counts["redundantConstraints"])
+    if free or redundant:
+        raise Failure(
+            Status.unsupported,
+            f"with the drive held, Exudyn counts {free} degrees of freedom and {redundant} redundant constraints;"
+            " it needs 0 and 0 to tell every reaction",
+        )
+
+
+def _check_branch(poses: Poses, rough: Array, state: State) -> None:
+    """Refuse a pose that Newton's method found on another branch than the sketch's."""
+    turned = np.abs(state.q - rough)[2::3].max()
+    if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != state.branch:
+        raise Failure(
+            Status.wrong_branch,
+            f"the sketch, {poses.system.scene.where(float(state.position))}, is too rough to tell"
+            " which of two ways of assembling the bodies it shows",
+        )

@@ -1,0 +1,256 @@
+"""A scene as an Exudyn system: rigid bodies, joints, the drive.
+
+Every moving body is a RigidBody2D whose node is its centre of mass, with the coordinates x, y (m) and the angle of its
+x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJoint2D; a slide on the ground and the
+drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
+"""
+
+import os
+from collections.abc import Set as AbstractSet
+from functools import cached_property
+from math import log2
+from types import ModuleType
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.scene import GROUND, Body, ForceTable, Slide
+
+from .bodies import in_unit, rigid_body
+from .drive import Course
+
+Chosen: TypeAlias = slice | NDArray[np.intp]
+
+
+def engine() -> ModuleType:
+    """Return Exudyn, silent, and without the settings that its user may keep for interactive work."""
+    os.environ["EXUDYN_NO_USER_SETTINGS"] = "1"  # read on import
+    import exudyn  # late: importing takes longer than most runs
+
+    exudyn.config.printToConsole = False
+    return exudyn
+
+
+class System:
+    """One scene as an assembled Exudyn system, yet without loads; a point of the plane is a complex number, x + iy."""
+
+    node_size = 3  # coordinates of a body
+    in_plane = (0, 1, 2)  # which of them are x, y and the angle
+
+    def __init__(self, scene: Scene, *, si: bool = False) -> None:
+        """Build the system in units of its own, or in SI."""
+        self.scene, self.course = scene, Course(scene.drive)
+        exudyn = engine()
+        self._items: Any = exudyn.itemInterface
+        self.bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
+        self.force_unit = 1.0 if si else self._force_unit()
+        self.bodies = {name: in_unit(body, self.force_unit) for name, body in self.bodies.items()}
+        self._container = exudyn.SystemContainer()  # it owns the system
+        self.mbs: Any = self._container.AddSystem()
+        self._ground_node = self.mbs.AddNode(self._items.NodePointGround())
+        self._ground = self.mbs.AddObject(self._items.ObjectGround())
+        self.nodes: dict[str, Any] = {}
+        self.objects = {name: self._add_body(name) for name in self.bodies}
+        self.pins = {
+            pin.channel: self._add_pin(pin.point, pin.first, pin.second)
+            for pin in scene.pins
+            if not (pin.first == GROUND and pin.second in self.reduced)
+        }
+        self.slides = {
+            name: self._add_guide(name, body.slide) if body.slide.on == GROUND else self._add_slot(body, body.slide)
+            for name, body in scene.bodies.items()
+            if body.slide is not None and not (body.slide.on == GROUND and name in self.reduced)
+        }
+        self.drive, self.drive_factor = self._add_drive()
+        self.mbs.Assemble()
+        self.state: Any = self.mbs.systemData
+        self.settings: Any = exudyn.SimulationSettings()
+        self.settings.solution.file.write = False  # else a folder of results appears in the working folder
+
+    @cached_property
+    def size(self) -> float:
+        """The linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
+
+        It is at least what a driven slider travels, since all bodies may be points.
+        """
+        arms = [abs(point) for body in self.bodies.values() for point in body.points.values()]
+        ground = [complex(*point) for point in self.scene.ground.values()]
+        least, most = (0.0, 0.0) if self.scene.driven_slide is None else self.scene.drive.extent
+        return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
+
+    def _force_unit(self) -> float:
+        """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
+
+        Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
+        masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are.
+        """
+        scene = self.scene
+        least, most = scene.drive.extent
+        rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+        pull = self.size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
+        forces = [body.mass * pull for body in self.bodies.values()]
+        for load in scene.loads:
+            forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
+        forces += [spring.stiffness * self.size for spring in scene.springs]
+        largest = max(forces)
+        return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
+
+    @property
+    def coordinates(self) -> Chosen:
+        """Where x, y and angle of every body in turn stand among all coordinates."""
+        return slice(None)
+
+    @property
+    def multipliers(self) -> Chosen:
+        """Where two of every pin, two of every slide and the drive's stand among all multipliers."""
+        return slice(None)
+
+    def narrowed(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the system's coordinates from x, y and angle of every body, or their rates."""
+        return q
+
+    @property
+    def reduced(self) -> AbstractSet[str]:
+        """The bodies with one coordinate, which leaves their joint with the ground nothing to hold."""
+        return frozenset()
+
+    def counts(self) -> dict[str, int]:
+        """Return how large the system is: bodies, coordinates, constraint equations and sensors."""
+        return {
+            "bodies": len(self.bodies),
+            "coordinates": len(self.mbs.systemData.GetODE2Coordinates()),
+            "constraints": len(self.mbs.systemData.GetAECoordinates()),
+            "sensors": int(self.mbs.systemData.NumberOfSensors()),
+        }
+
+    def com(self, body: str, q: NDArray[np.float64]) -> complex:
+        """Return a body's centre of mass from coordinates, or its rate from theirs, of shape (3 bodies,)."""
+        number = 3 * list(self.bodies).index(body)
+        return complex(q[number], q[number + 1])
+
+    def slide(self, body: str) -> Slide:
+        """Return the guide of a body that slides."""
+        slide = self.scene.bodies[body].slide
+        assert slide is not None
+        return slide
+
+    def along(self, body: str) -> complex:
+        """Return the direction of a body's guide, in the frame of the guide."""
+        return complex(*self.slide(body).along)
+
+    def lever(self, body: str) -> complex:
+        """Return where the first point of a body is, seen from its centre of mass, along its own axes."""
+        return self.bodies[body].points[self.scene.bodies[body].points[0]]
+
+    def displaced(self, body: str, com: Any) -> Any:
+        """Return the displacement on the ground of a slider, m, whose centre of mass is there."""
+        first = com + self.lever(body) - complex(*self.slide(body).through)
+        return (self.along(body).conjugate() * first).real
+
+    def way(self, body: str) -> Any:
+        """Return the factors of a slider's own coordinates that make its way along its guide, but for a constant."""
+        factors = np.zeros(self.node_size)
+        factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
+        return factors
+
+    def mass_marker(self, body: str) -> Any:
+        """Return a marker at a body's centre of mass."""
+        return self._marker(body, 0j)
+
+    def at(self, body: str, point: str) -> Any:
+        """Return a marker at a point of a body or of the ground."""
+        if body == GROUND:
+            return self._marker(body, complex(*self.scene.ground[point]))
+        return self._marker(body, self.bodies[body].points[point])
+
+    def columns(self, constraint: Any) -> list[int]:
+        """Return where the multipliers of a constraint stand among all."""
+        return list(self.mbs.systemData.GetObjectLTGAE(constraint))
+
+    def _add_body(self, name: str) -> Any:
+        body = self.bodies[name]
+        node = self.nodes[name] = self.mbs.AddNode(self._items.NodeRigidBody2D())
+        return self.mbs.AddObject(self._items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
+
+    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        """Return a marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
+        number = self._ground if body == GROUND else self.objects[body]
+        create = getattr(self._items, f"MarkerBody{kind}")
+        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
+
+    def _coordinate(self, body: str, number: int) -> Any:
+        """Return a marker on x, y or the angle of a body, or on the ground's zero."""
+        node, place = (self._ground_node, 0) if body == GROUND else (self.nodes[body], self.in_plane[number])
+        return self.mbs.AddMarker(self._items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
+
+    def _add_pin(self, point: str, first: str, second: str) -> Any:
+        """Hold P2 - P1 at zero, for the point of each body."""
+        return self.mbs.AddObject(
+            self._items.RevoluteJoint2D(markerNumbers=[self.at(first, point), self.at(second, point)])
+        )
+
+    def _add_guide(self, name: str, slide: Slide) -> Any:
+        """Hold normal . (x, y) at what the ground's guide gives it, and the angle at zero."""
+        normal = 1j * self.along(name)
+        com = complex(*slide.through) - self.lever(name)
+        rows = np.zeros((2, self.node_size))
+        rows[:, self.in_plane] = (normal.real, normal.imag, 0), (0, 0, 1)
+        return self._hold(name, rows, [(normal.conjugate() * com).real, 0.0])
+
+    def _hold(self, name: str, rows: NDArray[np.float64], values: list[float]) -> Any:
+        """Hold linear combinations of a body's coordinates, shape (values, coordinates), at values."""
+        nodes = (self._ground_node, self.nodes[name])
+        markers = [self.mbs.AddMarker(self._items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+        return self.mbs.AddObject(
+            self._items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
+        )
+
+    def _add_slot(self, body: Body, slide: Slide) -> Any:
+        """Hold normal . (through - P) at zero, and the sine of the slider's angle less the carrier's.
+
+        The joint's normal belongs to its second marker's body, here the carrier, so that the force acts at the slider's
+        first point P.
+        """
+        along = self.along(body.name)
+        return self.mbs.AddObject(
+            self._items.PrismaticJoint2D(
+                markerNumbers=[
+                    self._marker(body.name, self.lever(body.name), "Rigid"),
+                    self._marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid"),
+                ],
+                axisMarker0=[along.real, along.imag, 0],
+                normalMarker1=[-along.imag, along.real, 0],
+            )
+        )
+
+    def _drive_markers(self) -> tuple[float, Any, Any, float]:
+        """Return a factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
+
+        The position is the angle of a crank. That of a slider is along . (x, y), but for a constant; the constraint
+        has one coordinate without a factor, so its factor makes that of the larger part -1.
+        """
+        name = self.scene.drive.body
+        if self.scene.driven_slide is None:
+            return 1.0, self._coordinate(GROUND, 0), self._coordinate(name, 2), 1.0
+        parts = (self.along(name).real, self.along(name).imag)
+        large = int(abs(parts[1]) > abs(parts[0]))
+        factor = -1 / parts[large]
+        return factor, self._coordinate(name, large), self._coordinate(name, 1 - large), factor * parts[1 - large]
+
+    def _add_drive(self) -> tuple[Any, float]:
+        """Hold factor * (position - what the drive asks for) at zero; return constraint and factor."""
+        name, course = self.scene.drive.body, self.course
+        factor, first, second, ratio = self._drive_markers()
+        zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
+        # The functions hold no reference to self: through it, they and the system would keep each other alive.
+        constraint = self.mbs.AddObject(
+            self._items.CoordinateConstraint(
+                markerNumbers=[first, second],
+                factor1=ratio,
+                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (course.position(clock) - zero),
+                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * course.rate(clock),
+            )
+        )
+        return constraint, factor

@@ -1,0 +1,76 @@
+"""The geometry and inertia of one body, in balls of arbitrary precision, which keep its rounding."""
+
+from itertools import combinations
+
+from flint import arb
+
+from scenes import Failure, Scene, Status
+from scenes.scene import Body
+
+from .rows import Point
+
+FLAT = 1e-9  # rad; a sketched triangle flatter than this shows rounding, not a side
+
+
+def local_points(scene: Scene, body: Body) -> dict[str, Point]:
+    """Return the points in the body's own frame, m; those given by lengths one after the other.
+
+    Raises:
+        Failure: the sketch does not show on which side of its bases a point lies, or its lengths do not reach.
+    """
+    if body.local is not None:
+        return {point: (arb(x), arb(y)) for point, (x, y) in body.local.items()}
+    assert body.lengths is not None
+    first, second, *others = body.points
+    local = {first: (arb(0), arb(0)), second: (arb(body.lengths[frozenset((first, second))]), arb(0))}
+    for point in others:
+        local[point] = _from_bases(scene, body, local, point)
+    return local
+
+
+def _from_bases(scene: Scene, body: Body, local: dict[str, Point], point: str) -> Point:
+    """Return C with |C - A| = a and |C - B| = b: by the law of cosines A + (t + i h) (B - A), c = |B - A|.
+
+    t = (a^2 + c^2 - b^2) / (2 c^2), and |h| c is the height, h^2 = a^2 / c^2 - t^2.
+    """
+    assert body.lengths is not None
+    first, second = body.bases(point)
+    a, b = (arb(body.lengths[frozenset((base, point))]) for base in (first, second))
+    (x, y), (u, v) = local[first], local[second]
+    u, v = u - x, v - y
+    c2 = u * u + v * v
+    t = (a * a + c2 - b * b) / (2 * c2)
+    h2 = a * a / c2 - t * t
+    if not h2 > 0:
+        reason = f"'{body.name}' cannot be put together: the lengths from {first} and {second} to {point} do not meet"
+        raise Failure(Status.cannot_assemble, reason)
+    h = _sketched_side(scene, body, first, second, point) * h2.sqrt()
+    return x + t * u - h * v, y + t * v + h * u
+
+
+def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str) -> int:
+    """Return +1 where the sketch shows a body's point to the left of the way from its first base to its second."""
+    known = dict(scene.ground) | dict(scene.sketch.points)
+    A, B, C = (complex(*known[name]) for name in (first, second, point))
+    size = abs(B - A) * abs(C - A)
+    sine = ((B - A).conjugate() * (C - A)).imag / size if size > 0 else 0.0
+    if not abs(sine) > FLAT:
+        reason = f"the sketch shows {first}, {second}, {point} of '{body.name}' on one line, on no side"
+        raise Failure(Status.cannot_assemble, reason)
+    return 1 if sine > 0 else -1
+
+
+def centre_of_mass(body: Body, local: dict[str, Point]) -> Point:
+    """Return the centre of mass; that of a point, a uniform bar or a uniform triangle is the mean of its points."""
+    if body.com is not None:
+        return arb(body.com[0]), arb(body.com[1])
+    x, y = zip(*local.values(), strict=True)
+    return sum(x, arb(0)) / len(x), sum(y, arb(0)) / len(y)
+
+
+def inertia(body: Body, mass: float, local: dict[str, Point]) -> arb:
+    """Return the inertia about the centre of mass: m l^2/12 for a bar, m (a^2 + b^2 + c^2)/36 for a triangle."""
+    if body.inertia is not None:
+        return arb(body.inertia)
+    sides = [(x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(local.values(), 2)]
+    return arb(mass) * sum(sides, arb(0)) / (12 if len(local) == 2 else 36)

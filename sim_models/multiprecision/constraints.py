@@ -1,0 +1,180 @@
+"""A planar linkage in absolute coordinates: its constraints, masses and sketched pose, in arbitrary-precision balls.
+
+Balls keep the rounding of the geometry, so a result's radius bounds its error.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from flint import arb, arb_mat
+
+from scenes import Scene
+from scenes.scene import GROUND, Body
+
+from .bodies import centre_of_mass, inertia, local_points
+from .rows import Point, Rows, axis_vector
+
+
+class Linkage:
+    """The equations of one scene: f(q) = `constraints` is `drive(position)`; observed `points`, masses.
+
+    The constraint rows are in the order of the scene's force channels, and a multiplier is that channel: a pin's rows
+    are second - first, so λ is the force of the first body on the second; a slide's are the offset of its first point
+    along the guide's normal, and its angle from the guide; the last is the position of the drive.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Set up the equations.
+
+        Raises:
+            Failure: a body given by lengths cannot be put together, or the sketch does not show how.
+        """
+        self.scene = scene
+        self.index = {name: i for i, name in enumerate(scene.bodies)}
+        self.arms: dict[str, dict[str, Point]] = {}  # from the centre of mass to the points, in the body's frame
+        self._origins: dict[str, Point] = {}  # and to the frame's origin
+        self.mass = arb_mat(3 * len(self.index), 3 * len(self.index))
+        for name, i in self.index.items():
+            body = scene.bodies[name]
+            local = local_points(scene, body)
+            com = centre_of_mass(body, local)
+            self.arms[name] = {point: (x - com[0], y - com[1]) for point, (x, y) in local.items()}
+            self._origins[name] = -com[0], -com[1]
+            mass = 1.0 if body.mass is None else body.mass
+            for k, m in enumerate((arb(mass), arb(mass), inertia(body, mass, local))):
+                self.mass[3 * i + k, 3 * i + k] = m
+        self.constraints = self._constraints()
+        self.points = self._points()
+        self.position = Rows(1, len(self.index))  # of the drive
+        self._add_drive(self.position, 0)
+
+    def drive(self, value: float) -> arb_mat:
+        """Return what f(q) has to be at a position of the drive, or f' at its rate, f'' at its acceleration."""
+        goal = arb_mat(self.constraints.k.nrows(), 1)
+        goal[goal.nrows() - 1, 0] = arb(value)
+        return goal
+
+    def add_point(self, rows: Rows, row: int, weight: Point, body: str, point: str) -> None:
+        """Add the projection w·p of a point of a body or of the ground to a row."""
+        if body == GROUND:
+            x, y = self.scene.ground[point]
+            rows.k[row, 0] += weight[0] * x + weight[1] * y
+        else:
+            rows.add_point(row, weight, self.index[body], self.arms[body][point])
+
+    def displacement(self, body: str) -> Rows:
+        """Return one row: how far a slider on the ground is along its guide from `through`, m."""
+        rows = Rows(1, len(self.index))
+        self._add_displacement(rows, 0, body)
+        return rows
+
+    @cached_property
+    def size(self) -> float:
+        """A length of the linkage's order, m: how far apart its points are, or the ends of the driven slider's way."""
+        known = np.array([complex(*at) for at in self._known.values()] or [0j])
+        arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
+        travel = 0.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
+        return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
+
+    @property
+    def units(self) -> list[float]:
+        """What every coordinate is measured by: the size, m, or 1 rad."""
+        return [self.size, self.size, 1.0] * len(self.index)
+
+    def sketched_pose(self, position: float) -> arb_mat:
+        """Return the pose where the bodies fit the sketch best, shape (3 bodies, 1), the drive being at a position.
+
+        The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of
+        their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all.
+        """
+        scene, known = self.scene, self._known
+        middle = complex(np.mean([complex(*at) for at in known.values()] or [0j]))
+        own, at = {}, {}
+        for name, arms in self.arms.items():
+            shown = [point for point in scene.bodies[name].points if point in known]
+            own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
+            at[name] = np.array([complex(*known[p]) for p in shown] or [middle])
+        turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
+        q = arb_mat(3 * len(self.index), 1)
+        for name, i in self.index.items():
+            aligned = scene.aligned[name]
+            if GROUND in aligned:
+                angle = 0.0
+            elif scene.drive.body in aligned:
+                angle = position
+            else:
+                angle = float(np.angle(sum(turn[other] for other in self.index if other in aligned)))
+            r = at[name].mean() - np.exp(1j * angle) * own[name].mean()
+            q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle)
+        return q
+
+    @property
+    def _known(self) -> dict[str, tuple[float, float]]:
+        """Where the ground and the sketch show points, m."""
+        return dict(self.scene.ground) | dict(self.scene.sketch.points)
+
+    def _constraints(self) -> Rows:
+        scene = self.scene
+        sliders = [body for body in scene.bodies.values() if body.slide is not None]
+        count = 2 * len(scene.pins) + 2 * len(sliders) + 1
+        moving = sum(body.slide is not None and body.slide.on != GROUND for body in sliders)
+        rows = Rows(count, len(self.index), moving, self.size)
+        for k, pin in enumerate(scene.pins):
+            for axis in (0, 1):
+                self.add_point(rows, 2 * k + axis, axis_vector(axis), pin.second, pin.point)
+                self.add_point(rows, 2 * k + axis, axis_vector(axis, -1), pin.first, pin.point)
+        for k, body in enumerate(sliders):
+            self._add_slide(rows, 2 * len(scene.pins) + 2 * k, body)
+        self._add_drive(rows, count - 1)
+        return rows
+
+    def _add_slide(self, rows: Rows, row: int, body: Body) -> None:
+        """Add the offset of a slider's first point F along the guide's normal n, and its angle from the guide.
+
+        On a moving body with the frame z + e^{iθ}, the offset is n·(e^{-iθ} (F - z) - through). Since the frames are
+        parallel, e^{-iθ} (F - r_b) is the arm s + i s (θ_b - θ) to within the square of that difference, which the
+        other row keeps zero: what is left is linear but for the way from one centre of mass to the other.
+        """
+        slide, slider = body.slide, self.index[body.name]
+        assert slide is not None
+        normal = -arb(slide.along[1]), arb(slide.along[0])
+        arm = self.arms[body.name][body.points[0]]
+        rows.k[row, 0] -= _dot(normal, (arb(slide.through[0]), arb(slide.through[1])))
+        rows.add_angle(row + 1, slider, arb(1))
+        if slide.on == GROUND:
+            rows.add_point(row, normal, slider, arm)
+            return
+        carrier = self.index[slide.on]
+        rows.k[row, 0] += _dot(normal, arm) - _dot(normal, self._origins[slide.on])
+        rows.add_guide(row, normal, carrier, slider)
+        lever = _dot(normal, (-arm[1], arm[0]))
+        rows.add_angle(row, slider, lever)
+        rows.add_angle(row, carrier, -lever)
+        rows.add_angle(row + 1, carrier, arb(-1))
+
+    def _add_drive(self, rows: Rows, row: int) -> None:
+        """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
+        if self.scene.driven_slide is None:
+            rows.add_angle(row, self.index[self.scene.drive.body], arb(1))
+        else:
+            self._add_displacement(rows, row, self.scene.drive.body)
+
+    def _add_displacement(self, rows: Rows, row: int, body: str) -> None:
+        slider = self.scene.bodies[body]
+        assert slider.slide is not None
+        along = arb(slider.slide.along[0]), arb(slider.slide.along[1])
+        self.add_point(rows, row, along, body, slider.points[0])
+        rows.k[row, 0] -= _dot(along, (arb(slider.slide.through[0]), arb(slider.slide.through[1])))
+
+    def _points(self) -> Rows:
+        """Return x and y of every moving point, two rows a point, as its first body carries it."""
+        points = self.scene.moving_points
+        rows = Rows(2 * len(points), len(self.index))
+        for k, point in enumerate(points):
+            for axis in (0, 1):
+                self.add_point(rows, 2 * k + axis, axis_vector(axis), self.scene.owners[point][0], point)
+        return rows
+
+
+def _dot(u: Point, v: Point) -> arb:
+    return u[0] * v[0] + u[1] * v[1]

@@ -1,0 +1,126 @@
+"""Continuation of a pose along a moving right-hand side, and the proof that a pose is a solution.
+
+The constraints f(q) of `rows` are linear in q but for y = S q, the angles and what slides on moving
+bodies over the linkage's size. So every test here looks at y alone, which has no unit: a change of y by Δ, a turn by
+Δ rad or a way of Δ sizes, is called a turn for short.
+"""
+
+from math import radians
+
+import numpy as np
+from flint import arb, arb_mat
+
+from scenes import Failure, Status
+
+from .constraints import Linkage
+
+LARGEST_TURN = radians(2)  # of any body in one step
+SMALLEST_TURN = 1e-7  # the predicted turn of the fastest body where a march gives up: not far above where roundings of
+# the scene's own doubles make or undo a lock, which is at their root, 1e-8
+CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
+ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
+HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
+
+
+class March:
+    """Follows the pose of a linkage; counts the work."""
+
+    def __init__(self, linkage: Linkage, digits: int) -> None:
+        self.linkage = linkage
+        self.rows = linkage.constraints
+        self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square
+        halo = 10.0 ** (-2 * digits / 3)
+        self.halo = arb_mat(len(linkage.units), 1, [arb(0, unit * halo) for unit in linkage.units])
+        self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
+
+    def follow(self, q: arb_mat, goal: arb_mat) -> arb_mat:
+        """Return the pose with f(q) = goal that is connected to q: f moves to its goal along a straight line.
+
+        From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it moves the drive.
+        A Taylor predictor of second order is followed by Newton; a step is halved unless Newton contracts and the
+        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step may be twice
+        as long.
+
+        Raises:
+            Failure: the Jacobian becomes singular on the way.
+        """
+        rows = self.rows
+        share, longest = 0.0, LARGEST_TURN
+        while share < 1:
+            left = goal - rows.value(q)
+            J = rows.jacobian(q)
+            rate = self._solve(J, left, q)
+            curvature = self._solve(J, rows.centripetal(q, rate), q)
+            turn = self._largest_turn(rate)
+            share = longest / max(longest, turn)
+            while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
+                share /= 2
+                self.counters["rejected_steps"] += 1
+                if not share * turn >= SMALLEST_TURN:
+                    raise self._singular(q)
+            q, longest = reached, min(LARGEST_TURN, 2 * share * turn)
+            self.counters["steps"] += 1
+        return q
+
+    def enclose(self, q: arb_mat, goal: arb_mat) -> arb_mat:
+        """Return balls that hold one and only one solution of f(q) = goal: a step of the interval Newton method.
+
+        The image q - J(X)^-1 (f(q) - goal) of a box X about q holds all solutions in X; where it lies in X there is
+        one, and where all of J(X) is regular no other. Moore, Kearfott & Cloud (2009), Introduction to Interval
+        Analysis, ch. 8.
+
+        Raises:
+            Failure: nothing is proven at this precision.
+        """
+        box = q + self.halo
+        image = q - self.rows.jacobian(box).solve(self.rows.value(q) - goal, nonstop=True)  # NaN where singular
+        if not box.contains(image):
+            raise Failure(Status.not_converged, f"the digits are too few to prove the pose at {self._place(q)}")
+        return image
+
+    def _step(
+        self, q: arb_mat, J: arb_mat, rate: arb_mat, curvature: arb_mat, goal: arb_mat, share: float
+    ) -> arb_mat | None:
+        """Return the pose a step further, or None where Newton does not contract or J changes too much."""
+        h = arb(share)
+        reached = self._newton((q + rate * h + curvature * (h * h / 2)).mid(), goal, share * self._largest_turn(rate))
+        if reached is None:
+            return None
+        # J and its successor differ by ΔB S, and det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of
+        # S J^-1 ΔB is less than one, no matrix on the line between the two is singular.
+        change = self.rows.varying(reached) - self.rows.varying(q)
+        relative = (self.rows.S * J.solve(change, algorithm="approx")).tolist()
+        return reached if np.linalg.norm(np.array(relative, dtype=float), np.inf) <= HOMOTOPY else None
+
+    def _newton(self, q: arb_mat, goal: arb_mat, turn: float) -> arb_mat | None:
+        """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
+        for _ in range(ITERATIONS):
+            self.counters["newton_iterations"] += 1
+            try:
+                correction = self.rows.jacobian(q).solve(goal - self.rows.value(q), algorithm="approx")
+            except ZeroDivisionError:
+                return None
+            q = (q + correction).mid()
+            last, turn = turn, self._largest_turn(correction)
+            if turn <= self.converged:
+                return q
+            if not turn <= CONTRACTION * last:
+                return None
+        return None
+
+    def _solve(self, J: arb_mat, right: arb_mat, q: arb_mat) -> arb_mat:
+        try:
+            return J.solve(right)
+        except ZeroDivisionError:
+            raise self._singular(q) from None
+
+    def _largest_turn(self, change: arb_mat) -> float:
+        """Return the largest |Δy| of a change of pose."""
+        return float(np.max(np.abs([float(turn) for turn in (self.rows.S * change).entries()])))  # NaN stays NaN
+
+    def _place(self, q: arb_mat) -> str:
+        return self.linkage.scene.where(float(self.linkage.position.value(q)[0, 0]))
+
+    def _singular(self, q: arb_mat) -> Failure:
+        reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
+        return Failure(Status.cannot_assemble, reason)

@@ -1,0 +1,66 @@
+"""What loads and springs do to the bodies, in one pose at a step of the engine or in many at the read-out.
+
+A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by `Linkage.index`: complex
+numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.scene import Force, ForceTable, PressForce
+
+from .constraints import Linkage, Plane
+
+Acts: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
+Planes: TypeAlias = Any  # one number or array for each body and the ground
+
+
+def varying(linkage: Linkage) -> tuple[str, ...]:
+    """Return the bodies that are under forces of which some are not constant."""
+    scene = linkage.scene
+    attacked = {load.body for load in scene.loads if not isinstance(load, Force)}
+    attacked |= {body for spring in scene.springs for body, _ in (spring.first, spring.second)}
+    return tuple(name for name in scene.bodies if name in attacked)
+
+
+def acting(
+    linkage: Linkage, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
+) -> list[NDArray[np.bool_]]:
+    """Return for each press force whether it acts; `ends` says where their closing strokes end, m."""
+    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
+    found = []
+    for load, end in zip(presses, ends, strict=True):
+        i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
+        rate = (along.conjugate() * velocity[i]).real  # it does not turn
+        found.append(load.acts(linkage.displacement(load.body, z[i], turn[i]), rate, end))
+    return found
+
+
+def forces(
+    linkage: Linkage, z: Planes, turn: Planes, acts: Iterable[NDArray[np.bool_]]
+) -> Iterator[tuple[str, Plane, Plane]]:
+    """Yield every force, N: its body, which may be the ground, its arm from that one's origin, m, and the force."""
+    index = linkage.index
+    presses = iter(acts)
+    for load in linkage.scene.loads:
+        i = index[load.body]
+        r = linkage.arm(load.body, load.at) * turn[i]
+        if isinstance(load, ForceTable):
+            push = load.along(linkage.displacement(load.body, z[i], turn[i]))
+            yield load.body, r, push * complex(*linkage.slides[load.body].along)
+        elif isinstance(load, PressForce):
+            yield load.body, r, next(presses) * complex(*load.force)
+        else:
+            yield load.body, r, complex(*load.force)
+    for spring in linkage.scene.springs:
+        (first, p), (second, q) = spring.first, spring.second
+        r, s = linkage.arm(first, p) * turn[index[first]], linkage.arm(second, q) * turn[index[second]]
+        d = z[index[second]] + s - z[index[first]] - r
+        # At no length there is no direction: then the result is not finite, unless the spring needs none.
+        relaxed = spring.length * d / np.abs(d) if spring.length else 0
+        pull = spring.stiffness * (d - relaxed)
+        yield first, r, pull
+        yield second, s, -pull

@@ -1,0 +1,203 @@
+"""A consistent start for pymunk: the pose on the sketch's branch, by continuation, and where the drive takes it.
+
+pymunk closes open joints by itself, but onto whichever branch is near. Hence the sketch's gaps are closed little by
+little, and the drive is moved little by little, with Newton's method after each step; no step may change the branch.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import pairwise
+from math import pi, radians, remainder
+from typing import TypeAlias
+
+import numpy as np
+
+from scenes import Failure, Status
+from scenes.motion import Samples
+from scenes.scene import GROUND, PressForce
+
+from .constraints import Linkage, Poses, branch, planes
+
+LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
+LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
+LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
+SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is locked
+NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to somewhere else
+PATIENT_NEWTON_STEPS = 60  # next to a lock it gains a bit a step
+CLOSED = 1e-12  # how far from zero a constraint may stay, by the linkage's size; well above rounding
+HALVINGS = 25  # of a continuation step that holds a dead point; the displacement there is then known to rounding
+
+Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
+
+
+def start(linkage: Linkage) -> Poses:
+    """Return the pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
+
+    Raises:
+        Failure: cannot_assemble, or next to a lock not_converged, here or somewhere on the drive's way.
+    """
+    sketched = _sketched(linkage)
+    q = _sketch(linkage, sketched)
+    gaps = linkage.gaps(q, np.array([sketched]))
+    *_, (_, q) = _follow(linkage, q, lambda s: (sketched, (1 - s) * gaps), LARGEST_CLOSING)
+    return move(linkage, q, sketched, linkage.scene.drive.start)
+
+
+def move(linkage: Linkage, q: Poses, here: float, there: float) -> Poses:
+    """Return the pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m.
+
+    Raises:
+        Failure: cannot_assemble, with the drive's position.
+    """
+    *_, (_, q) = way(linkage, q, here, there)
+    return q
+
+
+def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
+    """Return where the closing strokes of the press forces end, m, having moved the pose q through the drive's range.
+
+    Raises:
+        Failure: cannot_assemble somewhere on the way, with the drive's position.
+    """
+    drive = linkage.scene.drive
+    paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
+    return [
+        load.closing * max(_furthest(linkage, load, path) for path in paths)
+        for load in linkage.scene.loads
+        if isinstance(load, PressForce)
+    ]
+
+
+def rates(linkage: Linkage, q: Poses, drive_rate: float) -> Poses:
+    """Return dq/dt on the constraints, shape (1, bodies, 3)."""
+    prescribed = np.zeros(q.size)
+    prescribed[-1] = drive_rate
+    return np.linalg.solve(linkage.jacobian(q)[0], prescribed).reshape(q.shape)
+
+
+def _furthest(linkage: Linkage, load: PressForce, path: Sequence[Place]) -> float:
+    """Return the slider's largest displacement in its closing direction, m; between places it has a dead point."""
+    i, along = linkage.index[load.body], linkage.slides[load.body].along
+
+    def closing(q: Poses) -> float:
+        z, turn = planes(q[0, i])
+        return load.closing * float(linkage.displacement(load.body, z, turn))
+
+    def opens(q: Poses, forward: float) -> bool:
+        return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
+
+    furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))
+    largest = closing(path[furthest][1])
+    for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):
+        half = (there - here) / 2
+        if opens(after, half) and not opens(q, half):
+            for _ in range(HALVINGS):
+                middle = move(linkage, q, here, here + half)
+                if not opens(middle, half):
+                    here, q = here + half, middle
+                half /= 2
+            largest = max(largest, closing(q))
+    return largest
+
+
+# --- the sketch ------------------------------------------------------------------------------------------------------
+
+
+def _sketched(linkage: Linkage) -> float:
+    """Return the sketch's position of the drive: of a crank, by whole turns into its range, or near its start."""
+    drive, position = linkage.scene.drive, linkage.scene.sketch.drive
+    if linkage.scene.driven_slide is not None:
+        return position
+    low, high = drive.extent
+    inside = low + (position - low) % (2 * pi)
+    turns_fully = high - low > 6  # but for a rounding; then it may go the shorter way
+    return inside if inside <= high and not turns_fully else drive.start - remainder(drive.start - position, 2 * pi)
+
+
+def _sketch(linkage: Linkage, position: float) -> Poses:
+    """Return the pose that fits the sketch best, body by body, shape (1, bodies, 3); its joints gape."""
+    scene = linkage.scene
+    drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
+    known = {
+        name: np.array([(arm, drawn[point]) for point, arm in member.arms.items() if point in drawn]).reshape(-1, 2)
+        for name, member in linkage.members.items()
+    }
+    q = np.zeros((1, len(known), 3))
+    for name, i in linkage.index.items():
+        if name == GROUND:
+            continue
+        group = scene.aligned[name]
+        if GROUND in group:
+            theta = 0.0
+        elif scene.drive.body in group:
+            theta = position
+        else:
+            theta = _angle(known[other] for other in group)
+        q[0, i, 2] = theta
+        if len(known[name]):
+            z = (known[name][:, 1] - known[name][:, 0] * np.exp(1j * theta)).mean()
+            q[0, i, :2] = z.real, z.imag
+
+    # A body with no point in the sketch is only on guides: these, linear in its position, tell it.
+    unknown = [3 * linkage.index[name] + axis for name in known if not len(known[name]) for axis in (0, 1)]
+    if unknown:
+        columns = linkage.jacobian(q)[0][:, unknown]
+        q.reshape(-1)[unknown] -= np.linalg.lstsq(columns, linkage.gaps(q, np.array([position]))[0])[0]
+    return q
+
+
+def _angle(known: Iterable[Samples]) -> float:
+    """Return the common angle, rad, that fits bodies best; each knows the arms and places, m, of some of its points."""
+    fits = [np.vdot(arms - arms.mean(), places - places.mean()) for arms, places in (k.T for k in known if len(k))]
+    return float(np.angle(sum(fits)))
+
+
+# --- continuation ----------------------------------------------------------------------------------------------------
+
+
+def way(linkage: Linkage, q: Poses, here: float, there: float) -> Iterator[Place]:
+    """Yield the places on the way from one position of the drive, where the pose is q, to another."""
+    low, high = linkage.scene.drive.extent
+    unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
+    step = min(LARGEST_TURN * unit, LARGEST_PART * (high - low))
+    closed = np.zeros(q.size)
+    return _follow(linkage, q, lambda s: (here + s * (there - here), closed), step / max(abs(there - here), step))
+
+
+def _follow(
+    linkage: Linkage, q: Poses, path: Callable[[float], tuple[float, Samples]], largest: float
+) -> Iterator[Place]:
+    """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
+    here = branch(linkage.jacobian(q))
+    s, step = 0.0, largest
+    while s < 1:
+        ahead = min(1.0, s + step)
+        position, gaps = path(ahead)
+        found = _newton(linkage, q, position, gaps)
+        if found is not None and branch(linkage.jacobian(found)) == here:
+            q, s, step = found, ahead, min(largest, 2 * step)
+            yield position, q
+        elif step > SMALLEST_STEP:
+            step /= 2
+        else:
+            raise _stuck(linkage, q, position, gaps)
+
+
+def _stuck(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Failure:
+    """Return why there is no next place: there is none at all, or there are two, too close to tell which it is."""
+    where = linkage.scene.where(position)
+    if _newton(linkage, q, position, gaps, PATIENT_NEWTON_STEPS) is None:
+        return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}")
+    return Failure(Status.not_converged, f"two ways to put the bodies together are too close to tell apart at {where}")
+
+
+def _newton(linkage: Linkage, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS) -> Poses | None:
+    """Return the solution of C(q) = gaps near q, or None."""
+    for _ in range(steps):
+        excess = linkage.gaps(q, np.array([position])) - gaps
+        if np.abs(excess).max() <= CLOSED * linkage.size:
+            return q
+        try:
+            q = q - np.linalg.solve(linkage.jacobian(q)[0], excess.ravel()).reshape(q.shape)
+        except np.linalg.LinAlgError:
+            return None
+    return None

@@ -1,0 +1,110 @@
+"""How many Gauss-Seidel sweeps a step needs, by theory: from the joints and the masses that the space has.
+
+A sweep takes the joints in the order in which they were added, and gives each the impulse that would bring its own
+error to zero. The errors J v of all joints change with their impulses by A = J M^-1 J^T, so a sweep multiplies what the
+impulses lack by -(D + L)^-1 U, where D are the blocks of A of one joint each, L those below them and U those above:
+block Gauss-Seidel (Saad, Iterative Methods for Sparse Linear Systems, 2003, section 4.1). Its spectral radius rho is
+what a sweep leaves of an error in the long run. Steps that correct the part beta of a joint's error are stable if
+rho**sweeps <= 1 / (1 + beta), whatever dt: a smaller step does not help.
+"""
+
+from collections.abc import Iterator
+from math import ceil, inf, log, log1p
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+
+from .constraints import Linkage, Poses
+from .settings import Extra, PymunkSettings
+from .simulation import linkage_of
+from .space import Model, pair
+from .start import start, way
+
+if TYPE_CHECKING:
+    import pymunk
+
+
+def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
+    """Return with how many sweeps the steps are stable all through the drive's range; infinite, with none.
+
+    It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps settle them.
+
+    Raises:
+        Failure: unsupported, cannot_assemble; as the run itself.
+    """
+    linkage = linkage_of(scene, settings)
+    rho = max(rho for _, rho in contractions(linkage, start(linkage)))
+    return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
+
+
+def sweeps_needed(rho: float, correction: float) -> float:
+    """Return the least number of sweeps for which steps that correct that part of an error are stable."""
+    if not 0 < rho < 1:
+        return 1.0 if rho == 0 else inf
+    return float(max(1, ceil(log1p(correction) / -log(rho))))
+
+
+def contractions(linkage: Linkage, pose: Poses) -> Iterator[tuple[float, float]]:
+    """Yield places of the drive, rad or m, through its whole range, and rho there; `pose` is that at its start.
+
+    Raises:
+        Failure: cannot_assemble, with the drive's position.
+    """
+    drive = linkage.scene.drive
+    extra: Extra = "" if linkage.members[drive.body].prescribed else "motor"
+    model = Model(linkage, pose, np.zeros_like(pose), 0.0, extra)
+    places = [(drive.start, pose)]
+    for end in drive.extent:
+        places += way(linkage, pose, drive.start, end)
+    for position, q in places:
+        for body, (x, y, theta) in zip(model.bodies.values(), q[0], strict=True):
+            body.position, body.angle = (x, y), theta
+        yield position, contraction(model.space)
+
+
+def contraction(space: "pymunk.Space") -> float:
+    """Return rho: which part of an error a sweep over the joints leaves in the long run, in the present pose."""
+    import pymunk
+
+    bodies = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
+    columns = {body: slice(3 * i, 3 * i + 3) for i, body in enumerate(bodies)}
+    ease = np.repeat([1 / body.mass for body in bodies], 3)
+    ease[2::3] = [1 / body.moment for body in bodies]
+
+    joints = []
+    for joint in space.constraints:
+        rows = _rows(joint)
+        wide = np.zeros((rows.shape[1], 3 * len(bodies)))
+        for body, own in zip((joint.a, joint.b), rows, strict=True):
+            if body in columns:
+                wide[:, columns[body]] = own
+        joints.append(wide)
+    J = np.concatenate(joints)
+    owner = np.repeat(np.arange(len(joints)), [len(rows) for rows in joints])
+    A = J * ease @ J.T
+    done = owner[:, None] >= owner
+    return float(np.abs(np.linalg.eigvals(np.linalg.solve(A * done, A * ~done))).max())
+
+
+def _rows(joint: "pymunk.Constraint") -> NDArray[np.float64]:
+    """Return the velocities over which a joint decides at once, by the rates of its two bodies: shape (2, k, 3).
+
+    Chipmunk solves a pivot as a 2 x 2 block. It does so with a groove too, and then keeps the normal's part; so a
+    groove whose normal is an axis of that block, as here, is a block of one.
+    """
+    import pymunk
+
+    if isinstance(joint, pymunk.PivotJoint):
+        ends = (joint.a, joint.anchor_a), (joint.b, joint.anchor_b)
+        (r, s) = (complex(*anchor.rotated(body.angle)) for body, anchor in ends)
+        return np.array([[[-1, 0, r.imag], [0, -1, -r.real]], [[1, 0, -s.imag], [0, 1, s.real]]])
+    if isinstance(joint, pymunk.GrooveJoint):
+        along = complex(*(joint.groove_b - joint.groove_a).normalized().rotated(joint.a.angle))
+        n = 1j * along
+        s = complex(*joint.anchor_b.rotated(joint.b.angle))
+        r = complex(*joint.b.position) + s - complex(*joint.a.position)
+        return np.array([[[*pair(-n), -(r.conjugate() * n).imag]], [[*pair(n), (s.conjugate() * n).imag]]])
+    return np.array([[[0.0, 0, -1]], [[0, 0, 1]]])  # a gear of ratio 1, a motor

@@ -1,0 +1,295 @@
+"""Groups that hold no dyad, solved by Newton's method: against arbitrary precision, and against the closed form."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import analytic
+import scenes
+from analytic import continuation
+from analytic.decomposition import Decomposition, _Placed, decompose, larger_group, members
+from analytic.motion_range import motion_range
+from analytic.newton_group import Group
+from analytic.solve import solve_decomposed
+from compare.engines import registry
+from compare.engines.reference import establish, relative_errors
+from compare.judge.checks import checks
+from compare.judge.errors import GROUPS
+from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.motion import channels, quantity
+from scenes.scene import ConstantSpeed
+from tests import absolute_coordinates
+from tests.conftest import TOGGLE_PRESS, SceneFrom, busy_scene
+from tests.mechanisms import MECHANISMS
+
+from .test_mechanisms import FLIPPED, TEXTS, flipped
+
+TURN = np.radians(np.arange(720) / 2)  # half-degree steps, without the end
+CLASS_III = (scenes.LIBRARY / "class_iii.toml").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def class_iii() -> Scene:
+    return scenes.load("class_iii")
+
+
+def exact_motion(scene: Scene, samples: int) -> Motion:
+    """Return the answer of the other route, in 50 digits."""
+    engine = registry.engine("multiprecision")
+    run = engine.build(scene, engine.DEFAULT, Sampling(samples))
+    run.solve()
+    motion: Motion = run.read()
+    return motion
+
+
+def test_against_50_digits(class_iii: Scene) -> None:
+    exact = exact_motion(class_iii, 360)
+    errors = relative_errors(analytic.solve(class_iii, exact["crank_angle"]), exact, establish(class_iii).scale)
+    assert set(errors) == set(channels(class_iii)) - {"time"}
+    # A few dozen roundings of 1e-16 each; the group never comes near lock.
+    for channel, error in errors.items():
+        tolerance = 1e-12 if GROUPS[quantity(channel)] in ("reaction", "torque") else 1e-13
+        assert error.max() <= tolerance, channel
+
+
+def test_power_balance(class_iii: Scene) -> None:
+    motion = analytic.solve(class_iii, TURN)
+    for check in checks(class_iii, motion, 0.08):
+        assert check.worst <= 1e-12, check  # roundings only, as above
+    torque = motion["drive.torque"]  # weights and a constant force give back what they take
+    assert abs(torque.mean()) <= 1e-12 * np.abs(torque).max()
+
+
+CLOSED_FORMS = {
+    "RRR, RRP": TOGGLE_PRESS,
+    "RRR, RRP in a busy scene": busy_scene(),
+    "RPR, RRP": MECHANISMS["quick_return"],
+    "RPR": MECHANISMS["swinging_block"],
+    "RPP": MECHANISMS["scotch_yoke"],
+    "PRP": MECHANISMS["tangent"],
+    "RRR, RRP on a moving guide": MECHANISMS["carried_block"],
+    "a driven slider": MECHANISMS["driven_toggle"],
+}
+
+
+@pytest.mark.parametrize("text", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
+def test_dyads_as_one_group(scene_from: SceneFrom, text: str) -> None:
+    """The closed form against Newton's method on all after the driver: no formula in common but the bodies' own."""
+    scene = scene_from(text)
+    by_dyads = decompose(scene)
+    position = np.linspace(*scene.drive.extent, 720, endpoint=False)
+    by_newton = solve_decomposed(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)), position)
+    scale = establish(scene).scale
+    for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
+        # near 30 deg rod and guide of the busy scene are almost square, which multiplies roundings by thousands
+        assert error.max() <= 1e-11, channel
+
+
+@pytest.mark.parametrize("name", ["carried_block", "carried_yoke"])
+def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(scene_from: SceneFrom, name: str) -> None:
+    """The coupler slides on the block or the yoke, which is of the group, and takes what the guide does to it."""
+    scene = flipped(scene_from(TEXTS[name]), *FLIPPED[name])
+    by_dyads = decompose(scene)
+    *before, last = by_dyads.groups
+    placed = _Placed(scene, by_dyads.bodies)
+    for body in by_dyads.carries:
+        if body not in members(last):
+            placed.add(body)
+    groups = (*before, larger_group(placed, members(last)))
+    position = np.linspace(*scene.drive.extent, 720, endpoint=False)
+    by_newton = solve_decomposed(scene, replace(by_dyads, groups=groups), position)
+    scale = establish(scene).scale
+    for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
+        assert error.max() <= 1e-12, channel  # a few dozen roundings of each
+
+
+def all_but_the_driver(scene: Scene, linkage: Decomposition) -> Group:
+    placed = _Placed(scene, linkage.bodies)
+    driver, *others = linkage.carries
+    placed.add(driver)
+    return larger_group(placed, tuple(others))
+
+
+# --- among dyads ------------------------------------------------------------------------------------------------------
+
+_HEAD = CLASS_III[: CLASS_III.index("[bodies.crank]")].replace("O = [0, 0]", "O = [0, 0]\nQ = [-200, 0]")
+_BODIES = {
+    "crank": 'lengths = { "Q-H" = 30 }\nmass = 0.2',
+    "link": 'lengths = { "H-A" = 190 }\nmass = 0.4',
+    "rocker": 'lengths = { "O-A" = 60 }\nmass = 0.5',
+    "coupler": 'lengths = { "A-B" = 255 }\nmass = 1',
+    "plate": 'lengths = { "B-C" = 145, "C-D" = 145, "B-D" = 120 }\nmass = 4',
+    "upper": 'lengths = { "E-C" = 205 }\nmass = 1',
+    "lower": 'lengths = { "F-D" = 230 }\nmass = 1',
+    "rod": 'lengths = { "D-G" = 200 }\nmass = 0.5',
+    "slider": "points = { G = [0, 0] }\nslides = { through = [200, 0], along = [0, 1] }\nmass = 2",
+}
+_TAIL = (
+    CLASS_III[CLASS_III.index("[drive]") : CLASS_III.index("# Largest")].replace(
+        "angle = 60", "angle = 60\nH = [-185, 26]"
+    )
+    + '[[loads]]\nbody = "slider"\nat = "G"\nforce = [0, 300]\n'
+).replace("D = [190, 90]", "D = [190, 90]\nG = [200, -110]")
+
+
+@pytest.mark.parametrize("order", [range(9), range(8, -1, -1), (3, 7, 1, 8, 5, 0, 4, 2, 6)])
+def test_between_dyads_in_any_order(scene_from: SceneFrom, order: Sequence[int]) -> None:
+    """A dyad drives the group, and one hangs on it, at a pin of three bodies, whichever comes first."""
+    names = list(_BODIES)
+    scene = scene_from("\n".join([_HEAD, *(f"[bodies.{names[i]}]\n{_BODIES[names[i]]}" for i in order), _TAIL]))
+    dyad, newton, last = analytic.route(scene).removeprefix("crank, ").split(", ")
+    assert (dyad, last) == ("RRR", "RRP")
+    assert set(newton.removeprefix("Newton on ").split("-")) == {"coupler", "plate", "upper", "lower"}
+    exact = exact_motion(scene, 24)
+    motion = analytic.solve(scene, exact["crank_angle"])
+    for channel, error in relative_errors(motion, exact, establish(scene).scale).items():
+        assert error.max() <= 1e-12, channel  # a few dozen roundings, all groups well clear of lock
+
+
+def test_route(class_iii: Scene, toggle_press: Scene) -> None:
+    assert analytic.route(class_iii) == "crank, Newton on coupler-plate-upper-lower"
+    assert analytic.route(toggle_press) == "closed form: crank, RRR, RRP"
+
+
+def test_one_angle_at_a_time(class_iii: Scene) -> None:
+    """No history: any order, any number, far turns. Far angles carry their own rounding, 1e5 turns of it here."""
+    whole = analytic.solve(class_iii, TURN)
+    shuffled = np.random.default_rng(1).permutation(len(TURN))
+    again = analytic.solve(class_iii, TURN[shuffled])
+    alone = analytic.solve(class_iii, TURN[99:100])
+    for channel in channels(class_iii)[1:]:
+        assert np.array_equal(again[channel], whole[channel][shuffled]), channel
+        assert np.array_equal(alone[channel], whole[channel][99:100]), channel
+    far = analytic.solve(class_iii, TURN + 1e5 * 2 * np.pi)
+    assert np.abs(far["D.y"] - whole["D.y"]).max() <= 1e5 * 2 * np.pi * 2.3e-16
+
+
+# --- lock -------------------------------------------------------------------------------------------------------------
+
+
+def distance_from_lock(scene: Scene, motion: Motion) -> NDArray[np.float64]:
+    """Return how far the coupler's line A-B passes from where the lines E-C and F-D meet, m."""
+    at = {p: motion[f"{p}.x"] + 1j * motion[f"{p}.y"] for p in "ABCD"} | {p: complex(*scene.ground[p]) for p in "EF"}
+    along = {bar: (at[bar[1]] - at[bar[0]]) / np.abs(at[bar[1]] - at[bar[0]]) for bar in ("AB", "EC", "FD")}
+    foot = at["F"] - at["E"]
+    meet = at["E"] + along["EC"] * cross(foot, along["FD"]) / cross(along["EC"], along["FD"])
+    return np.abs(cross(along["AB"], meet - at["A"]))
+
+
+def cross(a: complex | NDArray[np.complex128], b: NDArray[np.complex128]) -> NDArray[np.float64]:
+    product: NDArray[np.float64] = (np.conj(a) * b).imag
+    return product
+
+
+def test_the_scene_is_as_it_says(class_iii: Scene) -> None:
+    motion = analytic.solve(class_iii, TURN)
+    assert abs(distance_from_lock(class_iii, motion).min() - 0.190) <= 0.0005  # m; as the scene's head rounds it
+    assert abs(np.degrees(np.ptp(np.unwrap(motion["plate.angle"]))) - 30) <= 0.5  # deg; likewise
+
+
+def test_a_lock_is_told_where(scene_from: SceneFrom) -> None:
+    """With a longer crank, the lines of the three bars meet in one point at both ends of the range."""
+    scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
+    (interval,) = motion_range(scene, decompose(scene))
+    assert interval.start_lock == interval.end_lock == "B"
+    assert interval.end - interval.start < 2 * np.pi
+    ends = analytic.solve(scene, [interval.start, interval.end])
+    # The distance is as the root of the angle that is left, which is 1e-6 deg: 1e-4 of some 0.3 m.
+    assert distance_from_lock(scene, ends).max() <= 1e-4
+    with pytest.raises(
+        Failure, match=r"B cannot be reached at crank angle \d+\.\d+ deg; the crank turns only"
+    ) as caught:
+        analytic.solve(scene, TURN)
+    assert caught.value.status is Status.cannot_assemble
+    assert "(coupler, plate, upper, lower locked)" in caught.value.reason
+
+
+def test_a_sketch_that_cannot_close_is_refused(scene_from: SceneFrom) -> None:
+    scene = scene_from(CLASS_III.replace('"F-D" = 230', '"F-D" = 23'))
+    why = "coupler, plate, upper, lower do not close near the sketch, at crank angle 60.0000 deg"
+    with pytest.raises(Failure, match=why) as caught:
+        analytic.solve(scene, TURN)
+    assert caught.value.status is Status.cannot_assemble
+
+
+def test_a_lock_in_the_sketch_is_refused(scene_from: SceneFrom) -> None:
+    """Three parallel bars of one length under a plate: it can shift without the crank."""
+    scene = scene_from(
+        """
+format = 1
+name = "parallel"
+ground.points = { O = [0, 0], E = [2, 0], F = [3, 0] }
+bodies.crank.points = { O = [0, 0], A = [1, 0] }
+bodies.one.lengths = { "A-B" = 3 }
+bodies.plate.points = { B = [0, 0], C = [1, 0], D = [2, 0] }
+bodies.two.lengths = { "E-C" = 3 }
+bodies.three.lengths = { "F-D" = 3 }
+drive = { body = "crank", speed = 1 }
+sketch = { A = [1, 0], B = [1, 3], C = [2, 3], D = [3, 3] }
+output = { point = "B" }
+"""
+    )
+    with pytest.raises(Failure) as caught:
+        analytic.solve(scene, TURN)
+    assert caught.value.status is Status.cannot_assemble
+
+
+JUMPS = """
+format = 1
+name = "jumps"
+units = { length = "mm", angle = "deg" }
+ground.points = { O = [0, 0], E = [360, -50], F = [350, -230] }
+bodies.crank.lengths = { "O-A" = 60 }
+bodies.one.lengths = { "A-B" = 375 }
+bodies.plate.lengths = { "B-C" = 160, "C-D" = 110, "B-D" = 175 }
+bodies.two.lengths = { "E-C" = 140 }
+bodies.three.lengths = { "F-D" = 200 }
+drive = { body = "crank", speed = 1 }
+sketch = { angle = 60, A = [30, 52], B = [400, -20], C = [250, 40], D = [230, -70] }
+output = { point = "D" }
+"""
+
+
+def test_newton_does_not_jump_over_a_lock(scene_from: SceneFrom) -> None:
+    """Found by chance: just beyond the lock at 72 degrees Newton's method converges, to a pose of another branch.
+
+    Steps of 0.01 degrees in other coordinates lose the branch at 72.007 and at -109.09 degrees.
+    """
+    scene = scene_from(JUMPS)
+    (interval,) = motion_range(scene, decompose(scene))
+    assert np.degrees([interval.start, interval.end]) == pytest.approx([360 - 109.09, 360 + 72.007], abs=0.005)
+    inside = np.linspace(interval.start, interval.end, 50)[1:-1]
+    with pytest.raises(Failure, match=r"B cannot be reached at crank angle 90\.0000 deg"):
+        analytic.solve(scene, [*inside, np.pi / 2])
+    motion = analytic.solve(scene, inside - 2 * np.pi)
+    expected = absolute_coordinates.solve(scene, inside - 2 * np.pi, 1.0, 0.0)
+    for channel in ("D.x", "D.y", "B.x", "C.y"):
+        assert np.abs(motion[channel] - expected[channel]).max() <= 1e-12, channel  # roundings; locks are 4 deg away
+
+
+def test_a_linkage_that_needs_two_turns_is_refused(class_iii: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a turn that is said to end in another pose: the angle does not tell which pose it is."""
+    monkeypatch.setattr(continuation, "SAME", -1.0)
+    with pytest.raises(
+        Failure, match="after one turn of the crank coupler, plate, upper, lower are in another"
+    ) as caught:
+        analytic.solve(class_iii, TURN)
+    assert caught.value.status is Status.unsupported
+
+
+@pytest.mark.parametrize(("start", "end"), [(40, 80), (-110, 230), (90, 61), (780, 800), (-200, -170), (60, 390)])
+def test_on_part_of_a_turn_the_angle_does_tell(
+    class_iii: Scene, start: int, end: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The sketch, at 60 degrees, is within the part, at its end, or outside, in whatever turn."""
+    ends = np.radians([start, end]).tolist()
+    drive = ConstantSpeed("crank", 1.0 if end > start else -1.0, *ends)
+    position = drive.after(np.linspace(0, 1, 60))
+    expected = analytic.solve(class_iii, position)
+    monkeypatch.setattr(continuation, "SAME", -1.0)
+    motion = analytic.solve(replace(class_iii, drive=drive), position)
+    for channel in ("D.x", "plate.angle", "C.y"):
+        assert np.abs(motion[channel] - expected[channel]).max() <= 1e-14, channel  # from other poses, roundings

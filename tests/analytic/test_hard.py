@@ -1,0 +1,107 @@
+"""The core where it is hard: after many turns, small forces beside large ones, larger groups close to their lock."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import analytic
+import scenes
+from analytic import continuation
+from analytic.decomposition import decompose
+from analytic.solve import solve_decomposed
+from compare.engines import registry
+from compare.engines.reference import establish, relative_errors
+from compare.hard.digits import stopping
+from scenes import Failure, Motion, Sampling, Scene, hard
+from scenes.motion import Samples
+from scenes.scene import ConstantSpeed
+
+from .test_class_iii import all_but_the_driver
+
+EPS = 2.0**-52
+
+
+def exact_at(scene: Scene, position: Samples) -> Motion:
+    """Return the answer of the other route, in 50 digits, at these very doubles."""
+    assert isinstance(scene.drive, ConstantSpeed)
+    engine = registry.engine(registry.ORACLE)
+    there = replace(scene, drive=replace(scene.drive, start=float(position[0])))
+    run = engine.build(stopping(there, position), engine.DEFAULT, Sampling(len(position) - 1))
+    run.solve()
+    motion: Motion = run.read()
+    assert np.array_equal(motion[scene.drive_channel], position)
+    return motion
+
+
+# --- many turns -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "class_iii", "quick_return"])
+def test_the_error_is_the_same_in_every_turn(name: str) -> None:
+    """10,000 turns and not a digit less: 6e4 rad off by one in their last place would be 7e-12, 30,000 times eps."""
+    pytest.importorskip("flint")
+    scene = scenes.load(name)
+    scale = establish(scene).scale
+    position = Sampling(8, 10_000).commanded(scene)
+    error = {}
+    for turn in (0, 9_999):
+        there = position[8 * turn : 8 * turn + 9]
+        errors = relative_errors(analytic.solve(scene, there), exact_at(scene, there), scale)
+        error[turn] = max(float(error.max()) for error in errors.values())
+    # A few dozen roundings, as in the first turn; which, is by chance.
+    assert error[0] <= 100 * EPS
+    assert error[9_999] <= 100 * EPS
+
+
+# --- small beside large -----------------------------------------------------------------------------------------------
+
+
+def test_a_block_without_inertia_takes_no_moment() -> None:
+    """The lever's balance, of some hundred N m, would leave a rounding of its own over."""
+    scene = scenes.load("quick_return")
+    assert scene.bodies["block"].inertia is None
+    assert len(scene.bodies["block"].points) == 1  # a point mass
+    assert (analytic.solve(scene, np.linspace(0, 2 * np.pi, 73))["block.guide_moment"] == 0).all()
+
+
+# --- larger groups close to a lock ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["lock_rrp", "lock_rrr", "lock_rrr_folded"])
+@pytest.mark.parametrize("label", ["1e-5", "1e-7", "1e-9"])
+def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
+    """The dyad as a group, against its closed form: the branch is followed through where it turns in no time."""
+    scene = next(step for step in hard.ladder(name).steps if step.label == label).scene()
+    by_dyads = decompose(scene)
+    by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
+    least, most = scene.drive.extent
+    position = np.linspace(least, most, 3601)
+    nearest = position[solve_decomposed(scene, by_dyads, position)["B.to_lock"].argmin()]
+    width = np.sqrt(float(label))  # rad, or so: where the lock is felt
+    position = np.concatenate([position, nearest + width * np.linspace(-5, 5, 101)])
+    found, true = solve_decomposed(scene, by_newton, position), analytic.solve(scene, position)
+    for quantity, power in (("", 0.5), ("v", 1), ("a", 1)):  # of the distance: `compare.digits`
+        for axis in "xy":
+            error = np.abs(found[f"B.{quantity}{axis}"] - true[f"B.{quantity}{axis}"])
+            peak = np.hypot(true[f"B.{quantity}x"], true[f"B.{quantity}y"]).max()
+            assert error.max() <= 20 * EPS * peak / float(label) ** power
+
+
+@pytest.mark.parametrize("guard", ["branch", "parabola"])
+def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard: str) -> None:
+    """Without the sign of the determinant it ends on the other branch; without looking back it leaps over the lock."""
+    scene = next(step for step in hard.ladder("lock_rrr_folded").steps if step.label == "1e-7").scene()
+    by_dyads = decompose(scene)
+    by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
+    position = np.linspace(*scene.drive.extent, 3601)
+    solve_decomposed(scene, by_newton, position)
+    monkeypatch.setattr(continuation, "SMOOTH", 1e3)
+    by_newton.tracks.clear()
+    if guard == "branch":
+        monkeypatch.setattr(np.linalg, "slogdet", lambda J: (np.ones(len(J)), None))
+    try:
+        found = solve_decomposed(scene, by_newton, position)
+    except Failure:
+        return
+    assert np.abs(found["B.y"] - analytic.solve(scene, position)["B.y"]).max() > 1e-3

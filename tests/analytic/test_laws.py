@@ -1,0 +1,181 @@
+"""Laws of mechanics, and of programs that know them: what must hold of the analytic core for every linkage."""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import Phase, assume, given, settings
+from hypothesis import strategies as st
+
+import analytic
+from analytic.decomposition import _Placed, decompose, larger_group, members
+from analytic.solve import solve_decomposed
+from compare.engines import registry
+from compare.judge.checks import checks
+from scenes import Sampling, Scene
+from scenes.motion import Samples, channels, force_channels
+from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
+from tests import absolute_coordinates
+from tests.agreement import FORCES, MOTION, assert_agree, instants, kind, size, solve, where
+from tests.comparisons import CHECKS
+from tests.linkage_scenes import linkages, loads_on
+from tests.linkages import numbers, xy
+
+from .test_properties import Change
+
+often = settings(max_examples=40, deadline=None, derandomize=True)
+seldom = settings(max_examples=12, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking took minutes
+
+
+@often
+@given(linkages(), numbers(0.1, 10))
+def test_forces_follow_density(scene: Scene, denser: float) -> None:
+    """Without loads every force is proportional to the masses, whatever gravity and speed are."""
+    light = replace(scene, loads=(), springs=())
+    heavy = replace(light, bodies={name: denser_body(body, denser) for name, body in scene.bodies.items()})
+    motion = solve(light)
+    forces = force_channels(scene)
+    assert_agree(heavy, solve(heavy), {c: motion[c] * (denser if c in forces else 1) for c in channels(scene)})
+
+
+def denser_body(body: Body, by: float) -> Body:
+    assert body.mass is not None
+    return replace(body, mass=body.mass * by, inertia=None if body.inertia is None else body.inertia * by)
+
+
+@often
+@given(linkages(), numbers(0.1, 10))
+def test_forces_follow_the_square_of_speed(scene: Scene, faster: float) -> None:
+    """Without loads and weights all forces are inertia's."""
+    slow = replace(scene, loads=(), springs=(), gravity=None)
+    fast = Change(time=1 / faster).scene(slow)
+    motion = solve(slow)
+    power = {"time": -1, "vx": 1, "omega": 1, "ax": 2, "alpha": 2, "fx": 2, "torque": 2}
+    expected = {c: motion[c] * faster ** power.get(kind(c), 0) for c in channels(scene)}
+    assert_agree(fast, solve(fast, instants(slow) / faster), expected)
+
+
+@often
+@given(linkages(), st.data())
+def test_loads_superpose(scene: Scene, data: st.DataObject) -> None:
+    """Forces are affine in the loads, F(a + 2 b) = F(a) + 2 F(b) - 2 F(0); weights count among the loads here."""
+    some = [data.draw(loads_on(scene)) for _ in range(2)]
+    twice = [doubled(load) for load in some]
+    g = scene.gravity or (0.0, 0.0)
+    none = solve(replace(scene, loads=(), gravity=None))
+    own = solve(scene)
+    more = solve(replace(scene, loads=tuple(some), gravity=(1.0, -9.81)))
+    both = replace(scene, loads=(*twice, *scene.loads), gravity=(g[0] + 2.0, g[1] - 2 * 9.81))
+    forces = force_channels(scene)
+    expected = {c: own[c] + 2 * (more[c] - none[c]) if c in forces else own[c] for c in channels(scene)}
+    assert_agree(both, solve(both), expected)
+
+
+def doubled(load: Load) -> Load:
+    if isinstance(load, ForceTable):
+        return replace(load, forces=tuple(2 * force for force in load.forces))
+    return replace(load, force=(2 * load.force[0], 2 * load.force[1]))
+
+
+@often
+@given(scene=linkages(), data=st.data())
+def test_a_spring_is_the_forces_at_its_ends(scene: Scene, data: st.DataObject) -> None:
+    """At one position of the drive a spring is two constant forces, of k (d - length) towards each other."""
+    assume(scene.springs)
+    spring = data.draw(st.sampled_from(scene.springs))
+    time = instants(scene)[11:12]
+    motion = solve(scene, time)
+    one, two = (complex(where(scene, motion, point)[0]) for _, point in (spring.first, spring.second))
+    pull = spring.stiffness * (abs(two - one) - spring.length) * (two - one) / abs(two - one)
+    ends = [Force(*end, xy(f)) for end, f in ((spring.first, pull), (spring.second, -pull)) if end[0] != GROUND]
+    others = tuple(other for other in scene.springs if other is not spring)
+    without = replace(scene, springs=others, loads=(*scene.loads, *ends))
+    assert_agree(without, solve(without, time), {c: motion[c] for c in channels(scene)}, solve(scene))
+
+
+@often
+@given(linkages())
+def test_masses_do_not_change_the_motion(scene: Scene) -> None:
+    """A kinematic scene has the very same motion, to the bit, and no force at all."""
+    bare = replace(scene, bodies={n: replace(b, mass=None, com=None, inertia=None) for n, b in scene.bodies.items()})
+    motion, moved = solve(scene), solve(replace(bare, loads=(), springs=(), gravity=None))
+    assert set(channels(scene)) - set(moved.samples) == set(force_channels(scene))
+    for channel in moved.samples:
+        assert np.array_equal(moved[channel], motion[channel]), channel
+
+
+@often
+@given(linkages())
+def test_joints_close_and_forces_and_power_balance(scene: Scene) -> None:
+    motion = solve(scene)
+    found = checks(scene, motion, size(motion, scene))
+    assert {c.check for c in found} == CHECKS
+    for (
+        c
+    ) in found:  # what is summed up rounds, at 5e-15; what is solved for, rates that fit the poses, by its condition
+        assert c.worst <= (FORCES if c.check in ("velocity", "acceleration") else MOTION), c
+
+
+@often
+@given(scene=linkages(), data=st.data())
+def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.DataObject) -> None:
+    """A few channels, or forces alone, to the bit as among all of them, and no others."""
+    whole = solve(scene)
+    known = data.draw(st.sampled_from((list(whole.samples), list(force_channels(scene)))))
+    asked = data.draw(st.frozensets(st.sampled_from(known), min_size=1, max_size=3))
+    part = solve(replace(scene, asked=asked))
+    assert set(part.samples) == asked | {"time", scene.drive_channel}
+    for channel in part.samples:
+        assert np.array_equal(part[channel], whole[channel]), channel
+
+
+# --- other routes to the same answer ----------------------------------------------------------------------------------
+
+
+@seldom
+@given(linkages())
+def test_against_absolute_coordinates(scene: Scene) -> None:
+    """Points and unit vectors, Newton's and Euler's equations of all bodies at once: nothing in common."""
+    time = np.linspace(0.003, 0.997, 13) * scene.drive.cycle  # off the ends, where a press force may go
+    driven = scene.drive.at(time)
+    expected = absolute_coordinates.solve(scene, *driven)
+    assert_agree(
+        scene, analytic.solve(scene, driven.position, time), expected | {"time": own_time(scene, driven[0], time)}
+    )
+
+
+def own_time(scene: Scene, position: Samples, time: Samples) -> Samples:
+    """Return the instants as a motion has them: at a constant speed, the position tells them."""
+    if isinstance(scene.drive, MotionLaw):
+        return time
+    told: Samples = (position - scene.drive.start) / scene.drive.speed
+    return told
+
+
+@seldom
+@given(scene=linkages(), first=st.integers(0, 1))
+def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
+    """The last dyads as one larger group, on what the others have placed: no formula in common but the bodies' own."""
+    linkage = decompose(scene)
+    dyads = linkage.groups[: min(first, len(linkage.groups) - 1)]
+    placed = _Placed(scene, linkage.bodies)
+    for body in ("driver", *(body for dyad in dyads for body in members(dyad))):
+        placed.add(body)
+    group = larger_group(placed, tuple(body for body in linkage.carries if body not in placed))
+    time = instants(scene)
+    newton = replace(linkage, groups=(*dyads, group), tracks={}, stroke_ends={})
+    by_newton = solve_decomposed(scene, newton, scene.drive.at(time).position, time)
+    motion = solve(scene)
+    assert_agree(scene, by_newton, {c: motion[c] for c in channels(scene)})
+
+
+@seldom
+@given(linkages())
+def test_against_50_digits(scene: Scene) -> None:
+    """Newton from the sketch, then multipliers: another formulation with 50 digits agrees in every channel."""
+    engine = registry.engine(registry.ORACLE)
+    run = engine.build(scene, engine.DEFAULT, Sampling(24))
+    run.solve()
+    exact = run.read()
+    motion = analytic.solve(scene, exact[scene.drive_channel], exact["time"])
+    # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
+    assert_agree(scene, motion, {channel: exact[channel] for channel in channels(scene)})

@@ -1,0 +1,172 @@
+"""How near a group is to a lock: angles from positions alone, and lengths that are changed until it does lock."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import analytic
+import scenes
+from analytic.decomposition import decompose
+from analytic.motion_range import motion_range
+from scenes import Failure, Motion, Scene
+from scenes.scene import Slide
+from tests.agreement import solve, where
+from tests.conftest import TOGGLE_PRESS, SceneFrom
+from tests.mechanisms import MECHANISMS
+
+from .test_class_iii import CLASS_III
+from .test_motion_range import SLOTTED_CRANK, SLOTTED_LEVER, TRIPLE_ROCKER
+from .test_properties import Change
+
+Vectors = NDArray[np.complex128]
+
+
+def bar(A: str, B: str) -> Callable[[Scene, Motion], Vectors]:
+    return lambda scene, motion: where(scene, motion, B) - where(scene, motion, A)
+
+
+def guide(slider: str) -> Callable[[Scene, Motion], Vectors]:
+    """Return the direction of a guide, which turns with what it is on."""
+
+    def direction(scene: Scene, motion: Motion) -> Vectors:
+        slide = scene.bodies[slider].slide
+        assert slide is not None
+        angle = motion[f"{slide.on}.angle"] if slide.on in scene.turning else np.zeros(motion["time"].shape)
+        return np.asarray(np.exp(1j * angle) * complex(*slide.along))
+
+    return direction
+
+
+def normal(slider: str) -> Callable[[Scene, Motion], Vectors]:
+    return lambda scene, motion: 1j * guide(slider)(scene, motion)
+
+
+# channel: what is in one line where the dyad locks
+LINES = {
+    "RRR": (TOGGLE_PRESS, "P3", bar("P2", "P3"), bar("O", "P3")),
+    "RRP": (TOGGLE_PRESS, "P5", bar("P4", "P5"), normal("slider")),
+    "RPR": (MECHANISMS["swinging_block"], "rod", bar("A", "C"), normal("rod")),
+    "RPR in a quick return": (MECHANISMS["quick_return"], "block", bar("A", "C"), normal("block")),
+    "RPP": (MECHANISMS["scotch_yoke"], "block", guide("yoke"), guide("block")),
+    "PRP": (MECHANISMS["tangent"], "P", guide("block"), guide("slider")),
+    "RRP on a moving guide": (MECHANISMS["carried_block"], "P", bar("F", "P"), normal("block")),
+}
+
+
+@pytest.mark.parametrize("case", LINES)
+def test_transmission_is_the_angle_of_two_lines(scene_from: SceneFrom, case: str) -> None:
+    text, joint, one, two = LINES[case]
+    scene = scene_from(text)
+    motion = solve(scene)
+    a, b = one(scene, motion), two(scene, motion)
+    angle = np.arccos(np.abs((a.conj() * b).real) / np.abs(a * b))
+    # arccos loses digits where its argument is near one; there is none in these below 5 degrees
+    assert np.abs(motion[f"{joint}.transmission"] - angle).max() <= 1e-13
+
+
+def test_transmission_is_nothing_in_a_lock_and_whole_where_square(scene_from: SceneFrom) -> None:
+    """Coupler and rocker are in line at both ends, and square where the crank's tip is hypot(1.5, 1.2) from C."""
+    scene = scene_from(TRIPLE_ROCKER)
+    (interval,) = motion_range(scene, decompose(scene))
+    square = np.arccos((2**2 + 3**2 - 1.5**2 - 1.2**2) / (2 * 2 * 3))
+    found = analytic.solve(scene, [interval.start, interval.end, square])["B.transmission"]
+    assert found[:2] == pytest.approx([0, 0], abs=1e-6)  # the square root of an angle's roundings
+    assert found[2] == pytest.approx(np.pi / 2, abs=1e-14)
+
+
+# --- lengths to a lock ------------------------------------------------------------------------------------------------
+
+
+def longer(body: str, by: float) -> Callable[[Scene], Scene]:
+    """Return a function that makes a bar longer, which is given by its length."""
+
+    def change(scene: Scene) -> Scene:
+        old = scene.bodies[body]
+        assert old.lengths is not None
+        ((pair, length),) = old.lengths.items()
+        bar = replace(old, lengths=MappingProxyType({pair: length + by}))
+        return replace(scene, bodies={**scene.bodies, body: bar})
+
+    return change
+
+
+def moved(slider: str, by: float) -> Callable[[Scene], Scene]:
+    """Return a function that moves a guide along its own normal."""
+
+    def change(scene: Scene) -> Scene:
+        old = scene.bodies[slider]
+        assert old.slide is not None
+        through = complex(*old.slide.through) + by * 1j * complex(*old.slide.along)
+        slide = Slide(old.slide.on, (through.real, through.imag), old.slide.along)
+        return replace(scene, bodies={**scene.bodies, slider: replace(old, slide=slide)})
+
+    return change
+
+
+NEAREST = {
+    "RRR stretched": (TRIPLE_ROCKER, "B", 1.0, longer, "coupler"),
+    "RRR folded": (TRIPLE_ROCKER.replace('"A-B" = 1.5', '"A-B" = 2.5'), "B", 0.9, longer, "coupler"),
+    "RRP": (MECHANISMS["quick_return"], "E", 1.0, longer, "link"),
+    "RRP, of the guide": (MECHANISMS["quick_return"], "E", 1.0, moved, "ram"),
+    "RRP on a moving guide": (MECHANISMS["carried_block"], "P", 2.0, longer, "bar"),
+    "RPR": (SLOTTED_LEVER, "block", 2.0, moved, "block"),
+    "RPR in a quick return": (MECHANISMS["quick_return"], "block", 1.0, moved, "block"),
+}
+
+
+@pytest.mark.parametrize("case", NEAREST)
+def test_a_length_changed_by_that_much_locks(scene_from: SceneFrom, case: str) -> None:
+    """One way by a little more it does not reach, and by less it has just that left; the other way it does."""
+    text, joint, position, change, body = NEAREST[case]
+    channel = f"{joint}.to_lock"
+    scene = replace(scene_from(text), asked=frozenset({channel}))  # what hangs on the group may lock before
+
+    def left(longer_by: float) -> float | None:
+        try:
+            return float(analytic.solve(change(body, longer_by)(scene), [position])[channel][0])
+        except Failure:
+            return None
+
+    by = left(0.0)
+    assert by is not None
+    assert by > 0
+    reach = {sign: left(sign * by * (1 + 1e-9)) is not None for sign in (1, -1)}
+    assert sorted(reach.values()) == [False, True]
+    locks = 1 if reach[-1] else -1
+    assert left(locks * by * (1 - 1e-9)) == pytest.approx(1e-9 * by, rel=1e-4)  # a difference of lengths, rounded
+
+
+def test_two_crossing_guides_have_no_length_to_a_lock(scene_from: SceneFrom) -> None:
+    """No guide moved along its normal makes them parallel; only the angle tells."""
+    for text, joint in ((SLOTTED_CRANK, "P"), (MECHANISMS["scotch_yoke"], "block")):
+        motion = analytic.solve(scene_from(text), [1.0])
+        assert f"{joint}.transmission" in motion
+        assert f"{joint}.to_lock" not in motion
+
+
+def test_a_larger_group_has_a_length_alone(scene_from: SceneFrom) -> None:
+    """It falls to zero at either end of the range, as the root of the angle that is left."""
+    scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
+    (interval,) = motion_range(scene, decompose(scene))
+    left = np.array([1e-5, 4e-5])  # rad; far more than the end is known to, 1e-8
+    for angles in (interval.start + left, interval.end - left):
+        motion = analytic.solve(scene, angles)
+        near, far = motion["B.to_lock"]
+        assert far / near == pytest.approx(2, rel=0.01)  # the next term is as the root, 0.6 %
+        assert "B.transmission" not in motion
+    middle = analytic.solve(scene, np.linspace(interval.start, interval.end, 9)[1:-1])["B.to_lock"]
+    assert 10 * far < middle.min()
+    assert middle.max() < 0.3  # m, the longest arm
+
+
+def test_a_larger_group_is_as_far_from_its_lock_from_any_view() -> None:
+    """The least singular value is that of the equations, not of the frame they are written in."""
+    scene = scenes.load("class_iii")
+    view = Change(mirror=-1, turn=np.exp(0.7j), shift=3 - 2j, length=1000.0)
+    seen = analytic.solve(view.scene(scene), [view.angle(1.0)])["B.to_lock"]
+    own = analytic.solve(scene, [1.0])["B.to_lock"]
+    assert seen == pytest.approx(1000 * own, rel=1e-11)  # singular values near the largest, thousands, by roundings

@@ -1,0 +1,71 @@
+"""The core's other ways to the same motion: as accurate as they claim, and as bad where they claim to be bad."""
+
+import numpy as np
+import pytest
+
+from analytic.engine import LADDER, AnalyticSettings
+from compare.engines import registry
+from compare.engines.reference import establish, relative_errors
+from compare.judge.errors import GROUPS
+from compare.judge.measure import measure
+from scenes import Sampling, Scene
+from scenes.motion import quantity
+from tests.conftest import SceneFrom
+from tests.mechanisms import MECHANISMS
+
+SCENES = ("quick_return", "driven_toggle", "carried_block", "turning_law")
+
+
+def errors(scene: Scene, settings: AnalyticSettings) -> dict[str, float]:
+    """Return by group how far a variant is from the core, relative to each channel's peak."""
+    engine = registry.engine(registry.REFERENCE)
+    motions = []
+    for variant in (settings, engine.DEFAULT):
+        run = engine.build(scene, variant, Sampling(72))
+        run.solve()
+        motions.append(run.read())
+    worst: dict[str, float] = {}
+    variant_motion, motion = motions
+    for channel, error in relative_errors(variant_motion, motion, establish(scene).scale).items():
+        group = GROUPS[quantity(channel)]
+        worst[group] = max(worst.get(group, 0.0), float(error.max()))
+    return worst
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_half_angles_are_another_form_of_the_same(scene_from: SceneFrom, name: str) -> None:
+    """It loses digits where A + C cancels: thousands of roundings here, and none where there is no RRR dyad."""
+    found = errors(scene_from(MECHANISMS[name]), AnalyticSettings("half angles", half_angles=True))
+    assert max(found.values()) <= 1e-11
+    assert (max(found.values()) > 0) == (name in ("driven_toggle", "carried_block"))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_single_precision_is_single(scene_from: SceneFrom, name: str) -> None:
+    """Roundings of 6e-8, a hundred times larger at most; and not those of doubles."""
+    found = errors(scene_from(MECHANISMS[name]), AnalyticSettings("single", single=True))
+    assert 1e-9 <= max(found.values()) <= 1e-5
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_differences_are_of_second_order(scene_from: SceneFrom, name: str) -> None:
+    """Half the step, a quarter of the error; positions have none."""
+    coarse, fine = (
+        errors(scene_from(MECHANISMS[name]), AnalyticSettings("differences", steps=steps)) for steps in (720, 1440)
+    )
+    for group in ("velocity", "acceleration"):
+        assert np.log2(coarse[group] / fine[group]) == pytest.approx(2, abs=0.1)  # the next order is h^2 smaller still
+    assert coarse["position"] == 0
+
+
+def test_labels_are_told_apart() -> None:
+    assert len({settings.label for settings in LADDER}) == len(LADDER)
+
+
+def test_single_precision_is_told_from_the_reference(toggle_press: Scene) -> None:
+    """Its channels are doubles, so that the reference is not evaluated in single precision too, and agrees."""
+    found = measure(establish(toggle_press), "analytic", Sampling(72), AnalyticSettings("single", single=True))
+    assert found.run.motion is not None
+    assert all(samples.dtype == np.float64 for samples in found.run.motion.samples.values())
+    worst = found.errors.groupby("group")["max"].max()
+    assert 1e-8 <= worst["reaction"] <= 1e-5  # a rounding is 6e-8, a few dozen of them

@@ -1,0 +1,426 @@
+"""Families: quantities against formulas and geometry written here, members that cannot run, files, the terminal."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from math import acos, asin, cos, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.optimize import brentq, minimize_scalar
+
+import analytic
+import scenes
+from compare.engines import registry
+from compare.family.cycle import Cycle
+from compare.family.family import Family, Member, members
+from compare.family.grid import grid, variation
+from compare.report.family import tables as family_tables
+from compare.run import main
+from scenes import InputError, Sampling
+from tests.conftest import TOGGLE_PRESS
+from tests.mechanisms import MECHANISMS
+
+ROCKER = "bodies.rocker.lengths.O-P3"
+
+CRANK_SLIDER = """
+format = 1
+name = "crank_slider"
+units = { length = "mm", angle = "deg", speed = "rpm", force = "kN" }
+[ground.points]
+O = [0, 0]
+[bodies.crank]
+lengths = { "O-A" = 100 }
+mass = 0
+[bodies.rod]
+lengths = { "A-B" = 300 }
+mass = 0
+[bodies.slider]
+points = { B = [0, 0], T = [20, 0] }
+mass = 7
+slides = { through = [15, 40], along = [1, 0] }
+[drive]
+body = "crank"
+speed = 120
+start = 25
+[[loads]]
+body = "slider"
+at = "B"
+force = [2, 0]
+[sketch]
+angle = 0
+A = [100, 0]
+B = [400, 40]
+[output]
+slider = "T"
+[tolerances.exudyn]
+position = 1e-9
+"""
+
+
+def run(file: str | Path, vary: Sequence[str], engines: Sequence[str] = ()) -> list[Member]:
+    changes = grid([variation(text) for text in vary])
+    return list(members(file, changes, engines, Sampling(72), lambda _: None))
+
+
+def written(text: str, folder: Path) -> Path:
+    file = folder / "scene.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def solved(member: Member) -> Cycle:
+    assert member.cycle is not None, member.reason
+    return member.cycle
+
+
+# --- quantities ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def crank_sliders(tmp_path_factory: pytest.TempPathFactory) -> list[Member]:
+    """Rods of 250, 300 and 350 mm on a crank of 100 mm, the guide 40 mm beside its centre."""
+    file = written(CRANK_SLIDER, tmp_path_factory.mktemp("family"))
+    return run(file, ["bodies.rod.lengths.A-B=250:350:3"])
+
+
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_an_offset_crank_slider_by_its_formulas(crank_sliders: list[Member], number: int) -> None:
+    """Slider at x(a) = r cos a + sqrt(l^2 - (r sin a - e)^2), a = 4 pi t; dead where crank and rod are in line."""
+    r, e, length, w = 0.1, 0.04, (0.25, 0.3, 0.35)[number], 4 * pi
+    q = solved(crank_sliders[number]).quantities
+
+    def x(a: float) -> float:
+        return r * cos(a) + sqrt(length**2 - (r * sin(a) - e) ** 2)
+
+    outer, inner = sqrt((length + r) ** 2 - e**2), sqrt((length - r) ** 2 - e**2)
+    assert q["stroke"] == pytest.approx(outer - inner, rel=1e-10)
+    assert q["bottom"] == pytest.approx(inner + 0.02 - 0.015, rel=1e-10)  # of the output point, from `through`
+    out, back = asin(e / (length + r)), pi + asin(e / (length - r))  # crank angles of the dead points
+    closing = back - out
+    assert q["quick return"] == pytest.approx(closing / (2 * pi - closing), rel=1e-6)  # linear between 3600 samples
+    near = inner + 0.01 * (outer - inner)
+    dwell = brentq(lambda a: x(a) - near, back, back + 1.5) - brentq(lambda a: x(a) - near, back - 1.5, back)
+    assert q["dwell"] == pytest.approx(dwell / w, rel=2e-5)
+    assert q["dwell share"] == pytest.approx(dwell / (2 * pi), rel=2e-5)
+
+    def speed(a: float) -> float:
+        s = r * sin(a) - e
+        return -w * r * (sin(a) + s * cos(a) / sqrt(length**2 - s**2))
+
+    def acceleration(a: float, h: float = 1e-5) -> float:
+        return w * (speed(a + h) - speed(a - h)) / (2 * h)
+
+    assert q["peak velocity"] == pytest.approx(largest(speed), rel=1e-9)
+    assert q["peak acceleration"] == pytest.approx(largest(acceleration), rel=1e-8)
+
+    def torque(a: float) -> float:  # the massless crank and rod pass on the power of slider and load
+        return speed(a) * (7 * acceleration(a) - 2000) / w
+
+    assert q["peak torque"] == pytest.approx(largest(torque), rel=1e-8)
+
+
+def largest(of: Callable[[float], float]) -> float:
+    """Return the largest magnitude of a function over one turn."""
+    guess = max(np.linspace(0, 2 * pi, 721).tolist(), key=lambda a: abs(of(a)))
+    bounds = (guess - 0.01, guess + 0.01)
+    best = minimize_scalar(lambda a: -abs(of(a)), bounds=bounds, method="bounded", options={"xatol": 1e-9})
+    return -float(best.fun)
+
+
+def test_the_toggle_press_by_its_geometry() -> None:
+    """Stroke and bottom of every rocker, the points found here as intersections of circles."""
+    for member in run("toggle_press", [f"{ROCKER}=285:315:4"]):
+        rocker = 1e-3 * member.changes[ROCKER]
+
+        def slider(a: float, rocker: float = rocker) -> float:
+            p2 = complex(0.404709, -0.217661) + 0.077 * np.exp(1j * a)
+            p3 = circles(0j, rocker, p2, 0.49, left=False)
+            p4 = circles(p2, 0.76, p3, 0.49, left=True)
+            return p4.imag - sqrt(0.3**2 - p4.real**2)
+
+        q = solved(member).quantities
+        top = largest(lambda a, slider=slider: 2 + slider(a)) - 2  # type: ignore[misc]  # 2 m above, all are positive
+        bottom = 2 - largest(lambda a, slider=slider: 2 - slider(a))  # type: ignore[misc]
+        assert q["stroke"] == pytest.approx(top - bottom, rel=1e-9)
+        assert q["bottom"] == pytest.approx(bottom, rel=1e-10)
+
+
+def circles(a: complex, r: float, b: complex, s: float, *, left: bool) -> complex:
+    """Return the point at r from a and s from b, to the left of the way from a to b or to the right."""
+    d = abs(b - a)
+    cosine = (r**2 + d**2 - s**2) / (2 * r * d)
+    turn = acos(cosine) * (1 if left else -1)
+    return complex(a + r * (b - a) / d * np.exp(1j * turn))
+
+
+def test_quantities_and_curves_are_those_of_the_scene_with_that_number(tmp_path: Path) -> None:
+    """Against the reference on a file with the number written in it, sampled ten times as finely."""
+    text = TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 312.5')
+    motion = analytic.solve(scenes.load(written(text, tmp_path)), np.linspace(0, 2 * pi, 36_001))
+    (_, member) = run("toggle_press", [f"{ROCKER}=300:312.5:2"])
+    cycle = solved(member)
+    for name, channel in (("displacement", "y"), ("velocity", "vy"), ("acceleration", "ay")):
+        np.testing.assert_allclose(cycle.curves[name], motion[f"P5.{channel}"][::10], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(np.degrees(cycle.position), np.linspace(0, 360, 3601), rtol=0, atol=1e-9)
+    reactions = {p: np.hypot(motion[f"{p}.fx"], motion[f"{p}.fy"]).max() for p in ("O", "P1", "P2", "P3", "P4", "P5")}
+    worst = max(reactions, key=lambda pin: reactions[pin])
+    assert cycle.joints["peak reaction"] == worst
+    assert cycle.quantities["peak reaction"] == pytest.approx(reactions[worst], rel=1e-7)
+    assert cycle.quantities["peak torque"] == pytest.approx(np.abs(motion["drive.torque"]).max(), rel=1e-7)
+    angles = {joint: motion[f"{joint}.transmission"].min() for joint in ("P3", "P5")}
+    least = min(angles, key=lambda joint: angles[joint])
+    assert cycle.joints["least transmission"] == least
+    assert cycle.quantities["least transmission"] == pytest.approx(angles[least], rel=1e-7)
+
+
+def test_peaks_where_a_force_comes_or_goes() -> None:
+    """The press force sets in between two samples, and the torque jumps to its peak there."""
+    (member, _) = run("crank_press", ["drive.speed=60:90:2"])
+    scene = scenes.load("crank_press", {"drive.speed": 60})
+    motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 2_000_001)))
+    peak = np.abs(motion["drive.torque"]).max()  # itself off by half a step, 3e-6 rad, times the torque's slope of 3
+    assert solved(member).quantities["peak torque"] == pytest.approx(peak, rel=1e-5)
+
+
+def test_the_shaper_of_the_textbook() -> None:
+    """With a link of any length the stroke is 450 mm, and the cut takes twice as long as the return."""
+    for member in run("quick_return", ["bodies.link.lengths.D-E=250:350:3"]):
+        assert solved(member).quantities["stroke"] == pytest.approx(0.45, rel=1e-9)
+        assert solved(member).quantities["quick return"] == pytest.approx(2.0, rel=1e-6)
+
+
+def test_the_other_way_round_the_return_is_the_slow_one() -> None:
+    cut_left, cut_right = (solved(m).quantities for m in run("quick_return", ["loads.0.force.0=6:-6:2"]))
+    assert cut_left["quick return"] * cut_right["quick return"] == pytest.approx(1, rel=1e-12)
+    back, forth = (solved(m).quantities for m in run("quick_return", ["drive.speed=-40:40:2"]))
+    assert back["quick return"] * forth["quick return"] == pytest.approx(1, rel=1e-5)
+
+
+def test_no_quick_return_of_two_strokes_or_of_a_single_run(tmp_path: Path) -> None:
+    single = CRANK_SLIDER.replace("start = 25", "start = 25\nend = 400")  # a little more than one turn
+    (member, _) = run(written(single, tmp_path), ["bodies.rod.lengths.A-B=250:300:2"])
+    assert np.isnan(solved(member).quantities["quick return"])
+    (twice, once) = run("toggle_press", ["bodies.toggle.lengths.P2-P4=700:760:2"])
+    assert np.isnan(solved(twice).quantities["quick return"])
+    assert not np.isnan(solved(once).quantities["quick return"])
+
+
+_LOAD = '[[loads]]\nbody = "slider"\nat = "P5"\nforce = [0, 100] # the resistance Q, upward, constant\n'
+
+
+@pytest.mark.parametrize(
+    ("load", "along", "below"),
+    [
+        ("", 1, True),  # without a load, downwards
+        ("", -1, True),
+        ("force = [100, 0]", 1, True),  # none along the guide
+        ("force = [0, 100]", 1, True),
+        ("force = [0, 100]", -1, True),
+        ("force = [0, -100]", 1, False),
+        ("force = [0, 100]\nlast = 6", -1, True),
+        ("force = [0, -100]\nlast = 6", 1, False),
+        ("table = [[-2000, 0], [2000, 1]]", 1, True),  # along the guide
+        ("table = [[-2000, 0], [2000, 1]]", -1, False),
+    ],
+)
+def test_the_bottom_is_against_the_load(load: str, along: int, below: bool, tmp_path: Path) -> None:
+    assert _LOAD in TOGGLE_PRESS
+    text = TOGGLE_PRESS.replace(_LOAD, _LOAD.partition("force")[0] + load + "\n" if load else "")
+    file = written(text.replace("along = [0, 1]", f"along = [0, {along}]"), tmp_path)
+    (member, _) = run(file, [f"{ROCKER}=300:310:2"])
+    height = along * solved(member).curves["displacement"]
+    bottom = along * solved(member).quantities["bottom"]
+    assert bottom == pytest.approx(height.min() if below else height.max(), rel=1e-6)
+
+
+def test_a_drive_that_runs_once_and_a_driven_slider(tmp_path: Path) -> None:
+    file = written(MECHANISMS["driven_toggle"], tmp_path)
+    whole, half = (solved(member) for member in run(file, ["drive.end=-150:-25:2"]))
+    for cycle, end in ((whole, -0.15), (half, -0.025)):
+        assert cycle.position[[0, -1]] == pytest.approx((0.1, end), abs=1e-12)
+        assert np.isnan(cycle.quantities["quick return"])
+        assert cycle.quantities["peak force"] >= np.abs(cycle.curves["force"]).max()
+        assert cycle.quantities["stroke"] == pytest.approx(np.ptp(cycle.curves["displacement"]), rel=1e-6)
+    assert half.quantities["stroke"] < whole.quantities["stroke"]
+    # the table's force pushes the platen forwards: it closes backwards
+    assert whole.quantities["bottom"] == pytest.approx(whole.curves["displacement"].min(), rel=1e-6)
+
+
+def test_a_law_is_run_over_its_time(tmp_path: Path) -> None:
+    (slow, fast) = run(written(MECHANISMS["turning_law"], tmp_path), ["drive.law.1.1=70:100:2"])
+    for member in (slow, fast):
+        cycle = solved(member)
+        assert cycle.position == pytest.approx(np.linspace(0, 1.1, 3601), abs=1e-12)
+        assert cycle.quantities["peak velocity"] == pytest.approx(np.abs(cycle.curves["velocity"]).max(), rel=1e-5)
+        assert cycle.quantities["quick return"] > 0
+
+
+def test_a_point_has_a_stroke_and_no_bottom() -> None:
+    (member, _) = run("four_bar", ["drive.speed=-60:60:2"])
+    cycle = solved(member)
+    assert {"x", "y"} <= set(cycle.curves)
+    assert not {"bottom", "dwell", "quick return"} & set(cycle.quantities)
+    width, height = np.ptp(cycle.curves["x"]), np.ptp(cycle.curves["y"])
+    assert cycle.quantities["stroke"] == pytest.approx(np.hypot(width, height), rel=1e-6)
+
+
+# --- members ---------------------------------------------------------------------------------------------------------
+
+
+def test_members_that_cannot_run_are_rows_in_their_place() -> None:
+    family = run("toggle_press", [f"{ROCKER}=-100:500:7"])
+    assert [member.changes[ROCKER] for member in family] == [-100, 0, 100, 200, 300, 400, 500]
+    assert [member.status for member in family] == [
+        *("invalid", "invalid", "cannot_assemble", "cannot_assemble"),
+        *("ok", "ok", "cannot_assemble"),
+    ]
+    for member in family:
+        assert (member.cycle is None) == (member.status != "ok")
+        assert bool(member.reason) == (member.status != "ok")
+    assert family[0].reason == f"{ROCKER}: expected greater than 0, found -100.0"
+    assert "crank angle" in family[2].reason
+
+
+def test_a_grid_is_every_combination_the_last_changing_fastest() -> None:
+    changes = grid([variation("a.b=1:2:2"), variation("c=0:1:3")])
+    assert [tuple(change.values()) for change in changes] == [(1, 0), (1, 0.5), (1, 1), (2, 0), (2, 0.5), (2, 1)]
+    assert all(list(change) == ["a.b", "c"] for change in changes)
+    with pytest.raises(InputError, match="200 members at most, found 201"):
+        grid([variation("a=0:1:67"), variation("b=0:1:3")])
+
+
+def test_every_member_is_cross_checked(tmp_path: Path) -> None:
+    """And what is reported is that member's own error: an engine that has another linkage in mind is far off."""
+    family = run(written(CRANK_SLIDER, tmp_path), ["bodies.rod.lengths.A-B=250:350:3"], ["analytic", "exudyn"])
+    for member in family:
+        reference, engine = member.measurements
+        assert reference.errors["max"].max() <= 1e-13  # against 50 digits
+        assert 0 < engine.errors["max"].max() <= 1e-4  # exudyn's accelerations at 72 samples a turn
+        assert [gate.missed for gate in member.gates] == [False]
+
+
+def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = replace(registry.ENTRIES["pymunk"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "pymunk", entry)
+    vary = [variation(f"{ROCKER}=300:310:2")]
+    family = Family(
+        scenes.load("toggle_press"), vary, ["pymunk"], run("toggle_press", [f"{ROCKER}=300:310:2"], ["pymunk"])
+    )
+    assert "bottom [mm]" in family_tables.overview(family), "the bottom, at -1.1 m, is told as finely as the stroke"
+    assert list(family_tables.overview(family)["pymunk error"]) == ["unsupported", "unsupported"]
+    floor, *failures = family_tables.notes(family)
+    assert "certified by" in floor
+    assert len(failures) == 2
+    assert "pip install pymunk" in failures[0]
+    assert "pymunk solved 0 of them." in family_tables.verdict(family)
+
+
+def test_without_a_certificate_none_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = replace(registry.ENTRIES[registry.ORACLE], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, registry.ORACLE, entry)
+    vary = f"{ROCKER}=300:310:2"
+    found = run("toggle_press", [vary], ["analytic"])
+    family = Family(scenes.load("toggle_press"), [variation(vary)], ["analytic"], found)
+    assert list(family_tables.overview(family)["analytic error"]) == ["not certified"] * 2
+    assert family_tables.notes(family)[0].startswith("Floor of the reference: not certified: ")
+
+
+def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solve(scene: scenes.Scene, *_: object) -> scenes.Motion:
+        raise ZeroDivisionError(f"{scene.name}\nand more")
+
+    monkeypatch.setattr(registry, "reference", solve)
+    found = run("toggle_press", [f"{ROCKER}=300:310:2"])
+    assert [(member.status, member.reason) for member in found] == [("crashed", "ZeroDivisionError: toggle_press")] * 2
+
+
+# --- the command line ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def crank_slider(tmp_path: Path) -> str:
+    return str(written(CRANK_SLIDER, tmp_path))
+
+
+def test_the_files_of_a_family(crank_slider: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rod, offset = "bodies.rod.lengths.A-B", "bodies.slider.slides.through.1"
+    arguments = [crank_slider, "--vary", f"{rod}=130:250:2", "--vary", f"{offset}=0:40:2", "--engines", "analytic"]
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
+    folder = tmp_path / "out" / "crank_slider"
+    assert sorted(path.name for path in folder.iterdir()) == ["family.csv", "family.html"]
+    table = pd.read_csv(folder / "family.csv")
+    assert table[[rod, offset]].to_numpy().tolist() == [[130, 0], [130, 40], [250, 0], [250, 40]]
+    assert list(table["status"]) == ["ok", "cannot_assemble", "ok", "ok"]
+    assert table["stroke [m]"].tolist() == pytest.approx([0.2, np.nan, 0.2, 0.2031], abs=1e-4, nan_ok=True)
+    assert (table["analytic error"].dropna() < 1e-12).all()
+    page = (folder / "family.html").read_text(encoding="utf-8")
+    assert '<script src="' not in page
+    assert "<link" not in page.split("</script>")[-1]
+    assert "$" not in page.split("</script>", 1)[1].split("<script")[0], "a piece of the template is left"
+    for said in ("A-B = 130, slider.slides.through.1 = 40", "cannot_assemble", "stroke [mm]", "203.14", "kN"):
+        assert said in page
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 5
+    assert lines[0].startswith("crank_slider  A-B = 130, slider.slides.through.1 = 0  ok  stroke 200.00 mm")
+    assert "cannot_assemble" in lines[1]
+    assert lines[-1] == f"family: {folder / 'family.html'}"
+
+
+def test_check_names_the_member_that_misses(
+    crank_slider: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rod = "bodies.rod.lengths.A-B"
+    arguments = [crank_slider, "--engines", "exudyn", "--samples", "36", "--out", str(tmp_path / "out"), "--check"]
+    assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 0, "a member that cannot run misses nothing"
+    file = Path(crank_slider)
+    file.write_text(CRANK_SLIDER.replace("position = 1e-9", "position = 1e-19"), encoding="utf-8")
+    capsys.readouterr()
+    assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 1
+    (missed,) = [line for line in capsys.readouterr().out.splitlines() if "missed" in line]
+    assert missed.startswith("crank_slider  A-B = 300  missed: exudyn position")
+    assert main([*arguments, "--vary", f"{rod}=80:100:2"]) == 1
+    assert "no member runs" in capsys.readouterr().out
+
+
+def test_a_stop_keeps_the_members_that_are_done(
+    crank_slider: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from compare.family import family
+
+    arguments = [crank_slider, "--vary", "drive.speed=10:50:5", "--engines", "analytic", "--out", str(tmp_path / "out")]
+    left = iter(range(2))
+
+    def stopping(*arguments: object) -> object:
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return solve_member(*arguments)  # type: ignore[arg-type]
+
+    solve_member = family._member
+    monkeypatch.setattr(family, "_member", stopping)
+    assert main(arguments) == 130
+    assert len(pd.read_csv(tmp_path / "out" / "crank_slider" / "family.csv")) == 2
+    assert "2 of 5 members" in capsys.readouterr().err
+    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    assert "Stopped after 2 of 5 members" in page
+
+
+def test_a_family_without_any_member_that_runs(crank_slider: str, tmp_path: Path) -> None:
+    arguments = [crank_slider, "--engines", "analytic", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--vary", "bodies.rod.lengths.A-B=20:30:2"]) == 0
+    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    assert "0 of 2 members run" in page
+    assert "cannot_assemble" in page
+
+
+def test_many_members_are_drawn_in_part(crank_slider: str, tmp_path: Path) -> None:
+    arguments = [crank_slider, "--engines", "analytic", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--vary", "drive.speed=10:38:29"]) == 0
+    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    assert "25 of the 29 members that run" in page
+    drawn = {value for value in range(10, 39) if f'"name":"drive.speed = {value}"' in page}
+    assert len(drawn) == 25
+    assert {10, 38} <= drawn
+    assert all(b - a <= 2 for a, b in pairwise(sorted(drawn)))

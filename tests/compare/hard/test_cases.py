@@ -1,0 +1,235 @@
+"""Hard cases: how an attempt is judged, and that nothing that was done is lost."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.engines.isolation import Ended, Limits
+from compare.engines.stopping import Stopped
+from compare.hard import case as hard_case
+from compare.hard import cases as hard
+from compare.hard.case import Case, examine
+from compare.hard.kept import Kept
+from compare.report.hard import section as page
+from compare.report.hard import tables as hard_tables
+from scenes import Failure, Motion, Sampling, Status
+from tests.comparisons import Plug, changed
+
+LADDER = """
+format = 1
+title = "Rod"
+scene = "toggle_press"
+parameter = "length of the rod"
+paths = ["bodies.rod.lengths.P4-P5"]
+expected = "All solve it."
+why = "It is not hard."
+[steps]
+shorter = 290
+as_is = 300
+locking = 20
+[status]
+locking = "cannot_assemble"
+"""
+
+
+@pytest.fixture
+def ladder(tmp_path: Path) -> str:
+    file = tmp_path / "rod.toml"
+    file.write_text(LADDER, encoding="utf-8")
+    return str(file)
+
+
+@pytest.fixture
+def judge(ladder: str, plug: Plug) -> Callable[..., dict[str, Any]]:
+    """Return a function that has an engine end as told on a rung, and returns the row."""
+
+    def judge(outcome: Motion | Failure, rung: str = "as_is") -> dict[str, Any]:
+        plug(outcome)
+        (row,) = examine(Case(ladder, rung, "stub"))
+        return row
+
+    return judge
+
+
+@pytest.fixture(scope="module")
+def right() -> Motion:
+    scene, sampling = scenes.load("toggle_press"), Sampling(hard_case.SAMPLES)
+    return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
+
+
+def told(row: dict[str, Any]) -> tuple[str, str, str]:
+    return row["status"], row["outcome"], row["found_by"]
+
+
+def test_what_is_right_is_right(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    row = judge(right)
+    assert told(row) == ("ok", "right", "")
+    assert row["reaction_max"] <= 1e-12
+    assert 10 < row["condition"] < 100
+    assert 0 < row["to_lock_m"] < 1
+
+
+@pytest.mark.parametrize(
+    ("channel", "by", "found"),
+    [("P3.fx", 2e-3, "reference"), ("P5.ay", 0.02, "reference"), ("P5.ay", 10.0, "checks"), ("P4.x", 0.5, "checks")],
+)
+def test_a_wrong_answer_is_found(
+    judge: Callable[..., dict[str, Any]], right: Motion, channel: str, by: float, found: str
+) -> None:
+    """What is off by a little is found by the reference alone; by more, by the answer itself."""
+    size = float(np.abs(right[channel]).max())
+    status, outcome, found_by = told(judge(changed(right, channel, by * size)))
+    assert status != "ok"
+    assert (outcome, found_by) == ("refused", found)
+
+
+def test_a_refusal_is_right_or_a_false_alarm(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    off = changed(right, "P3.fx", 0.1 * float(np.abs(right["P3.fx"]).max()))
+    refused = ("not_converged", "refused", "engine")
+    assert told(judge(Failure(Status.not_converged, "it rings", off))) == refused
+    assert told(judge(Failure(Status.not_converged, "it rings"))) == refused
+    assert told(judge(Failure(Status.not_converged, "it rings", right))) == ("not_converged", "false alarm", "engine")
+    denied = judge(Failure(Status.cannot_assemble, "they do not fit"))
+    assert told(denied) == ("cannot_assemble", "false alarm", "engine")
+
+
+def test_where_nothing_moves_no_engine_may_say_ok(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    assert told(judge(right, "locking")) == ("cannot_assemble", "refused", "reference")
+    assert told(judge(Failure(Status.diverged, "no"), "locking")) == ("diverged", "refused", "engine")
+
+
+@pytest.mark.parametrize(
+    ("rung", "status", "outcome"), [("as_is", "ok", "right"), ("locking", "cannot_assemble", "refused")]
+)
+def test_the_reference_is_held_to_arbitrary_precision(ladder: str, rung: str, status: str, outcome: str) -> None:
+    (row,) = examine(Case(ladder, rung, "analytic"))
+    assert (row["status"], row["outcome"]) == (status, outcome)
+
+
+def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    real = registry.reference
+
+    def wrong(scene: scenes.Scene) -> registry.Solve:
+        return lambda position, time: changed(real(scene)(position, time), "P3.fx", 1e-3, row=5)
+
+    monkeypatch.setattr(registry, "reference", wrong)
+    monkeypatch.setattr("compare.judge.perturbation.nearly", lambda _: [])
+    monkeypatch.setattr(
+        "compare.judge.round_off.sensitivity", lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"])
+    )
+    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    assert row["outcome"] == "silent"
+    assert "P3.fx" in row["reason"]
+
+
+def test_an_expectation_that_does_not_hold_is_told(ladder: str) -> None:
+    file = Path(ladder)
+    file.write_text(LADDER.replace('locking = "cannot_assemble"', 'shorter = "cannot_assemble"'), encoding="utf-8")
+    assert examine(Case(ladder, "shorter", "analytic"))[0]["outcome"] == "silent"
+    assert examine(Case(ladder, "locking", "analytic"))[0]["outcome"] == "false alarm"
+
+
+# --- kept as they come ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def examined(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Run cases at once in this process; return where the names of those that were will be."""
+    done: list[str] = []
+
+    def at_once(
+        _: object, items: Sequence[Case], __: Limits, poll: Callable[[], None]
+    ) -> Iterator[tuple[Case, list[dict[str, Any]] | Ended]]:
+        for case in items:
+            poll()
+            done.append(f"{case.rung} {case.engine}")
+            row = hard_case.case_row(case, "ok", "", "", hard_case.Outcome.right)
+            yield case, Ended(Status.timed_out, "too slow") if case.rung == "locking" else [row]
+
+    monkeypatch.setattr(hard, "isolated", at_once)
+    return done
+
+
+def test_a_stopped_run_goes_on_where_it_was(ladder: str, tmp_path: Path, examined: list[str]) -> None:
+    def progress(doing: str) -> None:
+        if "2 of 6" in doing:
+            raise Stopped
+
+    first = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, progress)
+    assert examined == ["shorter analytic", "shorter exudyn"]
+    assert list(first["rung"]) == ["shorter", "shorter"]
+    examined.clear()
+    second = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None)
+    assert examined == ["as_is analytic", "as_is exudyn", "locking analytic", "locking exudyn"]
+    assert list(second["rung"]) == ["shorter", "shorter", "as_is", "as_is", "locking", "locking"]
+    assert list(second["outcome"][4:]) == ["not certified", "refused"]
+    assert list(second["status"][4:]) == ["timed_out"] * 2
+    examined.clear()
+    assert hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None).equals(second)
+    assert examined == []
+    hard.forget(tmp_path)
+    hard.hard_cases([ladder], ["analytic"], tmp_path, lambda _: None)
+    assert len(examined) == 3
+
+
+def test_results_of_another_version_do_not_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "kept"
+    Kept(file, "key").add("a", [{"x": 1}])
+    assert Kept(file, "key").rows == {"a": [{"x": 1}]}
+    with file.open("a") as cut:
+        cut.write('["b", [{"x"')
+    again = Kept(file, "key")
+    assert again.rows == {"a": [{"x": 1}]}
+    again.add("c", [])
+    assert Kept(file, "key").rows == {"a": [{"x": 1}], "c": []}
+    assert Kept(file, "other key").rows == {}
+    Kept(file, "key").add("a", [{"x": 1}])
+    monkeypatch.setattr("compare.hard.kept._version", lambda: "another")
+    assert Kept(file, "key").rows == {}
+
+
+# --- what is said of them ---------------------------------------------------------------------------------------------
+
+
+def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) -> None:
+    cases = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None)
+    assert examined
+    by_engine = {row["engine"]: row for row in hard_tables.counts(cases).to_dict("records")}
+    assert by_engine["analytic"]["not certified"] == 1
+    assert by_engine["exudyn"]["by isolation"] == 1
+    assert by_engine["exudyn"]["right"] == 2
+    said = hard_tables.verdict(cases.assign(outcome=["silent", *cases["outcome"][1:]]))
+    assert said.startswith("1 silent wrong answers and 0 false alarms in 6 attempts on 3 rungs of 1 ladders")
+    ((shown, table),) = hard_tables.ladders(cases)
+    assert shown.title == "Rod"
+    assert list(table["length of the rod"]) == ["shorter", "as_is", "locking"]
+    assert list(table["exudyn"]) == ["ok", "ok", "timed_out (isolation)"]
+
+
+def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = Path(ladder)
+    file.write_text(LADDER.replace("[steps]", "digits = true\n[steps]"), encoding="utf-8")
+    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    assert row["outcome"] == "right"
+    assert 0 <= row["acceleration_lost"] <= row["acceleration_allowed"] <= 4
+    table = hard_tables.digits(pd.DataFrame([row]))
+    assert list(table.columns[3:]) == ["position", "velocity", "acceleration", "reaction", "torque"]
+    lost = pd.DataFrame([{"group": "velocity", "lost": 5.0, "allowed": 2.0}])
+    monkeypatch.setattr(hard_case, "digits_lost", lambda _: lost)
+    (row,) = examine(Case(ladder, "as_is", "analytic"))
+    assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
+
+
+def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
+    html = page.section(pd.DataFrame(rows))
+    assert "0 silent wrong answers and 0 false alarms in 3 attempts on 1 rungs of 1 ladders" in html
+    assert "All solve it." in html
+    assert "then wrong_branch" in html
+    assert page.section(pd.DataFrame()) == ""

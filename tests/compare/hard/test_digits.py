@@ -1,0 +1,149 @@
+"""How many digits the core loses near locks, and that the problem itself explains them."""
+
+from dataclasses import replace
+from math import log10, pi
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analytic import kinematics
+from compare.engines import registry
+from compare.engines.reference import establish
+from compare.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions, stopping
+from scenes import Failure, Sampling, Scene, Status, hard
+from scenes.scene import ConstantSpeed
+from tests.analytic.test_solve import SLIDER_CRANK
+from tests.conftest import SceneFrom
+
+pytest.importorskip("flint")
+
+RUNGS = [f"1e-{decade}" for decade in range(1, 10)]
+CASES = [("lock_rrp", label) for label in RUNGS] + [("lock_rrr", label) for label in RUNGS[::4]]
+CASES += [("lock_rrr_folded", "1e-9"), ("lock_rpr", "1e-9")]
+
+
+def rung(name: str, label: str) -> Scene:
+    return next(step for step in hard.ladder(name).steps if step.label == label).scene()
+
+
+def explained(table: pd.DataFrame) -> bool:
+    return bool((table["lost"] <= table["allowed"]).all())
+
+
+@pytest.mark.parametrize(("name", "label"), CASES)
+def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str) -> None:
+    table = digits_lost(rung(name, label)).set_index("group")
+    assert set(table.index) == {"position", "velocity", "acceleration", "reaction", "torque"}
+    assert explained(table), table[["condition", "allowed", "lost", "worst", "where"]]
+    assert table["to_lock"].iloc[0] == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so
+    # kappa goes like the root of the distance, and so does position; all else like its square. Each to a factor of 20.
+    kappa = table["kappa"].iloc[0]
+    assert abs(log10(kappa) + 0.5 * log10(float(label))) <= 1.3
+    for group, power in {"position": 1, "velocity": 2, "acceleration": 2, "reaction": 2, "torque": 2}.items():
+        assert abs(log10(table["condition"][group]) + 0.5 * power * log10(float(label))) <= 1.3, group
+
+
+# --- formulas that are worse are seen ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "formula"), [("lock_rrr", "rrr_reach"), ("lock_rrp", "slide_reach")])
+def test_a_worse_formula_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, formula: str) -> None:
+    """Three digits less than a formula may lose there, where the condition is ten."""
+    good = getattr(kinematics, formula)
+    monkeypatch.setattr(kinematics, formula, lambda *of: good(*of) * (1 + 1e4 * EPS))
+    assert not explained(digits_lost(rung(name, "1e-1")))
+
+
+# --- the condition itself ---------------------------------------------------------------------------------------------
+
+
+CRANK = """
+format = 1
+name = "crank"
+ground.points = { O = [0, 0] }
+drive = { body = "crank", speed = 3.0 }
+output = { point = "T" }
+bodies.crank = { points = { O = [0, 0], T = [2, 0] }, mass = 4 }
+sketch = { T = [2, 0] }
+"""
+
+
+def test_the_condition_of_a_crank_by_hand(scene_from: SceneFrom) -> None:
+    """The tip's x = r cos(θ + φ) moves with r by cos, with θ and the tip's place across, φ, by sin each.
+
+    A velocity goes with the speed w too, an acceleration with w^2, and the force that turns the mass with that mass.
+    """
+    table = digits_lost(scene_from(CRANK)).set_index("group")
+    sine, cosine = np.sin(pi / 6), np.cos(pi / 6)  # the worst of the positions, steps of 30 degrees
+    by_hand = {
+        "position": cosine * 2 + sine,
+        "velocity": (sine + cosine) * 2,
+        "acceleration": 3 * cosine + 2 * sine,
+        "reaction": 4 * cosine + 2 * sine,
+        "torque": 1.0,  # of none at all
+    }
+    for group, condition in by_hand.items():
+        assert table["condition"][group] == pytest.approx(condition, rel=1e-3), group  # doubles over a STEP
+    assert np.isinf(table["to_lock"]).all()  # nothing locks
+    assert table["lost"]["torque"] == 0
+
+
+def test_the_nearest_lock_is_looked_at_from_close_by(scene_from: SceneFrom) -> None:
+    scene = rung("lock_rrp", "1e-6")
+    nearest, left = nearest_lock(scene, registry.reference(scene))
+    assert nearest == pytest.approx(pi / 2, abs=4e-8)  # where the distance is flat to two roundings: x^2 / 4 < 2 eps
+    assert left == pytest.approx(1e-6, abs=4 * EPS)
+    stops = positions(scene, nearest)
+    assert nearest in stops
+    assert (np.sort(np.abs(stops - nearest))[1:5] < 1e-4).all()
+    assert (np.diff(stops) > 0).all()
+    assert isinstance(scene.drive, ConstantSpeed)
+    back = replace(scene, drive=replace(scene.drive, speed=-scene.drive.speed))
+    assert (np.diff(positions(back, nearest)) < 0).all()  # as the drive comes by
+    part = scene_from(SLIDER_CRANK.replace("speed = 10", "speed = 10\nstart = 0.5\nend = 1.5"))
+    assert positions(part, 0.5).min() == 0.5  # a way that ends is not left
+    sampled = Sampling(len(stops) - 1).commanded(stopping(scene, stops))
+    assert np.array_equal(sampled, stops)
+
+
+def test_every_input_is_off_by_a_step(scene_from: SceneFrom) -> None:
+    """Zeros, as O and two of the masses, are exact; a vector is off twice, along itself and across, a guide across."""
+    scene = scene_from(SLIDER_CRANK)
+    moving = stopping(scene, np.array([0.0, 1.0]))
+    others = list(inputs_off(moving))
+    off = {
+        name: [other.bodies[name] for other in others if other.bodies[name] != body]
+        for name, body in scene.bodies.items()
+    }
+    assert {name: len(bodies) for name, bodies in off.items()} == {"crank": 2, "rod": 1, "slider": 2}
+    assert sum(other.loads != scene.loads for other in others) == 2
+    assert sum(other.drive != moving.drive for other in others) == 2
+    assert len(others) == 9
+    (rod,) = off["rod"]
+    assert rod.lengths is not None
+    assert rod.lengths[frozenset("AB")] == 3 * (1 + STEP)
+    tips = [body.local["A"] for body in off["crank"] if body.local is not None]
+    assert tips == [(1 + STEP, 0), (1, STEP)]
+
+
+def test_a_switch_of_a_press_force_has_no_condition() -> None:
+    """The start is the dead point, where the force comes or goes with the last digit."""
+    ladder = hard.ladder("dead_point_press")
+    (at_it,) = (step.scene() for step in ladder.steps if step.label == "lower")
+    table = digits_lost(at_it)
+    assert explained(table)
+    assert (table["condition"] < 1e3).all()
+
+
+def test_scales_of_the_comparison_stand_beside() -> None:
+    scene = rung("lock_rrp", "1e-1")
+    assert digits_lost(scene)["scaled"].isna().all()
+    table = digits_lost(scene, establish(scene).scale)
+    assert (np.abs(table["scaled"] - table["lost"]) < 1).all()  # strokes for coordinates, peaks for forces
+
+
+def test_what_has_no_certified_truth_is_told(scene_from: SceneFrom) -> None:
+    with pytest.raises(Failure, match="reached at crank angle") as failure:
+        digits_lost(scene_from(SLIDER_CRANK.replace('"A-B" = 3', '"A-B" = 0.5')))
+    assert failure.value.status is Status.cannot_assemble

@@ -1,0 +1,177 @@
+"""Maps of where engines are stable, and their pictures."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.engines.reference import establish
+from compare.engines.stopping import Stopped
+from compare.hard import stability
+from compare.report.hard.stability import LETTERS, stability_maps
+from scenes import Scene, Status
+from tests.sim_models.pymunk.runs import FOUR_BAR, scene_of
+
+
+@pytest.fixture(scope="module")
+def press() -> Scene:
+    return scenes.load("toggle_press")
+
+
+def quiet(_: str) -> None:
+    pass
+
+
+def to_lock(tmp_path: Path) -> list[stability.Variant]:
+    """Return crank-rockers that lie stretched out once a turn, ever closer: 0.1 m and 0.4 m, and 0.5 m less a gap."""
+    text = """
+        ground.points = {{ O = [0, 0], Q = [0.6, 0] }}
+        drive = {{ body = "crank", speed = 3, start = 1 }}
+        output = {{ point = "B" }}
+        bodies.crank = {{ lengths = {{ "O-A" = 0.1 }}, mass = 2 }}
+        bodies.coupler = {{ lengths = {{ "A-B" = 0.4 }}, mass = 2 }}
+        bodies.rocker = {{ lengths = {{ "B-Q" = {rocker} }}, mass = 2 }}
+        sketch = {{ angle = 1.5, A = [0, 0.1], B = [0.4, 0.2] }}
+    """
+    return [(f"{gap:g}", scene_of(text.format(rocker=0.3 + gap), tmp_path)) for gap in (1e-1, 1e-6)]
+
+
+@pytest.fixture(scope="module")
+def sweeps(press: Scene) -> pd.DataFrame:
+    rows = stability.over_sweeps(establish(press), "pymunk", quiet, (8, 64, 256), (72, 216))
+    return pd.DataFrame([*rows])
+
+
+def test_theory_is_on_the_safe_side_of_where_the_toggle_press_holds(sweeps: pd.DataFrame) -> None:
+    assert set(sweeps["needed"]) == {55}
+    enough = sweeps["x"] >= sweeps["needed"]
+    flips = sweeps["status"].isin(["wrong_branch", "diverged", "nonfinite"])
+    assert not (enough & flips).any()
+    assert flips[sweeps["x"] < sweeps["needed"] / 4].all()
+
+
+def test_cells_are_tidy_and_say_all(sweeps: pd.DataFrame) -> None:
+    assert len(sweeps) == 6
+    assert not sweeps.duplicated(["map", "engine", "x", "steps"]).any()
+    good = sweeps[sweeps["status"] == "ok"]
+    groups = [name for name in map(str, sweeps) if name.endswith("_max")]
+    assert groups == [f"{group}_max" for group in ("position", "velocity", "acceleration", "reaction", "torque")]
+    assert (good["error"] == good[groups].max(axis=1)).all()
+    assert (good["solve_s"] > 0).all()
+    # Of second order: three times the steps, a ninth of the error.
+    by_steps = good[good["x"] == 256].set_index("steps")["error"]
+    assert 6 < by_steps[72] / by_steps[216] < 12
+    bad = sweeps[sweeps["status"] != "ok"]
+    assert (bad["reason"] != "").all()
+    assert (bad["error"] > 0.01).all()  # handed over though refused
+
+
+def test_steps_against_scenes_ever_closer_to_a_lock(tmp_path: Path) -> None:
+    rows = pd.DataFrame([*stability.over_variants("lock", to_lock(tmp_path), ["pymunk"], quiet, (72, 648))])
+    easy, hard = rows[rows["label"] == "0.1"], rows[rows["label"] == "1e-06"]
+    assert set(easy["status"]) == {"ok"}
+    assert not set(hard["status"]) & {"ok"}
+    assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6]
+
+
+def test_a_scene_without_a_reference_leaves_what_the_engine_says(tmp_path: Path) -> None:
+    broken = scene_of(FOUR_BAR.replace('"B-Q" = 0.35', '"B-Q" = 0.05'), tmp_path)
+    (cell,) = stability.over_variants("lock", [("0", broken)], ["pymunk"], quiet, (72,))
+    assert cell["status"] == "cannot_assemble"
+    assert np.isnan(float(str(cell["error"])))
+
+
+def test_the_heaviest_body_gets_heavier(press: Scene) -> None:
+    for label, scene in stability.heavier(press, (1e-3, 10.0)):
+        assert scene.bodies["slider"].mass == pytest.approx(800 * float(label))
+        others = {name: body for name, body in scene.bodies.items() if name != "slider"}
+        assert others == {name: body for name, body in press.bodies.items() if name != "slider"}
+    plate = replace(press.bodies["slider"], inertia=2.0, com=(0.0, 0.0))
+    (_, scene), *_ = stability.heavier(replace(press, bodies={**press.bodies, "slider": plate}), (10.0,))
+    assert scene.bodies["slider"].inertia == pytest.approx(20)
+
+
+def test_drift_is_of_the_last_turn(press: Scene) -> None:
+    rows = pd.DataFrame([*stability.over_turns(establish(press), "pymunk", quiet, (1, 4), (216,))])
+    assert set(rows["status"]) == {"ok"}
+    one, four = rows["error"]
+    assert four == pytest.approx(one, rel=1e-3)  # no drift: the crank is moved, and the joints close in every step
+    assert one == pytest.approx(rows["position_max"][0])
+
+
+def test_what_runs_once_does_not_drift() -> None:
+    clamp = establish(scenes.load("double_toggle_clamp"))
+    assert not [*stability.over_turns(clamp, "pymunk", quiet, (1,), (216,))]
+
+
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, few in (("over_sweeps", ((64,), (72,))), ("over_turns", ((1,), (72,))), ("over_variants", ((72,),))):
+        monkeypatch.setattr(stability, name, partial(_shorter, getattr(stability, name), few))
+
+
+def _shorter(whole: Callable[..., Iterator[stability.Cell]], few: tuple[object, ...], *args: object) -> object:
+    return whole(*args, *few)
+
+
+def test_all_maps_of_the_engines_that_have_any(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    few(monkeypatch)
+    engines = [name for name in ("pymunk", "analytic") if hasattr(registry.engine(name), "at_steps")]
+    assert engines == ["pymunk"]
+    table = stability.stability_table(press, ("analytic", "pymunk"), [("0.1", press)], quiet)
+    assert [*dict.fromkeys(table["map"])] == ["sweeps", "lock", "mass", "drift"]
+    assert set(table["engine"]) == {"pymunk"}
+    kinematic = replace(press, bodies={n: replace(b, mass=None) for n, b in press.bodies.items()}, loads=())
+    table = stability.stability_table(kinematic, ("pymunk",), [], quiet)
+    assert [*dict.fromkeys(table["map"])] == ["sweeps", "drift"]
+    assert stability.stability_table(press, ("analytic",), [], quiet).empty
+
+
+def test_a_stop_keeps_what_is_done(press: Scene) -> None:
+    said: list[str] = []
+
+    def stop_at_third(sentence: str) -> None:
+        said.append(sentence)
+        if len(said) == 3:
+            raise Stopped
+
+    table = stability.stability_table(press, ("pymunk",), [], stop_at_third)
+    assert len(table) == 2
+    assert said[0] == "stability of pymunk: 2 sweeps, 24 steps"
+    (_, figure), *_ = stability_maps(table)
+    assert figure.data[1].z.shape == (1, 2)
+
+
+def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
+    ((title, figure),) = stability_maps(sweeps)
+    assert "sweeps" in title
+    solved, failed, theory = figure.data
+    for cell in sweeps.to_dict("records"):
+        place = [72, 216].index(cell["steps"]), ["8", "64", "256"].index(cell["label"])
+        fine = cell["status"] == "ok"
+        assert np.isnan(solved.z[place]) == (not fine)
+        assert np.isnan(failed.z[place]) == fine
+        if fine:
+            assert solved.z[place] == pytest.approx(np.log10(cell["error"]))
+            assert float(solved.text[place]) == pytest.approx(cell["error"], rel=0.5)
+        else:
+            assert failed.text[place] == LETTERS[Status[cell["status"]]]
+            assert cell["reason"].split()[0] in failed.customdata[place]
+    # Between 8 and 64 sweeps, by the logarithm.
+    assert theory.x[0] == pytest.approx(np.log(55 / 8) / np.log(64 / 8))
+    key = figure.layout.annotations[-1].text
+    assert all(status.name in key for status in LETTERS if status.name in set(sweeps["status"]))
+
+
+def test_every_failure_has_a_letter_of_its_own() -> None:
+    assert {*LETTERS} == {*Status} - {Status.ok}
+    assert len({*LETTERS.values()}) == len(LETTERS)
+
+
+def test_no_cells_no_pictures() -> None:
+    assert not [*stability_maps(pd.DataFrame())]

@@ -1,0 +1,159 @@
+"""Checks without a reference: each must notice what it is for."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import analytic
+from compare.engines.reference import Reference
+from compare.engines.runner import run
+from compare.judge import constraints as jacobian
+from compare.judge.checks import checks
+from compare.judge.constraints import Constraints
+from scenes import Motion, Sampling, Scene
+from scenes.scene import ForceTable
+from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
+from tests.mechanisms import MECHANISMS
+
+# --- checks without a reference ---------------------------------------------------------------------------------------
+
+WHAT_NOTICES = {  # a channel, by how much it is moved, the check and body that must notice
+    "P2.x": (1e-6, "closure", "crank"),
+    "P3.y": (1e-6, "closure", "rocker"),
+    "P4.x": (1e-6, "closure", "toggle"),
+    "P5.x": (1e-6, "closure", "slider"),
+    "P5.y": (1e-6, "closure", "rod"),
+    "P3.fx": (1.0, "Newton", "rocker"),
+    "P4.fy": (1.0, "Newton", "rod"),
+    "P5.ay": (1e-3, "Newton", "slider"),
+    "slider.guide_force": (1.0, "Newton", "slider"),
+    "slider.guide_moment": (1.0, "Euler", "slider"),
+    "drive.torque": (1.0, "Euler", "crank"),
+    "toggle.alpha": (1e-1, "Euler", "toggle"),
+    "rod.alpha": (1e-1, "Euler", "rod"),
+    "P5.vy": (1e-3, "power", "mechanism"),
+    "rocker.omega": (1e-1, "power", "mechanism"),
+}
+
+
+@pytest.mark.parametrize("channel", WHAT_NOTICES)
+def test_a_check_notices(reference: Reference, motion: Motion, channel: str) -> None:
+    by, name, of = WHAT_NOTICES[channel]
+    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.stroke)}
+    found = checks(reference.scene, changed(motion, channel, by), reference.stroke)
+    noticed = next(c for c in found if (c.check, c.of) == (name, of))
+    assert before[name, of] <= 1e-13
+    assert noticed.worst > 1e-9
+    assert noticed.max_at == pytest.approx(200.0)
+    assert noticed.where == "crank angle 200.0000 deg"
+
+
+IN_MECHANISMS = [  # a mechanism, a channel, by how much it is moved, the check and body that must notice
+    ("quick_return", "rocker.angle", 1e-6, "closure", "block"),  # it carries the slot
+    ("quick_return", "block.angle", 1e-6, "closure", "block"),
+    ("swinging_block", "A.y", 1e-6, "closure", "rod"),
+    ("driven_toggle", "K.x", 1e-6, "closure", "plate"),
+    ("quick_return", "block.guide_force", 1.0, "Newton", "block"),
+    ("quick_return", "block.guide_force", 1.0, "Newton", "rocker"),
+    ("quick_return", "block.guide_force", 1.0, "Euler", "rocker"),
+    ("quick_return", "block.guide_moment", 1.0, "Euler", "rocker"),
+    ("quick_return", "block.alpha", 1.0, "Euler", "block"),
+    ("scotch_yoke", "block.guide_force", 1.0, "Newton", "yoke"),
+    ("scotch_yoke", "yoke.guide_moment", 1.0, "Euler", "yoke"),
+    ("driven_toggle", "drive.force", 1.0, "Newton", "crosshead"),
+    ("driven_toggle", "drive.force", 1.0, "power", "mechanism"),
+    ("driven_toggle", "K.vx", 1e-3, "power", "mechanism"),  # where the spring pulls
+    ("driven_toggle", "C.x", 1e-6, "Newton", "platen"),  # the table's load
+    ("swinging_law", "crank.alpha", 1.0, "power", "mechanism"),
+]
+
+
+@pytest.mark.parametrize(("name", "channel", "by", "check", "of"), IN_MECHANISMS)
+def test_a_check_notices_in_a_mechanism(
+    references: References, name: str, channel: str, by: float, check: str, of: str
+) -> None:
+    reference = references(name)
+    motion = commanded(reference)
+    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.stroke)}
+    found = checks(reference.scene, changed(motion, channel, by), reference.stroke)
+    noticed = next(c for c in found if (c.check, c.of) == (check, of))
+    assert max(before.values()) <= 1e-13
+    assert noticed.worst > 1e-9
+    assert noticed.where == reference.scene.where(float(motion[reference.scene.drive_channel][40]))
+
+
+def test_a_guide_presses_its_slider_and_its_carrier_opposite_ways(references: References) -> None:
+    """With the force the other way round neither balances, and both by twice the force."""
+    reference = references("quick_return")
+    motion = commanded(reference)
+    turned = Motion({**motion.samples, "block.guide_force": -motion["block.guide_force"]})
+    found = {(c.check, c.of): c for c in checks(reference.scene, turned, reference.stroke)}
+    assert min(found["Newton", body].worst for body in ("block", "rocker")) > 0.5
+    assert found["Newton", "ram"].worst <= 1e-13
+
+
+@pytest.mark.parametrize("of", ["stiffness", "length", "table", "gravity"])
+def test_another_load_than_the_scenes_is_noticed(references: References, of: str) -> None:
+    """A motion solved with a load that is a thousandth off: bodies and power out of balance."""
+    reference = references("quick_return" if of == "gravity" else "driven_toggle")
+    scene = reference.scene
+    body = {"stiffness": "plate", "length": "plate", "table": "platen", "gravity": "rocker"}[of]
+    if of == "table":
+        (table,) = scene.loads
+        assert isinstance(table, ForceTable)
+        wrong = replace(scene, loads=(replace(table, forces=tuple(1.001 * force for force in table.forces)),))
+    elif of == "gravity":
+        wrong = replace(scene, gravity=(0.0, -9.82))
+    else:
+        (spring,) = scene.springs
+        wrong = replace(scene, springs=(replace(spring, **{of: 1.001 * getattr(spring, of)}),))
+    found = {(c.check, c.of): c.worst for c in checks(scene, commanded(of_scene(reference, wrong)), reference.stroke)}
+    assert found["Newton", body] > 1e-6
+    assert found["power", "mechanism"] > 1e-6
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("engine", ["analytic", "multiprecision"])
+def test_two_models_pass_every_check(references: References, name: str, engine: str) -> None:
+    """Two models that share nothing balance by the same signs, at 8 samples a cycle too."""
+    scene = references(name).scene
+    outcome = run(engine, scene, Sampling(8))
+    assert outcome.motion is not None, outcome.reason
+    for check in checks(scene, outcome.motion, references(name).stroke):
+        assert check.worst <= 1e-13, check
+
+
+def test_checks_with_gravity_and_given_inertia(scene_from: Callable[[str], Scene]) -> None:
+    """A spinning crank alone has nothing but its pivot force and its torque; both by hand."""
+    from tests.analytic.test_solve import SLIDER_CRANK
+
+    text = SLIDER_CRANK.replace("mass = 0", "mass = 3\ncom = [0.4, 0.1]\ninertia = 0.2", 1)
+    scene = scene_from(text.replace("name =", "gravity = [1, -9.81]\nname ="))
+    motion = analytic.solve(scene, np.linspace(0, 6, 100))
+    for check in checks(scene, motion, 2.0):
+        assert check.worst <= 1e-13, check
+
+
+def test_a_singular_pose_says_nothing_of_its_rates(reference: Reference, motion: Motion) -> None:
+    """A rod folded flat on a point of its own: nothing can be solved there, and nothing breaks."""
+    at = {q: motion[f"P4.{q}"] for q in ("x", "y")}
+    flat = {f"P5.{q}": np.where(np.arange(SAMPLING.count) == 7, at[q], motion[f"P5.{q}"]) for q in at}
+    flat |= {
+        f"{p}.{q}": np.where(np.arange(SAMPLING.count) == 7, 0.0, motion[f"{p}.{q}"]) for p in ("P3", "P2") for q in at
+    }
+    found = {c.check: c for c in checks(reference.scene, Motion({**motion.samples, **flat}), reference.stroke)}
+    assert found["closure"].worst > 0.1
+    assert all(np.isfinite(c.worst) for c in found.values())
+
+
+def test_a_long_motion_is_taken_in_blocks(
+    reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = Constraints(reference.scene, motion)
+    known = whole.condition, whole.branch, *whole.implied
+    monkeypatch.setattr(jacobian, "BLOCK", 10)
+    blocks = Constraints(reference.scene, motion)
+    for one, other in zip(known, (blocks.condition, blocks.branch, *blocks.implied), strict=True):
+        assert np.array_equal(one, other)

@@ -1,0 +1,274 @@
+"""Errors against the reference: each must show on a result that has it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.engines.press_switches import acts, stroke_end
+from compare.engines.reference import Floor, Reference, establish
+from compare.engines.runner import Run, run
+from compare.engines.state import State
+from compare.judge.checks import checks
+from compare.judge.errors import compare, error_table
+from compare.judge.measure import measure
+from scenes import Motion, Sampling, Status
+from scenes.motion import channels, quantity
+from scenes.scene import Force, PressForce
+from tests.comparisons import SAMPLING, Plug, References, changed, commanded, of_scene, row_of
+
+# --- errors -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "channel", [c for c in channels(scenes.load("toggle_press")) if c not in ("time", "crank_angle")]
+)
+def test_an_error_in_any_channel_is_found(reference: Reference, motion: Motion, channel: str) -> None:
+    scale = reference.scale[channel]
+    table = error_table("x", compare(reference, SAMPLING, changed(motion, channel, -1e-3 * scale)), reference)
+    row = row_of(table, channel)
+    assert row["max"] == pytest.approx(1e-3, rel=1e-9)
+    assert row["max_at"] == pytest.approx(200.0)
+    assert row["max_at_unit"] == "deg"
+    assert row["rms"] == pytest.approx(1e-3 / np.sqrt(SAMPLING.count), rel=1e-9)
+    others = table[table["channel"] != channel]
+    assert (others["max"] <= 1e-14).all()
+
+
+def test_scales(reference: Reference) -> None:
+    S, w = 0.1836316, 2 * np.pi
+    assert reference.stroke == pytest.approx(S, abs=5e-8)
+    assert reference.scale["P4.vx"] == pytest.approx(S * w, rel=1e-6)
+    assert reference.scale["P5.ay"] == pytest.approx(S * w**2, rel=1e-6)
+    assert reference.scale["drive.torque"] == pytest.approx(13888, abs=0.5)
+    assert reference.scale["slider.guide_moment"] == pytest.approx(S * reference.scale["slider.guide_force"], rel=1e-6)
+    assert reference.scale["P3.fx"] == reference.scale["P3.fy"]
+
+
+def test_angles_count_modulo_a_turn(reference: Reference, motion: Motion) -> None:
+    turned = Motion({**motion.samples, "rod.angle": motion["rod.angle"] + 2 * np.pi})
+    table = error_table("x", compare(reference, SAMPLING, turned), reference)
+    assert row_of(table, "rod.angle")["max"] <= 1e-14
+
+
+def test_the_drives_error_is_told_apart(reference: Reference) -> None:
+    """A crank that lags by 1e-4 rad, everything else right for where it is."""
+    lagging = reference.at(SAMPLING.commanded(reference.scene) - 1e-4, SAMPLING.times(reference.scene))
+    table = error_table("x", compare(reference, SAMPLING, lagging), reference)
+    assert row_of(table, "P5.y")["max"] <= 1e-14
+    assert row_of(table, "P5.y")["commanded_max"] == pytest.approx(1e-4 * 0.865 / (2 * np.pi) / 0.18363, rel=1e-2)
+    assert row_of(table, "crank_angle")["commanded_max"] == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_toggle_windows_and_last_turn(reference: Reference) -> None:
+    sampling = Sampling(360, turns=2)
+    plain = commanded(reference, sampling)
+    first_turn = changed(plain, "P5.y", 1e-3, row=100)  # at 100 degrees the slider moves
+    row = row_of(error_table("x", compare(reference, sampling, first_turn), reference), "P5.y")
+    assert row["max"] > 1e-3
+    assert row["last_turn_max"] <= 1e-14
+    assert row["toggle_max"] <= 1e-14
+    at_bottom = changed(plain, "P5.y", 1e-3, row=373)
+    row = row_of(error_table("x", compare(reference, sampling, at_bottom), reference), "P5.y")
+    assert row["last_turn_max"] == row["toggle_max"] == row["max"]
+
+
+def test_no_error_is_shown_below_the_floor(reference: Reference, motion: Motion) -> None:
+    assert reference.floor.by_channel, "the certify extra is part of the test extra"
+    high = replace(reference, floor=replace(reference.floor, by_channel=dict.fromkeys(motion.samples, 1e-9)))
+    table = error_table("x", compare(high, SAMPLING, motion), high)
+    assert (table["max"] == 1e-9).all()
+
+
+def test_an_uncertified_reference_has_no_error_to_show(reference: Reference, motion: Motion) -> None:
+    uncertified = replace(reference, floor=Floor({}, "not certified"))
+    comparison = compare(uncertified, SAMPLING, motion)
+    assert error_table("analytic", comparison, uncertified)["max"].isna().all()
+    assert (error_table("stub", comparison, uncertified)["max"] == 0).all()
+
+
+# --- other drives -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["quick_return", "driven_toggle", "swinging_law"])
+def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
+    reference = references(name)
+    plain = commanded(reference)
+    for channel in channels(reference.scene):
+        if channel not in ("time", reference.scene.drive_channel):
+            disturbed = changed(plain, channel, -1e-3 * reference.scale[channel])
+            table = error_table("x", compare(reference, SAMPLING, disturbed), reference)
+            assert row_of(table, channel)["max"] == pytest.approx(1e-3, rel=1e-9), channel
+            assert (table[table["channel"] != channel]["max"] <= 1e-14).all(), channel
+
+
+def test_scales_of_a_driven_slider(references: References) -> None:
+    """The crosshead goes 250 mm at 150 mm/s; the platen goes S meanwhile."""
+    reference = references("driven_toggle")
+    S, w, force = reference.stroke, 0.150 / 0.250, commanded(reference, Sampling(3600))["drive.force"]
+    assert reference.scale["C.x"] == S
+    assert reference.scale["C.vx"] == pytest.approx(S * w, rel=1e-12)
+    assert reference.scale["C.ax"] == pytest.approx(S * w**2, rel=1e-12)
+    assert reference.scale["plate.omega"] == pytest.approx(w, rel=1e-12)
+    assert reference.scale["plate.alpha"] == pytest.approx(w**2, rel=1e-12)
+    assert reference.scale["drive.displacement"] == pytest.approx(0.250, rel=1e-12)
+    assert reference.scale["drive.force"] == pytest.approx(np.abs(force).max(), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "unit"), [("driven_toggle", -38.888889, "mm"), ("swinging_law", 0.66666667, "s")]
+)
+def test_where_the_largest_error_is(references: References, name: str, at: float, unit: str) -> None:
+    reference = references(name)
+    point = reference.scene.output
+    row = row_of(
+        error_table("x", compare(reference, SAMPLING, changed(commanded(reference), f"{point}.vx", 1.0)), reference),
+        f"{point}.vx",
+    )
+    assert row["max_at"] == pytest.approx(at)
+    assert row["max_at_unit"] == unit
+
+
+def test_a_law_is_followed_in_its_rates(references: References) -> None:
+    """All positions right, and the velocities of 10 ms later."""
+    reference = references("turning_law")
+    position, time = SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene)
+    late = Motion({**reference.at(position, time + 0.01).samples, "time": time})
+    errors = error_table("x", compare(reference, SAMPLING, late), reference).groupby("group")["max"].max()
+    assert errors["position"] <= 1e-14
+    assert errors["velocity"] > 1e-2
+    assert errors["acceleration"] > 1e-2
+
+
+def test_a_rest_of_the_drive_is_no_toggle(references: References) -> None:
+    reference = references("swinging_law")
+    sampling = Sampling(720)
+    motion = commanded(reference, sampling)
+    speed = np.hypot(motion["E.vx"], motion["E.vy"])
+    turning_back = motion["crank_angle"].argmax()
+    toggle = compare(reference, sampling, motion).toggle
+    assert speed[turning_back] < 0.02 * speed.max()
+    assert not toggle[turning_back]
+    assert toggle.any(), "the ram has a dead point of its own"
+
+
+def test_what_only_the_analytic_core_says_is_not_compared(references: References) -> None:
+    reference = references("driven_toggle")
+    motion = commanded(reference)
+    assert {quantity(channel) for channel in motion.samples} >= {"transmission", "to_lock"}
+    table = error_table("x", compare(reference, SAMPLING, motion), reference)
+    assert set(table["channel"]) == set(channels(reference.scene)) - {"time"}
+
+
+def test_a_drive_that_strayed_is_diverged(references: References, plug: Plug) -> None:
+    reference = references("driven_toggle")
+    plug(changed(commanded(reference), "drive.displacement", 10.0))
+    measured = measure(reference, "stub", SAMPLING)
+    assert measured.run.status is Status.diverged
+    assert "crosshead at 9.9" in measured.run.reason
+    assert measured.errors.empty
+
+
+def test_samples_at_other_instants_are_noticed(references: References, plug: Plug) -> None:
+    reference = references("turning_law")
+    plug(changed(commanded(reference), "time", 1e-6))
+    outcome = run("stub", reference.scene, SAMPLING)
+    assert outcome.status is Status.crashed
+    assert "instants" in outcome.reason
+
+
+# --- the switches of a press force ------------------------------------------------------------------------------------
+
+CRANK_PRESS = (scenes.LIBRARY / "crank_press.toml").read_text(encoding="utf-8")
+LOWER_DEAD_POINT = 36  # the row, where the crank starts at the upper one
+
+
+@pytest.fixture(scope="module")
+def pressing(tmp_path_factory: pytest.TempPathFactory) -> Reference:
+    """Return a press with a sample exactly where its force ends."""
+    head, _, tail = CRANK_PRESS.partition("start = 90.37")
+    file = tmp_path_factory.mktemp("press") / "press.toml"
+    file.write_text(f"{head}start = 90{tail}", encoding="utf-8")
+    return establish(scenes.load(file))
+
+
+def standing(reference: Reference, row: int, *, acting: bool) -> Motion:
+    """Return the motion with the press force acting, or not, at one row, and as it should be elsewhere."""
+    plain, load = commanded(reference), reference.scene.loads[0]
+    assert isinstance(load, PressForce)
+    loads = (Force(load.body, load.at, load.force),) if acting else ()
+    there = commanded(of_scene(reference, replace(reference.scene, loads=loads)))
+    return Motion({c: np.where(np.arange(len(plain[c])) == row, there[c], plain[c]) for c in channels(reference.scene)})
+
+
+def worst(reference: Reference, motion: Motion) -> tuple[float, float]:
+    """Return the largest error, and the largest violation of Newton, Euler and power."""
+    errors = error_table("x", compare(reference, SAMPLING, motion), replace(reference, floor=Floor({}, "")))
+    return errors["max"].max(), max(c.worst for c in checks(reference.scene, motion, reference.stroke))
+
+
+@pytest.mark.parametrize("acting", [True, False])
+def test_on_a_switch_either_side_is_right(pressing: Reference, acting: bool) -> None:
+    assert max(worst(pressing, standing(pressing, LOWER_DEAD_POINT, acting=acting))) <= 1e-12
+
+
+def test_a_load_on_the_wrong_side_of_its_switch_is_found(pressing: Reference) -> None:
+    """One sample before the dead point it must act, one after it must not."""
+    assert min(worst(pressing, standing(pressing, LOWER_DEAD_POINT - 1, acting=False))) > 0.1
+    assert min(worst(pressing, standing(pressing, LOWER_DEAD_POINT + 1, acting=True))) > 0.1
+
+
+def test_on_a_switch_all_forces_are_on_the_same_side(pressing: Reference) -> None:
+    on, off = (standing(pressing, LOWER_DEAD_POINT, acting=acting) for acting in (True, False))
+    mixed = Motion({**on.samples, "A.fy": off["A.fy"]})
+    assert min(worst(pressing, mixed)) > 0.1
+
+
+def test_a_lagging_drive_does_not_decide_the_side(pressing: Reference) -> None:
+    """The engine's crank is before the dead point by more than any hair, and its load is already off."""
+    scene = pressing.scene
+    lag = SAMPLING.commanded(scene) - 5e-3
+    without = of_scene(pressing, replace(scene, loads=()))
+    on, off = (r.at(lag, SAMPLING.times(scene)) for r in (pressing, without))
+    motion = Motion(
+        {c: np.where(np.arange(SAMPLING.count) == LOWER_DEAD_POINT, off[c], on[c]) for c in channels(scene)}
+    )
+    assert max(compare(pressing, SAMPLING, motion).actual[c].max() for c in ("A.fy", "B.fy")) <= 1e-12
+
+
+@pytest.mark.parametrize("acting", [True, False])
+def test_the_floor_is_certified_across_a_switch(
+    pressing: Reference, monkeypatch: pytest.MonkeyPatch, acting: bool
+) -> None:
+    oracle = Run("multiprecision", None, Status.ok, motion=standing(pressing, LOWER_DEAD_POINT, acting=acting))
+    monkeypatch.setattr("compare.engines.reference.run", lambda *_: oracle)
+    assert max(establish(pressing.scene).floor.by_channel.values()) <= 1e-12
+
+
+def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
+    scene = pressing.scene
+    (load,) = scene.loads
+    assert isinstance(load, PressForce)
+    state = State(scene, pressing.at(scene.drive.start + 0.3 + np.linspace(0, 2 * np.pi, 73), np.linspace(0, 1, 73)))
+    assert stroke_end(state, load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
+    half = State(scene, pressing.at(scene.drive.start + np.linspace(0, 3, 73), np.linspace(0, 3 / (2 * np.pi), 73)))
+    assert stroke_end(half, load) == half.displacement(scene.bodies[load.body])[0][-1]
+
+
+def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
+    """At a ten-thousandth of the peak speed, but well before the end, the force must act."""
+    scene = pressing.scene
+    (load,) = scene.loads
+    assert isinstance(load, PressForce)
+    still = np.zeros(3)
+    moving = {
+        "B.x": still,
+        "B.y": np.array([-1.3, -1.478, -1.4799999]),
+        "B.vx": still,
+        "B.vy": np.array([-1.0, -1e-4, -1e-4]),
+    }
+    state = State(scene, Motion({"time": still, **moving, "B.ax": still, "B.ay": still}))
+    may = acts(state, load, -1.48)
+    assert may.all(axis=0).tolist() == [False, True, False]
+    assert may.any(axis=0).tolist() == [False, True, True]

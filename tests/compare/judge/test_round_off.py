@@ -1,0 +1,92 @@
+"""What doubles explain: tight where a linkage is far from a lock, wide next to one, and never an excuse for NaN."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.engines import registry
+from compare.engines.reference import Floor, Reference, found
+from compare.judge import perturbation as sensitivity
+from compare.judge.constraints import Constraints
+from compare.judge.errors import compare, error_table
+from compare.judge.round_off import EPS, Explained, explain
+from scenes import Sampling, hard
+from scenes.motion import channels, quantity
+from tests.comparisons import SAMPLING, changed, commanded
+
+TURN = Sampling(360)
+
+
+def near_lock(rung: str) -> Reference:
+    (step,) = (step for step in hard.ladder("lock_rrr").steps if step.label == rung)
+    return found(step.scene())
+
+
+def largest(explained: Explained, *quantities: str) -> float:
+    return max(float(s.max()) for channel, s in explained.sensitivity.items() if quantity(channel) in quantities)
+
+
+def test_far_from_a_lock_little_is_explained(reference: Reference) -> None:
+    explained = explain(reference, SAMPLING)
+    assert 20 < explained.condition.max() < 50
+    assert largest(explained, "ax", "ay", "fx", "fy") <= 1e-12
+    assert explained.decidable
+
+
+def test_it_grows_towards_a_lock_as_theory_has_it() -> None:
+    """The condition as 1/sqrt(g), an angular acceleration as 1/g of its peak, which itself grows as 1/sqrt(g)."""
+    far, near = explain(near_lock("1e-3"), TURN), explain(near_lock("1e-7"), TURN)
+    assert near.condition.max() / far.condition.max() == pytest.approx(1e2, rel=0.3)
+    ratio = largest(near, "alpha") / largest(far, "alpha")
+    assert 1e5 < ratio < 1e7
+    assert near.decidable
+
+
+def test_a_few_draws_find_nearly_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
+    near = near_lock("1e-5")
+    few = explain(near, TURN)
+    monkeypatch.setattr(sensitivity, "DRAWS", 60)
+    many = explain(near, TURN)
+    for quantities in (("x", "y"), ("vx", "vy"), ("ax", "ay"), ("fx", "fy")):
+        assert largest(few, *quantities) >= largest(many, *quantities) / 3
+
+
+def test_in_a_lock_doubles_can_tell_nothing() -> None:
+    """The change point itself, where scenes that differ by nothing to speak of do not assemble, or jump."""
+    (rung,) = (rung for rung in hard.ladder("parallelogram").steps if rung.label == "0")
+    scene = rung.scene()
+    solve = registry.reference(scene)
+    motion = solve(TURN.commanded(scene), TURN.times(scene))
+    scale = dict.fromkeys(channels(scene), 1.0)
+    assert not explain(Reference(scene, solve, 1.0, scale, Floor({}, "")), TURN).decidable
+    assert Constraints(scene, motion).condition.max() > 1e15
+
+
+def test_an_error_is_a_fault_only_above_it(reference: Reference) -> None:
+    """At one row where much is explained, and at another where nothing is."""
+    motion = commanded(reference)
+    plain = explain(reference, SAMPLING)
+    hazy = {channel: np.where(np.arange(SAMPLING.count) == 40, 1e-3, of) for channel, of in plain.sensitivity.items()}
+    explained = replace(plain, sensitivity=hazy)
+    size = reference.scale["P3.fx"]
+
+    def unexplained(row: int, by: float) -> float:
+        table = error_table(
+            "x", compare(reference, SAMPLING, changed(motion, "P3.fx", by * size, row)), reference, explained
+        )
+        return float(table.set_index("channel")["unexplained"]["P3.fx"])
+
+    assert unexplained(40, 0.9e-3) <= 1e-14  # of which no more than the floor is shown
+    assert unexplained(40, 1.1e-3) == pytest.approx(1.1e-3)
+    assert unexplained(41, 1e-6) == pytest.approx(1e-6)
+    assert np.isnan(unexplained(40, np.nan))
+
+
+def test_the_condition_is_that_of_the_matrix_that_moves_the_linkage(reference: Reference) -> None:
+    """Its inverse turns a gap at any joint into a change of pose: by at most the largest singular value's inverse."""
+    motion = commanded(reference)
+    constraints = Constraints(reference.scene, motion)
+    values = np.linalg.svd(constraints.jacobian[7], compute_uv=False)
+    assert constraints.condition[7] == pytest.approx(values[0] / values[-1])
+    assert EPS * constraints.condition.max() <= 1e-14

@@ -1,0 +1,160 @@
+"""Verdicts, statuses and gates: an engine that is wrong must not look right."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import analytic
+from compare.engines import registry
+from compare.engines.reference import Reference
+from compare.engines.runner import Run, run
+from compare.judge.checks import checks
+from compare.judge.errors import compare
+from compare.judge.gates import gates
+from compare.judge.measure import Measurement, measure
+from compare.judge.verdict import judged as judged_run
+from compare.speed.timing import Budget
+from compare.study import study
+from scenes import Failure, Motion, Status
+from tests.comparisons import SAMPLING, Plug, changed, commanded, of_scene
+
+# --- verdicts and statuses --------------------------------------------------------------------------------------------
+
+
+def test_a_mirrored_linkage_is_a_wrong_branch(reference: Reference, plug: Plug) -> None:
+    """The rod assembled upwards: every joint is closed, every law holds, and it is the wrong machine."""
+    upward = replace(reference.scene.sketch, points={**reference.scene.sketch.points, "P5": (0.0, -0.4)})
+    plug(analytic.solve(replace(reference.scene, sketch=upward), SAMPLING.commanded(reference.scene)))
+    measured = measure(reference, "stub", SAMPLING)
+    assert measured.run.status is Status.wrong_branch
+    assert "P5" in measured.run.reason
+
+
+def test_an_open_joint_is_diverged(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(changed(motion, "P4.x", 0.05))
+    measured = measure(reference, "stub", SAMPLING)
+    assert measured.run.status is Status.diverged
+    assert "at crank angle 200.0000 deg" in measured.run.reason
+
+
+@pytest.mark.parametrize(
+    ("outcome", "status", "reason"),
+    [
+        (Failure(Status.not_converged, "residual 3e-2"), Status.not_converged, "residual 3e-2"),
+        (RuntimeError("first line\nsecond line"), Status.crashed, "RuntimeError: first line"),
+        (MemoryError(), Status.crashed, "MemoryError"),
+    ],
+)
+def test_a_failure_is_a_row(reference: Reference, plug: Plug, outcome: Exception, status: Status, reason: str) -> None:
+    plug(outcome)
+    result = study(reference.scene, ["stub", "analytic"], SAMPLING, Budget(1, 0.0), lambda _: None)
+    failed, solved = result.measurements
+    assert failed.run.status is status
+    assert failed.run.reason.startswith(reason)
+    assert solved.run.status is Status.ok
+    assert result.speed["status"].tolist()[:2] == [status.name, "ok"]
+
+
+def test_nan_is_nonfinite(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(changed(motion, "P3.fx", np.nan))
+    outcome = run("stub", reference.scene, SAMPLING)
+    assert outcome.status is Status.nonfinite
+    assert "P3.fx" in outcome.reason
+    assert "crank angle 200.0000 deg" in outcome.reason
+
+
+def test_a_dropped_channel_is_noticed(reference: Reference, motion: Motion, plug: Plug) -> None:
+    rest = {channel: values for channel, values in motion.samples.items() if channel != "P3.fx"}
+    plug(Motion(rest))
+    assert run("stub", reference.scene, SAMPLING).status is Status.crashed
+    plug(Motion(rest, {"P3.fx": "this engine has no such sensor"}))
+    assert run("stub", reference.scene, SAMPLING).status is Status.ok
+
+
+def test_a_short_run_is_noticed(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(Motion({channel: values[:-1] for channel, values in motion.samples.items()}))
+    assert run("stub", reference.scene, SAMPLING).status is Status.crashed
+
+
+def test_an_engine_not_installed_is_a_row(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    missing = replace(registry.ENTRIES["pymunk"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "pymunk", missing)
+    outcome = run("pymunk", reference.scene, SAMPLING)
+    assert outcome.status is Status.unsupported
+    assert "pip install" in outcome.reason
+
+
+# --- gates ------------------------------------------------------------------------------------------------------------
+
+
+def judged(reference: Reference, tolerances: Mapping[str, float], measured: Measurement) -> list[bool]:
+    scene = replace(reference.scene, tolerances={"stub": tolerances})
+    return [gate.missed for gate in gates(scene, [measured])]
+
+
+def test_gates(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(changed(motion, "P3.fx", 1e-3 * reference.scale["P3.fx"]))
+    measured = measure(reference, "stub", SAMPLING)
+    assert judged(reference, {"reaction": 1.1e-3, "position": 1e-12}, measured) == [False, False]
+    assert judged(reference, {"reaction": 0.9e-3, "position": 1e-12}, measured) == [True, False]
+
+
+def test_what_has_no_error_misses_its_gate(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(Failure(Status.timed_out, "too slow"))
+    assert judged(reference, {"position": 1e9}, measure(reference, "stub", SAMPLING)) == [True]
+    plug(motion)
+    measured = measure(reference, "stub", SAMPLING)
+    unexplained = measured.errors["unexplained"].where(measured.errors["channel"] != "P4.y")
+    spoilt = measured.errors.assign(unexplained=unexplained)
+    assert judged(reference, {"position": 1e9}, replace(measured, errors=spoilt)) == [True]
+    without = replace(measured, errors=measured.errors[measured.errors["group"] != "torque"])
+    assert judged(reference, {"torque": 1e9}, without) == [True]
+
+
+# --- guards that need no reference ------------------------------------------------------------------------------------
+
+GUARDS = {  # a channel, by how much of its scale it is moved, the status, what the reason names
+    "crank_angle": (0.07, Status.diverged, "crank is off"),  # more than a hundredth of a turn
+    "P4.vx": (0.5, Status.not_converged, "velocities of"),
+    "P5.ay": (1.0, Status.not_converged, "accelerations of"),
+    "rocker.omega": (1.0, Status.not_converged, "velocities of rocker"),
+    "rod.alpha": (2.0, Status.not_converged, "accelerations of rod"),
+    "P4.fx": (0.3, Status.not_converged, "forces and m a of"),
+    "slider.guide_moment": (0.3, Status.not_converged, "moments and I alpha of slider"),
+}
+
+
+@pytest.mark.parametrize("channel", GUARDS)
+def test_a_guard_needs_no_reference(reference: Reference, motion: Motion, channel: str) -> None:
+    by, status, reason = GUARDS[channel]
+    wrong = changed(motion, channel, by * reference.scale[channel])
+    found = checks(reference.scene, wrong, reference.stroke)
+    agreeing = compare(reference, SAMPLING, motion)  # as if the reference had nothing to say
+    run = judged_run(Run("stub", None, Status.ok, motion=wrong), reference.scene, found, agreeing)
+    assert run.status is status
+    assert reason in run.reason
+    assert "at crank angle" in run.reason
+
+
+def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motion) -> None:
+    """From the other assembly on half a turn long: closed joints, right rates, balanced forces, and a jump."""
+    upward = replace(reference.scene.sketch, points={**reference.scene.sketch.points, "P5": (0.0, -0.4)})
+    other = commanded(of_scene(reference, replace(reference.scene, sketch=upward)))
+    half = np.arange(SAMPLING.count) < 30
+    flipped = Motion({c: np.where(half, motion[c], other[c]) for c in motion.samples if c in other})
+    found = checks(reference.scene, flipped, reference.stroke)
+    run = judged_run(
+        Run("stub", None, Status.ok, motion=flipped), reference.scene, found, compare(reference, SAMPLING, motion)
+    )
+    assert run.status is Status.wrong_branch
+    assert run.reason.endswith("flips to another branch at crank angle 150.0000 deg")
+
+
+def test_what_an_engine_refused_stays_refused(reference: Reference, motion: Motion, plug: Plug) -> None:
+    """Its motion is measured all the same, so that one sees whether it was right to refuse."""
+    plug(Failure(Status.not_converged, "it did not like it", motion))
+    measured = measure(reference, "stub", SAMPLING)
+    assert measured.run.status is Status.not_converged
+    assert measured.errors["max"].max() <= 1e-12

@@ -1,0 +1,188 @@
+"""What the report draws: the right channels, in the units that the axes say, with the errors below."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from compare.engines.axis import prefixed
+from compare.report import tables
+from compare.report.curves import Panel, assur_groups, over_angle, panels
+from compare.report.linkage import linkage
+from compare.report.page import page
+from compare.report.speed.figure import work_precision
+from compare.speed.timing import Budget
+from compare.study import Study, study
+from scenes import Motion, Sampling, load
+from scenes.motion import Samples, channels
+from tests.mechanisms import MECHANISMS
+
+Studies = Callable[[str], Study]
+
+
+@pytest.fixture(scope="module")
+def result() -> Study:
+    return study(load("toggle_press"), ["analytic", "pymunk"], Sampling(72), Budget(1, 0.0), lambda _: None)
+
+
+def panel_of(result: Study, title: str) -> Panel:
+    return next(panel for panel in panels(result.reference) if panel.title.startswith(title))
+
+
+def curve(panel: Panel, name: str) -> Callable[[Motion], Samples]:
+    return next(curve.of for curve in panel.curves if curve.name == name)
+
+
+def test_every_joint_has_a_panel(result: Study) -> None:
+    titles = [panel.title for panel in panels(result.reference)]
+    for wanted in (
+        "P5: displacement",
+        "P5: velocity",
+        "P5: acceleration",
+        "Pin O",
+        "Pin P1",
+        "Pin P2",
+        "Pin P3",
+        "Pin P4",
+    ):
+        assert any(title.startswith(wanted) for title in titles), wanted
+    assert any("slider" in title for title in titles)
+    assert any("torque" in title for title in titles)
+
+
+def test_curves_are_in_the_units_of_their_axes(result: Study) -> None:
+    motion = result.motion
+    pin = panel_of(result, "Pin P3")
+    assert "kN" in pin.axis
+    assert np.allclose(curve(pin, "magnitude")(motion), 1e-3 * np.hypot(motion["P3.fx"], motion["P3.fy"]))
+    assert np.allclose(curve(pin, "x")(motion), 1e-3 * motion["P3.fx"])
+    assert np.allclose(curve(pin, "y")(motion), 1e-3 * motion["P3.fy"])
+    displacement = panel_of(result, "P5: displacement")
+    assert "mm" in displacement.axis
+    assert np.allclose(curve(displacement, "along the guide")(motion), 1e3 * motion["P5.y"])
+
+
+def test_the_error_below_is_the_engines(result: Study) -> None:
+    figure = over_angle(result, panel_of(result, "Pin P3"))
+    drawn = next(trace for trace in figure.data if trace.name == "pymunk error")
+    comparison = result.measurements[1].comparison
+    assert comparison is not None
+    expected = np.hypot(comparison.actual["P3.fx"], comparison.actual["P3.fy"])
+    assert np.allclose(drawn.y, expected)
+    assert not any(trace.name == "analytic error" for trace in figure.data), "the reference has no error to itself"
+    assert figure.layout.yaxis2.type == "log"
+    assert figure.layout.xaxis2.title.text == "crank angle [deg]"
+
+
+@pytest.mark.parametrize(
+    ("scale", "factor", "unit"),
+    [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (2e6, 1e-6, "MN")],
+)
+def test_prefixes(scale: float, factor: float, unit: str) -> None:
+    found, named = prefixed(scale, "N")
+    assert found == pytest.approx(factor)
+    assert named == unit
+
+
+# --- other drives and joints ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
+    """Return a function that studies a mechanism by the analytic core alone, and only once."""
+    folder = tmp_path_factory.mktemp("mechanisms")
+
+    @cache
+    def of(name: str) -> Study:
+        file = folder / f"{name}.toml"
+        file.write_text(MECHANISMS[name], encoding="utf-8")
+        return study(load(file), ["analytic"], Sampling(72), Budget(1, 0.0), lambda _: None)
+
+    return of
+
+
+@pytest.mark.parametrize(
+    ("name", "title", "first", "last", "autorange", "said"),
+    [
+        (
+            "driven_toggle",
+            "crosshead displacement [mm]",
+            100,
+            -150,
+            "reversed",
+            "-150 mm/s from 100 to -150 mm, one cycle",
+        ),
+        ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at -20 rpm from 130 to 50°, one cycle"),
+        ("turning_law", "time [s]", 0, 1.1, True, "crank by a motion law of 1.1 s, again and again, one cycle"),
+        ("quick_return", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples a turn"),
+    ],
+)
+def test_curves_run_over_the_drive(
+    studies: Studies, name: str, title: str, first: float, last: float, autorange: object, said: str
+) -> None:
+    result = studies(name)
+    for panel in panels(result.reference):
+        figure = over_angle(result, panel)
+        assert figure.layout.xaxis2.title.text == title
+        assert figure.layout.xaxis2.autorange == autorange
+        assert figure.data[0].x[[0, -1]] == pytest.approx([first, last])
+    assert said in tables.setup(result)
+    unit = title.partition(" [")[2]
+    assert f"max_at [{unit}" in tables.by_group(result).columns
+    assert f"max_at [{unit}" in tables.checks(result).columns
+    a_cycle = "ms a turn" if name == "quick_return" else "ms a cycle"
+    assert work_precision(result).layout.xaxis.title.text == a_cycle
+
+
+def test_a_driven_sliders_effort_is_a_force(studies: Studies) -> None:
+    result = studies("driven_toggle")
+    panel = panel_of(result, "Drive: force on crosshead")
+    assert panel.axis == "force [kN]"
+    assert np.allclose(curve(panel, "force")(result.motion), 1e-3 * result.motion["drive.force"])
+
+
+def test_an_output_on_a_slot_and_a_guide_goes_along_the_guide(studies: Studies) -> None:
+    """In `tangent`, P is both of the block in the crank's slot and of the slider on the ground."""
+    result = studies("tangent")
+    along = curve(panel_of(result, "P: displacement"), "along the guide")(result.motion)
+    assert np.ptp(along) == pytest.approx(1e3 * result.reference.stroke, rel=1e-12)
+
+
+def test_assur_groups(studies: Studies) -> None:
+    result = studies("driven_toggle")
+    figure = assur_groups(result)
+    assert figure is not None
+    angle, to_lock = (next(t for t in figure.data if t.name == "C" and t.yaxis == axis) for axis in ("y", "y2"))
+    assert np.allclose(angle.y, np.degrees(result.motion["C.transmission"]))
+    assert np.allclose(to_lock.y, 1e3 * result.motion["C.to_lock"])
+    assert figure.layout.yaxis2.title.text == "to lock [mm]"
+    assert figure.layout.yaxis2.type == "log"
+    assert "only the analytic core knows Assur groups" in page(result)
+    without = Motion({channel: result.motion[channel] for channel in channels(result.scene)})
+    assert assur_groups(replace(result, motion=without)) is None
+
+
+def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
+    """The block is on the slot, and the slot is turned with the rocker."""
+    result = studies("quick_return")
+    figure, motion = linkage(result), result.motion
+    for pose, row in enumerate((0, 18, 36, 54), start=1):
+        drawn = [trace for trace in figure.data if trace.xaxis == ("x" if pose == 1 else f"x{pose}")]
+        slot = next(trace for trace in drawn if trace.opacity == 0.3)
+        start, end = (complex(x, y) for x, y in zip(slot.x, slot.y, strict=True))
+        along = (end - start) / abs(end - start)
+        block = complex(1e3 * motion["A.x"][row], 1e3 * motion["A.y"][row]) - start
+        assert abs((along.conjugate() * block).imag) <= 1e-9
+        assert 0 < (along.conjugate() * block).real < abs(end - start)
+        assert np.angle(along * np.exp(-1j * motion["rocker.angle"][row])) == pytest.approx(np.arctan2(0.1, 2))
+        square = next(trace for trace in drawn if trace.name == "block")
+        assert square.marker.angle == pytest.approx(-np.degrees(np.angle(along)))
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_every_mechanism_has_a_page(studies: Studies, name: str) -> None:
+    text = page(studies(name))
+    assert "$" not in text.partition("</script>")[2].partition("<h2>The linkage")[0]
+    assert "nan" not in tables.verdict(studies(name))

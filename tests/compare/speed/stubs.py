@@ -1,0 +1,102 @@
+"""Stand-ins for tests of speed against error: a clock, an engine whose errors and times are known, and its table."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import repeat
+from math import inf, nan
+from typing import Any
+
+import pandas as pd
+
+from compare.engines.reference import Reference
+from compare.speed.timing import Budget
+from scenes import Failure, Motion, Sampling, Scene, Settings, Status
+
+STEPS = (72, 144, 360, 720, 1440, 7200)
+FULL = Budget(10, inf, long_ladders=True, point_s=inf)
+
+
+class Clock:
+    """A clock that goes only as far as the jobs under it take it, and a tick whenever one looks at it."""
+
+    def __init__(self, tick: float = 0.0) -> None:
+        self.now, self.tick = 0.0, tick
+        self.turns = ""
+
+    def __call__(self) -> float:
+        self.now += self.tick
+        return self.now
+
+
+def quiet(_: str) -> None:
+    return
+
+
+def table(*rows: tuple[str, str, float, float], **columns: Any) -> pd.DataFrame:
+    """Return a speed table of engine, setting, seconds and largest reaction error."""
+    known = pd.DataFrame(rows, columns=["engine", "setting", "solve_min_s", "reaction_max"])
+    rest: dict[str, Any] = {"note": "", "role": "ladder", "status": "ok", "family": "", "expected_order": nan} | columns
+    return known.assign(**rest)
+
+
+def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> pd.DataFrame:
+    rows = [("a", f"{n} steps", 1e-3 + 1e-5 * n, error) for n, error in zip(steps, errors, strict=True)]
+    return table(*rows, family="f", expected_order=order, steps=list(steps), steps_made=list(steps))
+
+
+@dataclass(frozen=True)
+class StubSettings(Settings):
+    steps: int = 72
+
+
+def second_order(steps: int, note: str = "") -> StubSettings:
+    return StubSettings(f"{steps} steps{note and ', noted'}", steps, family=f"second{note}", order=2, note=note)
+
+
+class StubEngine:
+    """An engine of second order, a millisecond a step, that is off in one component of one joint."""
+
+    LADDER: tuple[Settings, ...] = tuple(map(second_order, (72, 100, 360)))
+    LONG_LADDER: tuple[Settings, ...] = (second_order(3600),)
+    FAST, DEFAULT, EXACT = LADDER[0], second_order(720), LONG_LADDER[0]
+    ABLATIONS: tuple[Settings, ...] = (StubSettings("in space", 720),)
+
+    def __init__(self, reference: Reference, clock: Clock) -> None:
+        self.reference, self.clock = reference, clock
+        self.slowness: Iterator[float] = repeat(1.0)
+
+    def version(self) -> str:
+        return "stub 1"
+
+    def build(self, scene: Scene, settings: StubSettings, sampling: Sampling) -> "StubRun":  # noqa: ARG002
+        return StubRun(self, settings, sampling)
+
+
+@dataclass
+class StubRun:
+    engine: StubEngine
+    settings: StubSettings
+    sampling: Sampling
+    residuals: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def steps(self) -> int:
+        return self.sampling.samples * -(-self.settings.steps // self.sampling.samples)
+
+    @property
+    def counters(self) -> Mapping[str, int]:
+        return {"steps": self.steps, "bodies": 10 if self.settings.label == "in space" else 5}
+
+    def solve(self) -> None:
+        if self.settings.label == "fails":
+            raise Failure(Status.diverged, "it ran away")
+        self.engine.clock.now += (
+            next(self.engine.slowness) * 1e-3 * self.steps * (3 if self.settings.label == "in space" else 1)
+        )
+
+    def read(self) -> Motion:
+        reference = self.engine.reference
+        scene = replace(reference.scene, asked=None)
+        exact = reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
+        off = exact["P3.fx"] + reference.scale["P3.fx"] * self.steps**-2.0
+        return Motion(dict(exact.samples) | {"P3.fx": off})

@@ -1,0 +1,234 @@
+"""Speed against error: the table of an engine whose errors and times are known, what is chosen by it, and shown."""
+
+from dataclasses import replace
+from functools import partial
+from itertools import chain, repeat
+from math import inf, nan
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from compare.asked import TIERS
+from compare.engines import registry
+from compare.engines.reference import Reference
+from compare.judge.round_off import explain
+from compare.report.page import page
+from compare.report.speed import tables as speed_tables
+from compare.report.speed.figure import work_precision as picture
+from compare.speed.choice import cheapest_within, offered
+from compare.speed.ladders import speed_table
+from compare.speed.timing import Budget, take_turns
+from compare.speed.work_precision import choices, orders, solved, step_costs
+from compare.study import Study, study
+from scenes import Sampling
+
+from .stubs import FULL, STEPS, Clock, StubEngine, StubSettings, family, quiet, second_order, table
+
+
+@pytest.fixture
+def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
+    """Return an engine named `stub`, the only one there is besides the analytic core, under a clock of its own."""
+    clock, real = Clock(tick=1e-9), registry.engine
+    engine = StubEngine(reference, clock)
+    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", "", 1e-3))
+    monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
+    monkeypatch.setattr("compare.engines.runner.perf_counter", clock)
+    monkeypatch.setattr("compare.speed.ladders.take_turns", partial(take_turns, clock=clock, wall=clock))
+    return engine
+
+
+def rows_of(speed: pd.DataFrame) -> dict[str, dict[str, object]]:
+    return {str(row["setting"]): {str(k): v for k, v in row.items()} for row in speed.to_dict("records")}
+
+
+@pytest.mark.usefixtures("stub")
+def test_a_table(reference: Reference) -> None:
+    rows = rows_of(speed_table(reference, ["stub"], Budget(10, inf), quiet))
+    assert list(rows) == ["72 steps", "100 steps", "360 steps"]
+    assert rows["100 steps"]["steps"] == 144  # rounded up to a multiple of the samples, as engines do
+    assert rows["100 steps"]["reaction_max"] == pytest.approx(144**-2.0, rel=1e-9)
+    assert rows["100 steps"]["solve_min_s"] == pytest.approx(0.144)
+    assert rows["100 steps"]["timed_runs"] == 3
+    assert [row["tier"] for row in rows.values()] == ["fast", "", ""]
+
+
+def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngine) -> None:
+    """Three error runs, then three rounds over three settings, each of another speed."""
+    stub.slowness = chain([9.0] * 3, [1.5] * 3, [2.0] * 3, repeat(1.0))
+    row = rows_of(speed_table(reference, ["stub"], Budget(0, 0.0, point_s=inf), quiet))["100 steps"]
+    found = [row[f"solve_{of}_s"] for of in ("min", "median", "spread", "wall")]
+    assert found == pytest.approx([0.144, 0.216, 0.144, 0.144])
+
+
+@pytest.mark.usefixtures("stub")
+def test_orders_and_costs_of_a_table(reference: Reference) -> None:
+    speed = speed_table(reference, ["stub"], FULL, quiet)
+    (row,) = orders(speed, {}).query("group == 'reaction'").to_dict("records")
+    assert row["order"] == pytest.approx(2, abs=1e-6)
+    assert row["points"] == 5
+    (row,) = step_costs(speed).to_dict("records")
+    assert row["step_s"] == pytest.approx(1e-3)
+    assert row["fixed_s"] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.usefixtures("stub")
+def test_ablations_are_compared_with_the_default_and_nothing_else(reference: Reference) -> None:
+    speed = speed_table(reference, ["stub"], FULL, quiet)
+    default, ablation = speed_tables.ablations(study_of(reference, speed)).to_dict("records")
+    assert (default["setting"], default["bodies"], default["ratio"]) == ("720 steps", "5", 1)
+    assert (ablation["setting"], ablation["bodies"]) == ("in space", "10")
+    assert ablation["ratio"] == pytest.approx(3)
+    assert "in space" not in set(solved(speed)["setting"])
+    assert "in space" not in rows_of(speed_table(reference, ["stub"], Budget(1, 0.0), quiet))
+
+
+@pytest.mark.usefixtures("stub")
+def test_a_failed_setting_stays(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(StubEngine, "LADDER", (StubSettings("fails"), *StubEngine.LADDER))
+    speed = speed_table(reference, ["stub"], Budget(10, inf), quiet)
+    row = rows_of(speed)["fails"]
+    assert (row["status"], row["reason"], row["timed_runs"]) == ("diverged", "it ran away", 0)
+    assert np.isnan(float(str(row["solve_min_s"])))
+    assert "fails" not in set(choices(speed)["setting"])
+
+
+@pytest.mark.usefixtures("stub")
+def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With 0.3 s for one setting the 360 steps are not repeated, and the 720 and 3600 of their family are not run."""
+    noted = second_order(3600, note="of another family")
+    monkeypatch.setattr(StubEngine, "LADDER", (*StubEngine.LADDER, noted))
+    rows = rows_of(speed_table(reference, ["stub"], replace(FULL, point_s=0.3), quiet))
+    assert {name: row["timed_runs"] for name, row in rows.items() if row["status"] == "ok"} == {
+        "72 steps": 3, "100 steps": 3, "360 steps": 0, noted.label: 0, "in space": 0,
+    }  # fmt: skip
+    assert rows["360 steps"]["solve_min_s"] == pytest.approx(0.36)
+    for name in ("720 steps", "3600 steps"):
+        assert rows[name]["status"] == "timed_out"
+        assert "360 steps a cycle took longer than 0.3 s" in str(rows[name]["reason"])
+
+
+# --- the settings of the main run -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tier", TIERS)
+def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
+    settings, why = offered("stub", tier)
+    assert settings is {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
+    assert why == ""
+
+
+def test_a_note_is_told(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(StubEngine, "EXACT", second_order(72, note="for show"))
+    speed = table(("stub", "72 steps", 1.0, 1e-3))
+    for settings, why in (offered("stub", "exact"), cheapest_within("stub", 1e-9, speed)):
+        assert settings is stub.EXACT
+        assert why.endswith("stub, 72 steps, noted: for show")
+
+
+@pytest.mark.usefixtures("stub")
+@pytest.mark.parametrize(
+    ("level", "label", "said"),
+    [
+        (1e-2, "100 steps", "100 steps is the cheapest measured to be within 0.01"),
+        (1e-5, "360 steps", "within 1e-05"),
+        (1e-9, "3600 steps", "no setting was measured to be within 1e-09"),
+    ],
+)
+def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
+    speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
+    speed.loc[speed["setting"] == "72 steps", "torque_max"] = nan  # what has no error in a group does not meet it
+    settings, why = cheapest_within("stub", level, speed)
+    assert settings.label == label
+    assert said in why
+
+
+@pytest.mark.usefixtures("stub")
+def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(StubEngine, "LADDER", (second_order(72, note="for show"), *StubEngine.LADDER))
+    speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
+    assert cheapest_within("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
+
+
+def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
+    result = study(reference.scene, ["stub", "analytic"], Sampling(360), Budget(1, 0.0), quiet, 1e-5)
+    assert [m.run.settings and m.run.settings.label for m in result.measurements] == ["360 steps", "vector equations"]
+    assert any("360 steps is the cheapest" in reason for reason in result.reasons)
+    result = study(reference.scene, ["stub"], Sampling(360), Budget(1, 0.0), quiet)
+    assert result.measurements[0].run.settings is stub.DEFAULT
+    assert result.reasons == []
+
+
+# --- what is shown ----------------------------------------------------------------------------------------------------
+
+
+def study_of(reference: Reference, speed: pd.DataFrame) -> Study:
+    sampling = Sampling(72)
+    motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    return Study(reference.scene, sampling, reference, explain(reference, sampling), motion, [], [], speed, [])
+
+
+def test_the_sentence(reference: Reference) -> None:
+    speed = table(
+        ("analytic", "equations", 1e-3, 1e-15), ("exudyn", "pointwise", 7e-3, 1e-8), ("pymunk", "x", 5e-3, 0.1)
+    )
+    said = speed_tables.verdict(study_of(reference, speed))
+    assert said == (
+        "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms a turn;"
+        " besides the reference: exudyn, pointwise, 7 ms a turn."
+    )
+    said = speed_tables.verdict(study_of(reference, speed.iloc[1:]))
+    assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms a turn."
+    assert "none that was tried" in speed_tables.verdict(study_of(reference, speed.iloc[2:]))
+
+
+def test_tables_of_text(reference: Reference) -> None:
+    points = family(STEPS, [n**-2.0 for n in STEPS])
+    result = study_of(reference, pd.concat([points, table(("b", "noted", 1.0, 1e-3), note="slow, and so on")]))
+    found = speed_tables.cheapest_settings(result)
+    own, noted = found["reaction"].to_dict("records")
+    assert list(own.values()) == [
+        "a", *["72 steps, 1.72 ms (×1)"] * 3, "144 steps, 2.44 ms (×1)", "1440 steps, 15.4 ms (×1)", "–",
+    ]  # fmt: skip
+    assert list(own) == ["engine", "10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"]
+    assert list(noted.values()) == ["b: slow", *["noted, 1e+03 ms (×581)"] * 3, "–", "–", "–"]
+    (row,) = speed_tables.orders(result).to_dict("records")
+    assert row == {"engine": "a", "family": "f", "expected": "2", "reaction": row["reaction"]}
+    assert row["reaction"].startswith("2.00 (")
+
+
+def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    missing = replace(registry.ENTRIES["pymunk"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "pymunk", missing)
+    result = study(reference.scene, ["pymunk"], Sampling(72), Budget(1, 0.0), quiet, 1e-4)
+    assert len(picture(result).data) == 0
+    assert speed_tables.verdict(result) == ""
+    assert "pip install" in page(result)
+
+
+@pytest.mark.usefixtures("stub")
+def test_the_picture(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    noted, failing = second_order(144, note="for show, only"), StubSettings("fails")
+    monkeypatch.setattr(StubEngine, "LADDER", (*StubEngine.LADDER, noted, failing))
+    result = study(reference.scene, ["analytic", "stub"], Sampling(72), Budget(1, 0.0), quiet)
+    figure = picture(result)
+    reactions = [(number, trace) for number, trace in enumerate(figure.data) if trace.xaxis == "x4"]
+    drawn = {trace.name: trace for _, trace in reactions}
+    assert [*drawn["stub"].x] == pytest.approx([72, 144, 360])
+    assert [*drawn["stub"].y] == pytest.approx([72**-2.0, 144**-2.0, 360**-2.0])
+    assert drawn["stub: for show"].marker.symbol != drawn["stub"].marker.symbol
+    assert "for show, only" in drawn["stub: for show"].text[0]
+    assert "360 steps a cycle" in drawn["stub"].text[2]
+    assert drawn["reference's floor"].y[0] == max(
+        floor for channel, floor in reference.floor.by_channel.items() if channel.endswith(("fx", "fy", "guide_force"))
+    )
+    steps = drawn["Pareto front without the reference"]
+    assert steps.line.shape == "hv"
+    assert [*steps.x] == pytest.approx([72, 72, 144, 360, 360])
+    largest, rms = (button.args[0]["y"] for button in figure.layout.updatemenus[0].buttons)
+    own = next(number for number, trace in reactions if trace.name == "stub")
+    assert largest[own] == pytest.approx([*drawn["stub"].y])
+    assert rms[own] == pytest.approx(
+        result.speed.query("engine == 'stub' and status == 'ok' and note == ''")["reaction_rms"]
+    )
+    assert len(largest) == len(rms) == len(figure.data)

@@ -1,0 +1,215 @@
+"""What a user asks for besides the scene: with some of its channels the whole comparison works, and is as strict."""
+
+from argparse import ArgumentTypeError
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from math import inf
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import scenes
+from compare.asked import accuracy, narrowed
+from compare.engines.reference import Reference, establish
+from compare.engines.runner import Run
+from compare.judge.checks import checks
+from compare.judge.errors import compare
+from compare.judge.verdict import judged
+from compare.report import files as output
+from compare.report import tables
+from compare.report.curves import panels
+from compare.speed.timing import Budget
+from compare.study import Study, study
+from scenes import InputError, Motion, Sampling, Status
+from scenes.motion import channels, header
+from tests.comparisons import CHECKS
+from tests.mechanisms import MECHANISMS
+
+SAMPLING = Sampling(72)
+Studies = Callable[..., Study]
+
+
+@pytest.mark.parametrize(
+    ("patterns", "asked"),
+    [
+        (["P5.y"], {"P5.y"}),
+        (["P5.v?", "drive.torque"], {"P5.vx", "P5.vy", "drive.torque"}),
+        (["*.guide_*", "rod.*"], {"slider.guide_force", "slider.guide_moment", "rod.angle", "rod.omega", "rod.alpha"}),
+    ],
+)
+def test_channels_asked_for(patterns: list[str], asked: set[str]) -> None:
+    scene = narrowed(scenes.load("toggle_press"), patterns)
+    assert set(scene.asked or ()) == asked
+    assert set(channels(scene)) == asked | {"time", "crank_angle"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "nearest"), [("P5.z", "did you mean 'P5."), ("slidr.*", "one of O.fx"), ("time", "one of O.fx")]
+)
+def test_channels_that_are_not(pattern: str, nearest: str) -> None:
+    with pytest.raises(InputError, match="toggle_press has no channel") as caught:
+        narrowed(scenes.load("toggle_press"), ["P5.*", pattern])
+    assert nearest in str(caught.value)
+
+
+@pytest.mark.parametrize(("text", "value"), [("fast", "fast"), ("exact", "exact"), ("1e-4", 1e-4), ("0.001", 1e-3)])
+def test_accuracies(text: str, value: object) -> None:
+    assert accuracy(text) == value
+
+
+@pytest.mark.parametrize("text", ["best", "0", "1", "-1e-3", "nan", "inf", ""])
+def test_accuracies_that_are_not(text: str) -> None:
+    with pytest.raises(ArgumentTypeError, match="fast, balanced, exact or a relative error"):
+        accuracy(text)
+
+
+# --- the whole comparison with few channels ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
+    """Return a function that studies a scene, with some of its channels, by the analytic core, and only once."""
+    folder = tmp_path_factory.mktemp("mechanisms")
+
+    @cache
+    def of(name: str, *patterns: str) -> Study:
+        file = folder / f"{name}.toml"
+        if name in MECHANISMS:
+            file.write_text(MECHANISMS[name], encoding="utf-8")
+        scene = scenes.load(file if name in MECHANISMS else name)
+        return study(
+            narrowed(scene, patterns) if patterns else scene, ["analytic"], SAMPLING, Budget(1, 0.0), lambda _: None
+        )
+
+    return of
+
+
+FEW = [
+    ("toggle_press", ["P5.y"]),
+    ("toggle_press", ["drive.torque"]),
+    ("toggle_press", ["P3.f?", "P3.x", "P3.y", "O.fx"]),
+    ("crank_press", ["B.fy"]),  # with a press force, whose switches the reference must know
+    ("four_bar", ["*.x", "*.y"]),
+    ("quick_return", ["block.*"]),
+    ("driven_toggle", ["drive.force", "C.v?"]),
+    ("swinging_law", ["crank.omega"]),
+]
+
+
+@pytest.mark.parametrize(("name", "patterns"), FEW)
+def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path: Path) -> None:
+    """The channels asked for and no others, with the errors that they have among all."""
+    full, few = studies(name), studies(name, *patterns)
+    wanted = channels(few.scene)
+    assert few.measurements[0].run.status is Status.ok, few.measurements[0].run.reason
+    assert few.reference.scale == full.reference.scale
+    assert set(few.reference.floor.by_channel) <= set(wanted)
+    assert set(few.errors["channel"]) == set(wanted) - {"time"}
+    for channel in set(wanted) - {"time"}:
+        error, all_along = (s.errors.set_index("channel")["max"][channel] for s in (few, full))
+        assert error == pytest.approx(all_along, abs=1e-13)
+    folder = output.write(few, tmp_path)
+    written = pd.read_csv(folder / "motion.analytic.csv")
+    assert list(written.columns) == [header(channel) for channel in wanted]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Asked for:" in page
+    assert "Assur groups" not in page, "nobody asked for them"
+    for panel in panels(few.reference):
+        assert set(panel.judged) <= set(wanted)
+        for curve in panel.curves:
+            assert np.isfinite(curve.of(few.motion)).all()
+
+
+def test_panels_are_of_what_is_asked_for(studies: Studies) -> None:
+    titles = [panel.title for panel in panels(studies("toggle_press", "P3.f?", "P3.x", "P3.y", "O.fx").reference)]
+    assert [title.partition(":")[0] for title in titles] == ["Pin O", "Pin P3"]
+    (panel,) = panels(studies("toggle_press", "P5.y").reference)
+    assert [curve.name for curve in panel.curves] == ["along the guide"]
+    assert panel.judged == ("P5.y",)
+
+
+@pytest.fixture(scope="module")
+def reference() -> Reference:
+    return establish(scenes.load("toggle_press"))
+
+
+def motion_of(reference: Reference, *patterns: str) -> tuple[Reference, Motion]:
+    """Return the reference with some channels asked for, and a motion with only those."""
+    few = replace(reference, scene=narrowed(reference.scene, patterns))
+    motion = few.at(SAMPLING.commanded(few.scene), SAMPLING.times(few.scene))
+    return few, Motion({channel: motion[channel] for channel in channels(few.scene)})
+
+
+@pytest.mark.parametrize(
+    ("patterns", "made"),
+    [
+        (["P5.y"], set()),
+        (["P5.x", "P5.y"], {"slider"}),
+        (["P4.?", "P5.?"], {"rod", "slider"}),
+        (["*.x", "*.y"], {"crank", "rocker", "toggle", "rod", "slider"}),
+    ],
+)
+def test_checks_that_have_their_channels(reference: Reference, patterns: list[str], made: set[str]) -> None:
+    few, motion = motion_of(reference, *patterns)
+    assert {check.of for check in checks(few.scene, motion, few.stroke) if check.check != "drive"} == made
+    everything = checks(reference.scene, few.at(motion["crank_angle"], motion["time"]), few.stroke)
+    assert {check.check for check in everything} == CHECKS
+
+
+def test_a_slot_needs_its_carrier(studies: Studies) -> None:
+    few = studies("quick_return", "block.*")
+    assert {check.check for check in few.measurements[0].checks} == {"drive"}
+    scene = narrowed(replace(few.scene, asked=None), ["*.x", "*.y", "*.angle"])
+    motion = few.reference.at(SAMPLING.commanded(scene), SAMPLING.times(scene))
+    found = checks(scene, Motion({channel: motion[channel] for channel in channels(scene)}), few.reference.stroke)
+    assert {check.of for check in found if check.check == "closure"} == set(scene.bodies)
+
+
+@pytest.mark.parametrize(
+    ("patterns", "status"), [(["P5.?"], Status.diverged), (["P5.y"], Status.wrong_branch), (["P4.*"], Status.ok)]
+)
+def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: list[str], status: Status) -> None:
+    """The slider a tenth of the stroke off, beside its guide and along it; without its channels nobody can know."""
+    few, motion = motion_of(reference, *patterns)
+    moved = {c: motion[c] + 0.1 * few.stroke for c in ("P5.x", "P5.y") if c in motion}
+    wrong = Motion(dict(motion.samples) | moved)
+    run = Run("stub", None, Status.ok, motion=wrong)
+    found = judged(run, few.scene, checks(few.scene, wrong, few.stroke), compare(few, SAMPLING, wrong))
+    assert found.status is status
+
+
+def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
+    scene = scenes.load("toggle_press")
+    scene = replace(scene, tolerances={"analytic": {"position": 1e-9, "reaction": 1e-9, "torque": 0.0}})
+    few = narrowed(scene, ["P5.y", "drive.torque"])
+    result = study(few, ["analytic"], SAMPLING, Budget(1, 0.0), lambda _: None)
+    assert [(gate.group, gate.missed) for gate in result.gates] == [("position", False), ("torque", True)]
+    assert "P5.y, drive.torque" in tables.notes(result)[1]
+
+
+def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every run of every engine, and the one that certifies the floor, gets the scene with what is asked for."""
+    from compare.engines import registry
+
+    seen = []
+    real = registry.engine
+
+    class Spy:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+        def __getattr__(self, attribute: str) -> object:
+            return getattr(real(self.name), attribute)
+
+        def build(self, scene: scenes.Scene, settings: scenes.Settings, sampling: Sampling) -> scenes.Simulation:
+            seen.append((self.name, scene.asked))
+            return real(self.name).build(scene, settings, sampling)
+
+    monkeypatch.setattr(registry, "engine", Spy)
+    scene = narrowed(scenes.load("toggle_press"), ["P5.y"])
+    study(scene, ["analytic"], SAMPLING, Budget(1, inf), lambda _: None)
+    assert {name for name, _ in seen} == {"analytic", "multiprecision"}
+    assert {asked for _, asked in seen} == {scene.asked}

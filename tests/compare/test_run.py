@@ -1,0 +1,316 @@
+"""The command line: what it writes, what it says, how it exits."""
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from compare.engines import registry
+from compare.run import main
+from scenes import Scene
+from scenes.motion import channels, header
+from tests.conftest import TOGGLE_PRESS
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run the main job once."""
+    folder = tmp_path_factory.mktemp("results")
+    assert main(["--check", "--out", str(folder)]) == 0
+    return folder / "toggle_press"
+
+
+def test_the_files_of_the_main_job(results: Path) -> None:
+    assert {path.name for path in results.iterdir()} == {
+        "report.html",
+        "summary.json",
+        "errors.csv",
+        "speed.csv",
+        "motion.analytic.csv",
+        "motion.exudyn.csv",
+        "motion.pymunk.csv",
+    }
+
+
+def test_motion_files(results: Path, toggle_press: Scene) -> None:
+    groups = [f"{joint}.{q}" for joint in ("P3", "P5") for q in ("transmission", "to_lock")]
+    for engine in registry.DEFAULT_ENGINES:
+        table = pd.read_csv(results / f"motion.{engine}.csv")
+        told = [*channels(toggle_press), *(groups if engine == "analytic" else [])]
+        assert sorted(table.columns) == sorted(map(header, told))
+        assert len(table) == 361
+        assert table.notna().all(axis=None)
+    assert list(table.columns[:2]) == ["time [s]", "crank_angle [rad]"]
+
+
+def test_summary(results: Path, toggle_press: Scene) -> None:
+    summary = json.loads((results / "summary.json").read_text(encoding="utf-8"))
+    assert set(summary["engines"]) == set(registry.DEFAULT_ENGINES)
+    for engine in summary["engines"].values():
+        assert engine["status"] == "ok"
+        assert engine["settings"]["label"]
+        assert 0 < engine["seconds"]["solve"] < 10
+        assert any(character.isdigit() for character in engine["version"])
+    assert len(summary["errors"]) == 3 * (len(channels(toggle_press)) - 1)
+    assert len(summary["gates"]) == 10
+    assert summary["scene"]["bodies"]["toggle"]["lengths"] == pytest.approx(
+        {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
+    )
+    assert summary["environment"]["python"].startswith("3.")
+    assert {row["group"] for row in summary["cheapest"]} == {
+        "position",
+        "velocity",
+        "acceleration",
+        "reaction",
+        "torque",
+    }
+    assert {row["level"] for row in summary["cheapest"]} == {"10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"}
+    for engine in registry.DEFAULT_ENGINES:
+        rows = [row for row in summary["cheapest"] if row["engine"] == engine and not row["note"]]
+        assert all(row["error"] <= 1e-3 and row["solve_s"] > 0 for row in rows if row["level"] == "0.1 %")
+    assert {row["family"] for row in summary["step_costs"]} <= {row["family"] for row in summary["orders"]}
+
+
+def test_errors_are_those_promised(results: Path) -> None:
+    """What each engine must reach at its default settings; pymunk's accelerations have their own gate in the scene."""
+    errors = pd.read_csv(results / "errors.csv")
+    for engine, group, promised in (
+        ("exudyn", "position", 1e-12),
+        ("exudyn", "reaction", 1e-6),
+        ("pymunk", "position", 1e-4),
+        ("pymunk", "reaction", 1e-4),
+    ):
+        rows = errors[(errors["engine"] == engine) & (errors["group"] == group)]
+        assert len(rows) >= 10
+        assert (rows["max"] <= promised).all(), (engine, group)
+        carried = rows[rows["channel"] != "slider.guide_moment"]  # zero in this scene, for every model
+        assert (carried["max"] > 0).all(), "an engine that agrees exactly was not run"
+
+
+def test_speed_file(results: Path) -> None:
+    speed = pd.read_csv(results / "speed.csv")
+    assert set(speed["engine"]) == set(registry.DEFAULT_ENGINES)
+    failed = speed[speed["status"] != "ok"]
+    assert failed["reason"].str.len().gt(0).all(), "a setting that fails stays in the table, and says why"
+    assert len(failed) <= 0.1 * len(speed)
+    speed = speed[speed["status"] == "ok"]
+    for engine in registry.DEFAULT_ENGINES:
+        assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
+    assert (speed["solve_min_s"] > 0).all()
+    assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
+    assert (speed["timed_runs"] >= 3).all()
+    assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
+    for engine in ("exudyn", "pymunk"):  # more work, less error: the ladder is one
+        rows = speed[speed["engine"] == engine]
+        assert rows["reaction_max"].max() > 1e4 * rows["reaction_max"].min()
+
+
+def test_the_report_needs_no_network(results: Path) -> None:
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert '<script src="' not in page
+    assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
+    assert page.count("plotly-graph-div") == 15  # linkage, 3 of the slider, 6 pins, guide, torque, groups, locks, speed
+
+
+def test_channels_narrow_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--engines", "analytic", "--channels", "P5.y, P3.f?", "--check", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    said = capsys.readouterr().out
+    assert "position" in said
+    assert "reaction" in said
+    assert "velocity" not in said
+    table = pd.read_csv(tmp_path / "toggle_press" / "motion.analytic.csv")
+    assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.y [m]", "P3.fx [N]", "P3.fy [N]"]
+    summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["scene"]["asked"] == ["P3.fx", "P3.fy", "P5.y"]
+
+
+def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Pymunk's cheapest setting for a per cent is coarser than the one it runs at else, and is good to a per cent."""
+    settings = {}
+    for accuracy in ("balanced", "1e-2"):
+        arguments = ["--engines", "pymunk", "--accuracy", accuracy, "--samples", "72", "--out", str(tmp_path)]
+        assert main(arguments) == 0
+        summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
+        settings[accuracy] = summary["engines"]["pymunk"]["settings"]
+    assert settings["1e-2"]["label"] in capsys.readouterr().out
+    assert settings["1e-2"]["steps"] < settings["balanced"]["steps"]
+    errors = pd.read_csv(tmp_path / "toggle_press" / "errors.csv")
+    assert (errors["max"] <= 1e-2).all()
+
+
+def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> None:
+    target = tmp_path / "toggle_press"
+    target.mkdir()
+    for path in results.iterdir():
+        (target / path.name).write_bytes(path.read_bytes())
+    (target / "notes.txt").write_text("the user's own", encoding="utf-8")
+    assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 0
+    assert sorted(path.name for path in target.glob("motion.*")) == ["motion.analytic.csv"]
+    assert (target / "notes.txt").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"], "the folder aside must go"
+
+
+def test_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    said = capsys.readouterr().out
+    for name in ("toggle_press", *registry.ENTRIES):
+        assert name in said
+
+
+# --- bad input --------------------------------------------------------------------------------------------------------
+
+
+def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """Run what must exit 2 with one line, and return the line."""
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--engines", "exudin"], ["exudin", "did you mean 'exudyn'"]),
+        (["--engines", ""], ["--engines", "analytic"]),
+        (["--samples", "ten"], ["--samples", "whole number", "'ten'"]),
+        (["--samples", "-5"], ["--samples"]),
+        (["--turns", "0"], ["--turns", "from 1"]),
+        (["--nonsense"], ["--nonsense", "usage"]),
+        (["toggle_pres"], ["toggle_pres", "did you mean 'toggle_press'"]),
+        (["no/such/scene.toml"], ["no/such/scene.toml", "no such"]),
+        (["toggle_press", "toggle_press"], ["two scenes"]),
+        (["double_toggle_clamp", "--turns", "2"], ["--turns 2", "double_toggle_clamp", "once from start to end"]),
+        (["--vary", "drive.speed"], ["--vary drive.speed", "PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2:three"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2:3:4"], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:1:3"], ["two different values"]),
+        (["--vary", "drive.speed=1:inf:3"], ["two different values"]),
+        (["--vary", "drive.speed=1:2:1"], ["COUNT from 2 to 200", "1"]),
+        (["--vary", "drive.speed=1:2:15", "--vary", "drive.start=0:1:14"], ["200 members at most", "210"]),
+        (["--vary", "drive.sped=1:2:3"], ["toggle_press: drive.sped", "did you mean 'speed'"]),
+        (["--vary", "drive.body=1:2:3"], ["drive.body", "the path of a number"]),
+        (["--vary", "drive.speed=1:2:3", "--vary", "drive.speed=1:2:3"], ["drive.speed", "each number once"]),
+        (["toggle_press", "four_bar", "--vary", "loads.0.force.1=1:2:3"], ["four_bar: loads.0.force.1"]),
+        (["--vary", "drive.speed=1:2:3", "--full"], ["--full", "--vary"]),
+        (["--vary", "drive.speed=1:2:3", "--channels", "P5.y"], ["--channels", "--vary"]),
+        (["--vary", "drive.speed=1:2:3", "--accuracy", "exact"], ["--accuracy", "--vary"]),
+        (["--accuracy", "best"], ["--accuracy", "fast, balanced, exact", "'best'"]),
+        (["--accuracy", "-1e-3"], ["--accuracy"]),
+        (["--channels", "P5.y,P5.z"], ["--channels", "toggle_press", "P5.z", "did you mean 'P5.y'"]),
+        (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
+    ],
+)
+def test_bad_arguments(
+    arguments: list[str], expected: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = refused([*arguments, "--out", str(tmp_path / "out")], capsys)
+    for part in expected:
+        assert part in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rocker is too short to reach the toggle's pin all the way round."""
+    file = tmp_path / "short.toml"
+    file.write_text(TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 30'), encoding="utf-8")
+    line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
+    for part in (
+        "short.toml",
+        "bodies",
+        "cannot_assemble",
+        "rocker and toggle in line at P3",
+        "crank angle",
+        "turns only",
+    ):
+        assert part in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    for out in (tmp_path / "file", tmp_path / "file" / "below"):
+        line = refused(["--engines", "analytic", "--out", str(out)], capsys)
+        assert "--out" in line
+        assert "is a file" in line
+
+
+def test_a_write_that_fails_leaves_the_old_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "toggle_press"
+    target.mkdir()
+    (target / "report.html").write_text("the old one", encoding="utf-8")
+
+    def disk_full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("compare.report.files.page", disk_full)
+    assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 2
+    assert (target / "report.html").read_text(encoding="utf-8") == "the old one"
+    assert [path.name for path in target.iterdir()] == ["report.html"]
+    assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"]
+
+
+# --- tolerances -------------------------------------------------------------------------------------------------------
+
+
+def test_check_names_what_is_missed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "strict.toml"
+    strict = TOGGLE_PRESS.replace("position = 1e-4", "position = 1e-9")
+    file.write_text(strict.replace('name = "toggle_press"', 'name = "strict"'), encoding="utf-8")
+    arguments = [str(file), "--engines", "pymunk", "--samples", "72", "--out", str(tmp_path)]
+    assert main(arguments) == 0
+    assert main([*arguments, "--check"]) == 1
+    said = capsys.readouterr().out
+    assert said.count("missed:") == 1
+    assert "missed: pymunk position" in said
+    assert "1e-09" in said
+
+
+def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = replace(registry.ENTRIES["exudyn"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "exudyn", entry)
+    assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "unsupported" in said
+    assert "pip install exudyn" in said
+    assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path), "--check"]) == 1
+    assert "unsupported" in (tmp_path / "toggle_press" / "report.html").read_text(encoding="utf-8")
+
+
+# --- a first scene of one's own ---------------------------------------------------------------------------------------
+
+
+def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--new", str(tmp_path / "mine")]) == 0
+    file = tmp_path / "mine.toml"
+    assert str(file) in capsys.readouterr().out
+    assert main([str(file), "--check", "--out", str(tmp_path)]) == 0
+    summary = json.loads((tmp_path / "mine" / "summary.json").read_text(encoding="utf-8"))
+    assert {engine["status"] for engine in summary["engines"].values()} == {"ok"}
+    capsys.readouterr()
+    file.write_text("changed by its user", encoding="utf-8")
+    assert "exists" in refused(["--new", str(tmp_path / "mine.toml")], capsys)
+    assert file.read_text(encoding="utf-8") == "changed by its user"
+
+
+@pytest.mark.parametrize("name", ["two words", "1st", "no/such/folder/mine"])
+def test_a_new_scene_that_cannot_be(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--new" in refused(["--new", str(tmp_path / name)], capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_schema_describes_the_format(tmp_path: Path) -> None:
+    """The schema that editors get knows the shipped scene's keys, and that there are no others."""
+    main(["--new", str(tmp_path / "mine")])
+    schema = json.loads((tmp_path / "scene.schema.json").read_text(encoding="utf-8"))
+    assert set(tomllib.loads(TOGGLE_PRESS)) <= set(schema["properties"])
+    assert schema["additionalProperties"] is False
+    assert "mass" in schema["$defs"]["BodyTable"]["properties"]

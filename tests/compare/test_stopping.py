@@ -1,0 +1,91 @@
+"""Ctrl-C: what is done is kept, and a second one is not asked twice."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from signal import SIGINT, default_int_handler, getsignal, raise_signal
+
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.engines.registry import DEFAULT_ENGINES
+from compare.engines.stopping import Stopped, kept, stoppable
+from compare.run import main
+from compare.speed.timing import Budget
+from compare.study import study
+from scenes import Motion, Sampling
+from tests.comparisons import Plug
+
+
+def test_the_first_asks_and_the_second_stops() -> None:
+    with stoppable() as stopping:
+        assert not stopping()
+        raise_signal(SIGINT)
+        assert stopping()
+        with pytest.raises(KeyboardInterrupt):
+            raise_signal(SIGINT)
+    assert getsignal(SIGINT) is default_int_handler
+
+
+def test_what_came_before_a_stop_is_kept() -> None:
+    def items() -> Iterator[int]:
+        yield 1
+        yield 2
+        raise Stopped
+
+    assert list(kept(items())) == [1, 2]
+
+
+def stopped_after(words: str) -> list[str]:
+    """Return the engines and the number of settings that a study has that was stopped when it said this."""
+
+    def progress(doing: str) -> None:
+        said.append(doing)
+        if any(words in done for done in said[:-1]):
+            raise Stopped
+
+    said: list[str] = []
+    result = study(scenes.load("toggle_press"), DEFAULT_ENGINES, Sampling(72), Budget(1, 0.0), progress)
+    assert all(len(m.errors) for m in result.measurements)
+    return [*(m.run.engine for m in result.measurements), str(len(result.speed)), *result.reasons]
+
+
+def test_a_study_that_is_stopped_says_what_is_left_out() -> None:
+    engines = list(DEFAULT_ENGINES)
+    settings = sum(len(registry.engine(engine).LADDER) for engine in engines)
+    none, some = f"0 of {settings} settings", f"3 of {settings} settings"
+    assert stopped_after("running analytic") == [
+        "analytic",
+        "0",
+        "stopped before running exudyn, pymunk",
+        f"stopped when {none} had been measured, and none timed",
+    ]
+    assert stopped_after("running pymunk") == [*engines, "0", f"stopped when {none} had been measured, and none timed"]
+    third = registry.engine("analytic").LADDER
+    assert len(third) >= 3
+    assert stopped_after(f"analytic, {third[2].label}") == [
+        *engines,
+        "3",
+        f"stopped when {some} had been measured, and none timed",
+    ]
+    assert stopped_after("timing") == [*engines, str(settings)]
+
+
+def test_a_stopped_run_leaves_a_report(
+    tmp_path: Path, plug: Plug, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The engine itself presses Ctrl-C in its error run of the ladder; that one is still finished."""
+    scene = scenes.load("toggle_press")
+    motion = registry.reference(scene)(Sampling(72).commanded(scene), Sampling(72).times(scene))
+
+    def read(_: object) -> Motion:
+        raise_signal(SIGINT)
+        return motion
+
+    plug(motion)
+    stub = registry.engine("stub")
+    monkeypatch.setattr(type(stub), "read", read)
+    assert main(["toggle_press", "--engines", "analytic,stub", "--samples", "72", "--out", str(tmp_path)]) == 130
+    page = tmp_path / "toggle_press" / "report.html"
+    assert f"stopped; {page} has what was done" in capsys.readouterr().err
+    assert "had been measured, and none timed" in page.read_text(encoding="utf-8")

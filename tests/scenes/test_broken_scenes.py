@@ -1,0 +1,175 @@
+"""Hundreds of broken scenes: each is refused in one line or ends with a status; nothing escapes, hangs or aborts."""
+
+import tomllib
+from collections.abc import Iterator
+from copy import deepcopy
+from math import inf, nan
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.engines.reference import Floor, establish
+from compare.judge.measure import measure
+from scenes import InputError, Sampling, Status
+from tests.conftest import TOGGLE_PRESS, busy_scene
+from tests.mechanisms import MECHANISMS
+
+Place = tuple[str | int, ...]
+BROKEN_EVERYWHERE = {"toggle_press": TOGGLE_PRESS, "busy": busy_scene()}
+# Of these only what the two above do not have: slides on bodies, driven sliders, laws, press forces, tables, springs,
+# and a body of four points by lengths.
+BROKEN_IN_PART = {
+    "quick_return": ("bodies.block", "drive", "loads"),
+    "driven_toggle": ("bodies.plate", "bodies.crosshead", "drive", "loads", "springs", "sketch"),
+    "turning_law": ("drive",),
+    "slotted_class_iii": ("bodies.block",),
+}
+WHOLE = {
+    name: tomllib.loads(text)
+    for name, text in (BROKEN_EVERYWHERE | {name: MECHANISMS[name] for name in BROKEN_IN_PART}).items()
+}
+INSTEAD: dict[str, Any] = {
+    "gone": None,
+    "NaN": nan,
+    "infinite": inf,
+    "zero": 0,
+    "huge": 1e300,
+    "tiny": 1e-300,
+    "negated": None,
+    "text": "rod",
+    "truth": True,
+    "list": [],
+    "table": {},
+    "nested": [[[1, 2], 3], 4],
+}
+PATIENCE = 20.0  # s for one scene and all engines; a sound one takes a tenth of a second
+
+
+@pytest.fixture(autouse=True)
+def _uncertified(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the 50 digits, which take most of the time and have their own tests."""
+    monkeypatch.setattr("compare.engines.reference._certify", lambda _: Floor({}, "not certified"))
+
+
+def broken_places(name: str) -> list[Place]:
+    """Return where a base is broken."""
+    parts = BROKEN_IN_PART.get(name, ("",))
+    return [place for place in places(WHOLE[name]) if ".".join(map(str, place)).startswith(parts)]
+
+
+def places(node: Any, place: Place = ()) -> Iterator[Place]:
+    """Yield the place of everything in a parsed file, tables and arrays included."""
+    if place:
+        yield place
+    children = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    for key, child in children:
+        yield from places(child, (*place, key))
+
+
+def broken(name: str, place: Place, how: str) -> dict[str, Any]:
+    """Return a parsed file with one thing in it removed or replaced."""
+    whole: Any = deepcopy(WHOLE[name])
+    parent = whole
+    for key in place[:-1]:
+        parent = parent[key]
+    old = parent[place[-1]]
+    if how == "gone":
+        del parent[place[-1]]
+    elif how == "negated":
+        parent[place[-1]] = -old if isinstance(old, int | float) else {"not": old}
+    else:
+        parent[place[-1]] = INSTEAD[how]
+    return dict(whole)
+
+
+def toml(value: Any) -> str:
+    """Write a value as inline TOML."""
+    match value:
+        case dict():
+            return "{ " + ", ".join(f'"{key}" = {toml(item)}' for key, item in value.items()) + " }"
+        case list():
+            return "[" + ", ".join(map(toml, value)) + "]"
+        case bool():
+            return str(value).lower()
+        case str():
+            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+        case _:
+            return repr(value)
+
+
+def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_ENGINES) -> str:
+    """Take a scene as far as it goes with the engines' cheapest settings, and return how it ended."""
+    file = folder / "broken.toml"
+    file.write_text(text, encoding="utf-8")
+    started = perf_counter()
+    try:
+        reference = establish(scenes.load(file))
+    except InputError as error:
+        line = str(error)
+        assert "\n" not in line
+        assert line.startswith(f"{file}: ")
+        assert len(line) < len(str(file)) + 400
+        return "refused"
+    for engine in engines:
+        run = measure(reference, engine, Sampling(24), registry.engine(engine).FAST).run
+        assert run.status is not Status.crashed, f"{engine}: {run.reason}"
+        assert (run.status is Status.ok) == (not run.reason)
+        assert "\n" not in run.reason
+    assert perf_counter() - started < PATIENCE
+    return "ran"
+
+
+@pytest.mark.parametrize("how", INSTEAD)
+@pytest.mark.parametrize("name", WHOLE)
+def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:
+    ends = []
+    engines = registry.DEFAULT_ENGINES if name in BROKEN_EVERYWHERE else (registry.REFERENCE,)
+    for place in broken_places(name):
+        text = "\n".join(f'"{key}" = {toml(value)}' for key, value in broken(name, place, how).items())
+        try:
+            ends.append(check(text, tmp_path, engines))
+        except BaseException as error:
+            error.add_note(f"{name}: {how} at {'.'.join(map(str, place))}\n{text}")
+            raise
+    assert len(ends) > (60 if name in BROKEN_EVERYWHERE else 10)
+    assert "refused" in ends
+
+
+STRUCTURES = {
+    "two drives": ("[drive]", "[[drive]]"),
+    "a second drive": ("[[loads]]", '[[drive]]\nbody = "rocker"\nspeed = 1\n[[loads]]'),
+    "no drive": ('[drive]\nbody = "crank"\nspeed = 60\nstart = 0\n', ""),
+    "two bodies of one name": ("[bodies.rod]", "[bodies.rocker]"),
+    "a body that is the ground": ("[bodies.rod]", "[bodies.ground]"),
+    "a disconnected body": ("[drive]", '[bodies.loose]\nlengths = { "X-Y" = 10 }\nmass = 1\n[drive]'),
+    "a disconnected loop": (
+        "[drive]",
+        '[bodies.u]\nlengths = { "X-Y" = 10 }\nmass = 1\n[bodies.v]\nlengths = { "Y-X" = 10 }\nmass = 1\n[drive]',
+    ),
+    "a body pinned to the ground twice": ('"O-P3" = 300', '"O-P1" = 300'),
+    "a body pinned to another twice": ('"P4-P5" = 300', '"P4-P3" = 300'),
+    "a length that cannot close": ('"O-P3" = 300', '"O-P3" = 3000'),
+    "a length that closes only in part": ('"P4-P5" = 300', '"P4-P5" = 150'),
+    "a sketch far off": ("P3 = [0, -300]", "P3 = [1e6, -300]"),
+    "a sketch in one point": ("P4 = [0, -790]\nP5 = [0, -1090]", "P4 = [0, -300]\nP5 = [0, -300]"),
+    "a point on the slider's own line": ("along = [0, 1]", "along = [1, 0]"),
+    "a comment instead of a scene": (TOGGLE_PRESS, "# nothing"),
+    "another language": (TOGGLE_PRESS, '{"format": 1}'),
+    "a deep nest": (TOGGLE_PRESS, "a = " + "[" * 5000 + "]" * 5000),
+    "a null byte": ('name = "toggle_press"', 'name = "toggle\\u0000press"'),
+}
+
+
+@pytest.mark.parametrize("case", STRUCTURES)
+def test_structure_broken(case: str, tmp_path: Path) -> None:
+    old, new = STRUCTURES[case]
+    assert old in TOGGLE_PRESS
+    check(TOGGLE_PRESS.replace(old, new, 1), tmp_path)
+
+
+def test_there_are_hundreds() -> None:
+    assert len(INSTEAD) * sum(len(broken_places(name)) for name in WHOLE) > 2000

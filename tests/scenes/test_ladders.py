@@ -1,0 +1,302 @@
+"""The ladders of hard scenes: that each reads, is what its labels say, and ends as it says; and every slip in one."""
+
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.engines.runner import Run, run
+from scenes import InputError, Sampling, Status, hard
+from scenes.hard import Ladder, Rung
+from scenes.motion import quantity
+from scenes.scene import ConstantSpeed
+
+NAMES = (*hard.catalogue(), *hard.catalogue(long=True))
+TURNS_ENOUGH = 100  # of the core's samples, which do not know of each other; more only take longer
+DECADES = [f"1e-{k}" for k in range(1, 10)]
+LOCKS = (
+    "lock_rrp",
+    "lock_rrr",
+    "lock_rrr_folded",
+    "lock_rpr",
+    "parallelogram",
+    "kite",
+    "kite_long",
+    "dead_centre_driven",
+)
+
+
+@pytest.fixture(params=NAMES)
+def ladder(request: pytest.FixtureRequest) -> Ladder:
+    return hard.ladder(request.param)
+
+
+def solved(rung: Rung) -> Run:
+    turns = min(rung.turns, TURNS_ENOUGH)
+    return run("analytic", rung.scene(), Sampling(360, turns))
+
+
+def peak(found: Run, *quantities: str) -> float:
+    """Return the largest magnitude of any channel of these quantities."""
+    assert found.motion is not None
+    samples = found.motion.samples
+    return max(float(np.abs(values).max()) for channel, values in samples.items() if quantity(channel) in quantities)
+
+
+# --- what is in the catalogue -----------------------------------------------------------------------------------------
+
+
+def test_no_ladder_is_a_shipped_scene() -> None:
+    assert not set(scenes.shipped()) & set(NAMES)
+    assert not any("hard" in path.parts for path in scenes.shipped().values())
+
+
+def test_long_ladders_are_apart() -> None:
+    assert "turns_long" in hard.catalogue(long=True)
+    assert not set(hard.catalogue()) & set(hard.catalogue(long=True))
+    assert max(rung.turns for name in hard.catalogue() for rung in hard.ladder(name).steps) <= 100
+    assert [rung.turns for rung in hard.ladder("turns_long").steps] == [1000, 10000]
+
+
+def test_a_ladder_says_everything(ladder: Ladder) -> None:
+    assert ladder.name in NAMES
+    assert all((ladder.title, ladder.parameter, ladder.expected, ladder.why))
+    assert "\n" not in ladder.title + ladder.parameter + ladder.expected + ladder.why
+    assert len({rung.label for rung in ladder.steps}) == len({rung.value for rung in ladder.steps}) == len(ladder.steps)
+    assert pickle.loads(pickle.dumps(ladder)) == ladder
+
+
+# --- what the reference says ------------------------------------------------------------------------------------------
+
+
+def test_the_reference_ends_as_expected(ladder: Ladder) -> None:
+    for rung in ladder.steps:
+        if rung.status == hard.INVALID:
+            with pytest.raises(InputError, match="over-constrained"):
+                rung.scene()
+        else:
+            found = solved(rung)
+            assert found.status.name == rung.status, f"{rung.label}: {found.reason}"
+
+
+def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
+    """The kite's is at 0 deg; without it, and on the way back from beyond it, there is one motion."""
+    (rung,) = (rung for rung in hard.ladder("kite_passed").steps if rung.label == "0.5 deg")
+    scene = rung.scene()
+    assert isinstance(scene.drive, ConstantSpeed)
+    away = replace(scene, drive=replace(scene.drive, start=np.radians(30), end=np.radians(330)))
+    assert run("analytic", away, Sampling(360)).status is Status.ok
+    across = replace(scene, drive=replace(scene.drive, start=np.radians(-30.3), end=np.radians(30)))
+    crossing = run("analytic", across, Sampling(360))
+    assert crossing.status is Status.cannot_assemble
+    assert "two ways of assembling the bodies meet at crank angle 0.0000 deg" in crossing.reason.replace("-0.0", "0.0")
+
+
+# --- that the rungs are what their labels say -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", LOCKS)
+def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
+    """To 6e-16 m: three roundings of lengths of up to 1.5 m, of the file's and of their sum; 6e-7 of the last rung."""
+    rungs = [rung for rung in hard.ladder(name).steps if rung.status == "ok"]
+    for rung in rungs:
+        found = solved(rung)
+        assert found.motion is not None
+        (nearest,) = (
+            values.min() for channel, values in found.motion.samples.items() if quantity(channel) == "to_lock"
+        )
+        assert nearest == pytest.approx(float(rung.label), abs=6e-16, rel=0)
+    if not name.startswith("kite"):
+        assert [rung.label for rung in rungs] == DECADES
+
+
+# By how many powers of ten the accelerations and the reactions grow with each one of the distance to a lock.
+GROWTH = {
+    "lock_rrp": (0.5, 1.0),
+    "lock_rrr": (0.5, 1.0),
+    "lock_rrr_folded": (0.5, 1.0),
+    "lock_rpr": (0.5, 1.0),
+    "parallelogram": (0.5, 1.0),
+    "dead_centre_driven": (1.5, 2.0),
+}
+
+
+@pytest.mark.parametrize("name", GROWTH)
+def test_peaks_grow_as_the_ladder_says(name: str) -> None:
+    """Over the last decade but for terms of the next order, the square root of 1e-8."""
+    near, nearest = (solved(rung) for rung in hard.ladder(name).steps if rung.label in DECADES[-2:])
+    grown = [np.log10(peak(nearest, *of) / peak(near, *of)) for of in (("ax", "ay", "alpha"), ("fx", "fy"))]
+    assert grown == pytest.approx(GROWTH[name], abs=1e-3)
+
+
+def test_the_kite_whirls_as_the_ladder_says() -> None:
+    rungs = [rung for rung in hard.ladder("kite").steps if rung.status == "ok"]
+    for rung in rungs:
+        assert peak(solved(rung), "omega") == pytest.approx(2 * np.pi * 0.5 / float(rung.label), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["sketch_rrp", "sketch_rrr"])
+def test_the_sketch_changes_nothing(name: str) -> None:
+    first, *others = (solved(rung).motion for rung in hard.ladder(name).steps)
+    assert first is not None
+    for other in others:
+        assert other is not None
+        assert all((other[channel] == first[channel]).all() for channel in first.samples)
+
+
+@pytest.mark.parametrize(("name", "link"), [("sketch_rrp", 0.5), ("sketch_rrr", 1.0)])
+def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> None:
+    """The nearest rung is off by 1e-12 of the link's length, m; rounding leaves 2e-16."""
+    rung = hard.ladder(name).steps[0]
+    scene = rung.scene()
+    assert isinstance(scene.drive, ConstantSpeed)
+    drawn = run("analytic", replace(scene, drive=replace(scene.drive, start=scene.sketch.drive)), Sampling(1)).motion
+    assert drawn is not None
+    off = [np.hypot(drawn[f"{p}.x"][0] - x, drawn[f"{p}.y"][0] - y) for p, (x, y) in scene.sketch.points.items()]
+    assert rung.label == "1e-12"
+    assert max(off) == pytest.approx(1e-12 * link, abs=2e-16)
+
+
+@pytest.mark.parametrize("name", ["dead_point_toggle", "dead_point_press"])
+def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
+    """Its velocity there is its acceleration's times how long the crank takes for what the label says it is off."""
+    for rung in hard.ladder(name).steps:
+        scene, found = rung.scene(), solved(rung).motion
+        assert found is not None
+        v, a = found[f"{scene.output}.vy"], found[f"{scene.output}.ay"]
+        off = float(rung.label.split()[2]) if rung.label.endswith("deg") else 0.0
+        expected = abs(a[0]) * np.radians(off) / scene.drive.peak_rate
+        # 1e-14 by rounding of an angle of 5 rad; the next term of the series is 1e-3 deg times a number of order one
+        assert abs(v[0]) == pytest.approx(expected, rel=1e-4, abs=1e-14 * np.abs(v).max())
+
+
+def test_a_press_force_that_no_sample_meets_is_in_none() -> None:
+    forces = [peak(solved(rung), "fx", "fy") for rung in hard.ladder("press_last").steps]
+    assert min(forces[:-2]) > 1.59e6
+    assert max(forces[-2:]) < 5e3
+
+
+def test_each_turn_is_as_the_first() -> None:
+    """The core drifts by what the angle is off: three roundings, of the turns, of 2 pi and of their product."""
+    *_, rung = hard.ladder("turns").steps
+    found = solved(rung).motion
+    assert found is not None
+    y = found["P5.y"]
+    assert y.shape == (36001,)
+    first, last = y[:361], y[-361:]
+    fastest = np.abs(found["P5.vy"]).max() / (2 * np.pi)  # m a radian
+    assert np.abs(last - first).max() <= 3 * 100 * 2 * np.pi * 2**-53 * fastest + 4 * 2**-53
+
+
+# --- slips ------------------------------------------------------------------------------------------------------------
+
+MINE = """
+format = 1
+title = "Mine"
+scene = "toggle_press"
+parameter = "length of the rod, mm"
+paths = ["bodies.rod.lengths.P4-P5"]
+expected = "It locks."
+why = "It is short."
+
+[steps]
+"300" = 300
+"150" = 150
+
+[status]
+"150" = "cannot_assemble"
+"""
+PATHS = 'paths = ["bodies.rod.lengths.P4-P5"]'
+SLIPS = {
+    "broken TOML": ("[steps]", "[steps", ["not valid TOML"]),
+    "a label twice": ('"150" = 150', '"300" = 150', ["not valid TOML"]),
+    "unknown key": ("title =", "titel =", ["titel", "unknown key", "'title'"]),
+    "missing key": ('why = "It is short."\n', "", ["why", "missing"]),
+    "another format": ("format = 1", "format = 2", ["format", "1", "2"]),
+    "no such scene": ('"toggle_press"', '"togle_press"', ["scene", "no such scene", "'toggle_press'"]),
+    "no such file": ('"toggle_press"', '"press.toml"', ["scene", "no such scene or file"]),
+    "path to nothing": ("rod.lengths", "rood.lengths", ["steps.300", "bodies.rood", "'rod'"]),
+    "path to a table": (".lengths.P4-P5", "", ["steps.300", "bodies.rod", "path of a number"]),
+    "text for a number": ('"150" = 150', '"150" = "150"', ["steps.150", "path of a text"]),
+    "number for a text": ("bodies.rod.lengths.P4-P5", "units.length", ["steps.300", "path of a number"]),
+    "neither number nor text": ('"150" = 150', '"150" = [150]', ["steps.150", "a number or a text", "[150]"]),
+    "truth": ('"150" = 150', '"150" = true', ["steps.150", "a number or a text"]),
+    "infinite": ('"150" = 150', '"150" = inf', ["steps.150", "finite number"]),
+    "no paths": (PATHS, "paths = []", ["paths", "1 or more"]),
+    "one path as a text": (PATHS, 'paths = "turns"', ["paths", "list"]),
+    "no steps": ('"300" = 300\n"150" = 150\n', "", ["steps", "1 or more"]),
+    "turn and a half": (PATHS, 'paths = ["turns"]', ["steps.1.5", "whole number of turns", "1.5"]),
+    "turns in letters": (PATHS, 'paths = ["turns"]', ["steps.1.5", "whole number of turns", "many"]),
+    "status of no step": ('"150" = "cannot', '"15" = "cannot', ["status.15", "no such step", "'150'"]),
+    "no status": ('"cannot_assemble"', '"cannot_asemble"', ["status.150", "no status", "'cannot_assemble'"]),
+}
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_is_one_line(slip: str, tmp_path: Path) -> None:
+    old, new, expected = SLIPS[slip]
+    assert old in MINE, "the slip no longer matches the ladder"
+    text = MINE.replace(old, new, 1)
+    if "turn" in slip:
+        text = text.replace('"150" = 150', '"1.5" = ' + ("1.5" if slip == "turn and a half" else '"many"'))
+        text = text.partition("[status]")[0]
+    file = tmp_path / "mine.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        hard.ladder(file)
+    line = str(caught.value)
+    assert line.startswith(f"{file}: ")
+    assert "\n" not in line
+    for part in expected:
+        assert part in line
+
+
+def test_a_ladder_of_ones_own(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(MINE, encoding="utf-8")
+    mine = hard.ladder(file)
+    assert mine.name == "mine"
+    assert [(rung.label, rung.value, rung.turns, rung.status) for rung in mine.steps] == [
+        ("300", 300, 1, "ok"),
+        ("150", 150, 1, "cannot_assemble"),
+    ]
+    assert [solved(rung).status.name for rung in mine.steps] == ["ok", "cannot_assemble"]
+
+
+def test_a_scene_beside_the_ladder(tmp_path: Path) -> None:
+    (tmp_path / "press.toml").write_bytes(scenes.shipped()["toggle_press"].read_bytes())
+    file = tmp_path / "mine.toml"
+    file.write_text(MINE.replace('"toggle_press"', '"press.toml"'), encoding="utf-8")
+    assert hard.ladder(file).steps[1].scene().file == f"{tmp_path / 'press.toml'}, bodies.rod.lengths.P4-P5 = 150"
+
+
+@pytest.mark.parametrize("name", ["lock_rpr_", "no/such.toml"])
+def test_no_such_ladder(name: str) -> None:
+    with pytest.raises(InputError, match=r"no such ladder or file.*(did you mean 'lock_rpr'|one of)"):
+        hard.ladder(name)
+
+
+# --- texts that are changed -------------------------------------------------------------------------------------------
+
+
+def test_a_text_is_changed_for_a_text() -> None:
+    metres = scenes.load("toggle_press", {"units.length": "m"})
+    assert metres.ground["P1"] == pytest.approx((404.709, -217.661), rel=1e-15)
+    assert metres.file == "toggle_press, units.length = m"
+    with pytest.raises(InputError, match=r"units\.length: 'mmm' is not a unit"):
+        scenes.load("toggle_press", {"units.length": "mmm"})
+
+
+@pytest.mark.parametrize(("path", "value", "kind"), [("drive.speed", "60", "text"), ("units.length", 1.0, "number")])
+def test_what_is_changed_keeps_its_kind(path: str, value: float | str, kind: str) -> None:
+    with pytest.raises(InputError, match=f"{path}: expected the path of a {kind}"):
+        scenes.load("toggle_press", {path: value})
+
+
+def test_two_rungs_are_told_apart_in_messages() -> None:
+    near, nearest = (rung for rung in hard.ladder("lock_rrr").steps if rung.label in DECADES[-2:])
+    assert near.scene().file.endswith("= 0.50000001")
+    assert nearest.scene().file.endswith("= 0.500000001")

@@ -1,0 +1,309 @@
+"""The Exudyn model's settings: orders of convergence, what costs what, and what is not asked for costs nothing."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from functools import cache
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import scenes
+from scenes import Failure, Motion, Sampling, Scene, Settings
+from scenes.motion import channels
+from sim_models.exudyn import checks as exudyn_checks
+from sim_models.exudyn import engine as model
+from sim_models.exudyn import poses as exudyn_poses
+from sim_models.exudyn.engine import (
+    ABLATIONS,
+    DEFAULT,
+    EXACT,
+    FAST,
+    LADDER,
+    LITTLE_DAMPED,
+    LONG_LADDER,
+    REDUCED,
+    TIGHT,
+    TRAPEZOIDAL,
+    ExudynSettings,
+    Textbook,
+    TimeStepping,
+)
+from sim_models.exudyn.poses import Poses
+from sim_models.exudyn.settings import Extra, Newton
+from sim_models.exudyn.start import start
+from sim_models.exudyn.stepping import SteppedRun
+from sim_models.exudyn.system import System, engine
+from tests.absolute_coordinates import solve
+
+from .helpers import run, write
+from .mechanisms import FOUR_BAR, SCENES, SLIDER_CRANK
+
+STEPS_360 = TimeStepping("", steps=360, richardson=False)
+
+
+# --- orders ----------------------------------------------------------------------------------------------------------
+
+
+@cache
+def exact(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
+    """Return a shipped scene, and its motion at 25 instants from equations written in the tests."""
+    scene = scenes.load(name)
+    return scene, solve(scene, *scene.drive.at(Sampling(24).times(scene)))
+
+
+def error(name: str, settings: ExudynSettings) -> float:
+    """Return the largest error of any pin's force, over the peak of all."""
+    scene, true = exact(name)
+    motion = run(scene, settings, samples=24)
+    pins = [name for name in true if name.endswith((".fx", ".fy"))]
+    worst = max(np.abs(motion[pin] - true[pin]).max() for pin in pins)
+    return float(worst / max(np.abs(true[pin]).max() for pin in pins))
+
+
+# Coarser steps show the next order too, by more than 0.15, and finer ones round-off, which generalised-alpha takes over
+# h^2: 1e-9 of the reactions at a thousand steps. Newton's tolerance of 1e-10 alone is as large as the error of two
+# trapezoidal integrations with 288 and 576 steps.
+RANGES: dict[str, tuple[Mapping[str, Any], tuple[int, ...], int]] = {
+    "generalised-alpha": ({"richardson": False}, (288, 576, 1152), 2),
+    "generalised-alpha 0.8": ({"richardson": False, **LITTLE_DAMPED}, (288, 576, 1152), 2),
+    "generalised-alpha, reduced": ({"richardson": False, **REDUCED}, (288, 576, 1152), 2),
+    "trapezoidal": ({"richardson": False, **TRAPEZOIDAL}, (144, 288, 576), 2),
+    "generalised-alpha, extrapolated": ({}, (288, 432, 576), 3),
+    "generalised-alpha, reduced, extrapolated": (REDUCED, (288, 432, 576), 3),
+    "generalised-alpha 0.8, extrapolated": (LITTLE_DAMPED, (96, 144, 288), 4),
+    "trapezoidal, extrapolated": (TIGHT, (96, 144, 288), 4),
+}
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "quick_return"])
+@pytest.mark.parametrize("family", RANGES)
+def test_order(family: str, name: str) -> None:
+    options, steps, order = RANGES[family]
+    errors = [error(name, TimeStepping("", steps=n, **options)) for n in steps]
+    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.15)
+
+
+def test_without_a_run_up_the_transient_is_of_order_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As index-3 theory has it; a sample every step shows it, three steps after the start."""
+    monkeypatch.setattr(exudyn_checks, "OFF_LIMIT", np.inf)  # it would be refused
+    scene = scenes.load("toggle_press")
+
+    def off(steps: int) -> float:
+        at = np.arange(4) * scene.drive.cycle / steps
+        true = solve(scene, *scene.drive.at(at))
+        motion = run(scene, replace(STEPS_360, steps=steps, pre_roll=0), samples=steps)
+        return float(np.abs(motion["P5.ay"][3] - true["P5.ay"][3]))
+
+    assert np.log2(off(360) / off(720)) == pytest.approx(1, abs=0.15)
+
+
+# --- what costs what -------------------------------------------------------------------------------------------------
+
+
+def solved(scene: Scene, settings: ExudynSettings, samples: int = 72) -> tuple[Any, Motion]:
+    simulation = model.build(scene, settings, Sampling(samples))
+    simulation.solve()
+    return simulation, simulation.read()
+
+
+def gap(a: Motion, b: Motion) -> float:
+    """Return the largest difference of two motions, over the peak of each channel or over 1 N, 1 N m or 1 m."""
+    return max(float(np.abs(a[c] - b[c]).max() / max(1.0, np.abs(b[c]).max())) for c in b.samples)
+
+
+def test_newton_factorises_as_often_as_it_says() -> None:
+    scene = scenes.load("toggle_press")
+    runs = {newton: solved(scene, replace(STEPS_360, newton=newton)) for newton in Newton}
+    counts = {newton: simulation.counters for newton, (simulation, _) in runs.items()}
+    assert counts[Newton.FULL]["jacobians"] == counts[Newton.FULL]["newton_iterations"]
+    assert counts[Newton.ONE_A_STEP]["jacobians"] == counts[Newton.ONE_A_STEP]["steps"] == 384
+    assert counts[Newton.MODIFIED]["jacobians"] < 384 / 10 < 384 < counts[Newton.MODIFIED]["newton_iterations"]
+    for _, motion in runs.values():
+        assert gap(motion, runs[Newton.FULL][1]) <= 1e-6  # Newton's 1e-10 over h^2 of 1/360
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "four_bar", "servo_press", "quick_return"])
+def test_more_than_the_scene_needs_changes_nothing_but_the_cost(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    scene = scenes.load(name)
+    plain, motion = solved(scene, STEPS_360)
+    bodies = len(scene.bodies)
+    assert plain.counters | {"sensors": 0} == plain.counters
+    for settings in ABLATIONS:
+        assert isinstance(settings, TimeStepping)
+        if settings.extra is Extra.SPATIAL and name == "quick_return":
+            continue  # it has a slot
+        extra, same = solved(scene, replace(settings, steps=360))
+        assert gap(same, motion) <= 1e-6, settings.label  # as above
+        assert extra.counters["steps"] == plain.counters["steps"]
+        assert extra.counters["bodies"] == bodies
+        in_space = settings.extra is Extra.SPATIAL
+        assert extra.counters["coordinates"] == (6 if in_space else 3) * bodies
+        assert extra.counters["constraints"] == 3 * bodies + in_space * (3 * bodies + len(scene.pins))
+        assert (extra.counters["sensors"] > 2 * len(scene.pins)) == (settings.extra in (Extra.SENSORS, Extra.TEXT))
+        assert (extra.model.mbs.GetPreStepUserFunction() != 0) == (settings.extra is Extra.CALLBACK)
+        if settings.extra is Extra.TEXT:
+            folder = extra._extras.folder
+            assert len(list(folder.iterdir())) == extra.counters["sensors"] + 1
+            del extra
+            assert not folder.exists()
+    assert not list(tmp_path.iterdir())
+
+
+def test_bodies_in_space_know_no_slots(tmp_path: Path) -> None:
+    with pytest.raises(Failure, match="block slides on"):
+        run(write(tmp_path, SCENES["quick_return"]), replace(STEPS_360, extra=Extra.SPATIAL))
+
+
+def test_textbook_is_what_exudyn_presets() -> None:
+    scene = scenes.load("toggle_press")
+    simulation, _ = solved(scene, Textbook("", steps=360))
+    assert isinstance(simulation, SteppedRun)
+    chosen, preset = simulation.model.settings.timeIntegration, engine().SimulationSettings().timeIntegration
+    for part in ("newton", "generalizedAlpha", "adaptiveStep", "solverType", "automaticStepSize"):
+        assert str(getattr(chosen, part)) == str(getattr(preset, part))
+    assert simulation.model.settings.solution.file.write
+    assert simulation.counters["steps"] == 360
+    assert simulation.counters["sensors"] == 32  # 12 of points, 12 of turning bodies, 8 of constraints
+    assert error("toggle_press", Textbook("", steps=360)) >= 2 * error("toggle_press", STEPS_360)  # measured 3.4
+
+
+def test_pointwise_is_far_more_accurate_and_faster_than_two_integrations() -> None:
+    assert error("toggle_press", EXACT) <= 1e-10  # measured 3e-12
+    assert error("quick_return", EXACT) <= 1e-9  # measured 3e-11
+    exact, default = fastest(5, *(built(settings) for settings in (EXACT, DEFAULT)))
+    assert exact < default / 2  # measured 0.12 of it
+
+
+def test_reactions_to_1e_8_cost_little_more_than_to_a_per_cent() -> None:
+    cheap = next(s for s in LADDER if s.label == "trapezoidal, loose Newton, 72")
+    assert error("toggle_press", cheap) <= 1e-2
+    exact, percent = fastest(25, *(built(settings) for settings in (EXACT, cheap)))
+    assert exact <= 4 * percent  # measured 2.6 times
+
+
+def built(settings: ExudynSettings, asked: frozenset[str] | None = None) -> Any:
+    return model.build(replace(scenes.load("toggle_press"), asked=asked), settings, Sampling(72))
+
+
+def fastest(rounds: int, *simulations: Any) -> list[float]:
+    """Return the least time of the processor that each took to solve, s, in turns; other work does not count."""
+    times = [[np.inf] for _ in simulations]
+    for _ in range(rounds):
+        for simulation, of in zip(simulations, times, strict=True):
+            began = process_time()
+            simulation.solve()
+            of.append(process_time() - began)
+    return [min(of) for of in times]
+
+
+# --- what is not asked for -------------------------------------------------------------------------------------------
+
+ASKED = {
+    "position": frozenset({"P5.y"}),
+    "velocity": frozenset({"P3.vx", "rod.omega"}),
+    "acceleration": frozenset({"P5.ay", "toggle.alpha"}),
+    "force": frozenset({"P3.fx", "slider.guide_moment", "drive.torque"}),
+}
+
+
+@pytest.mark.parametrize("settings", [EXACT, FAST], ids=lambda settings: settings.label)
+@pytest.mark.parametrize("level", ASKED)
+def test_only_what_is_asked_for_is_returned(level: str, settings: ExudynSettings) -> None:
+    scene = scenes.load("toggle_press")
+    narrowed = replace(scene, asked=ASKED[level])
+    simulation, motion = solved(narrowed, settings)
+    assert set(motion.samples) == {*ASKED[level], "time", "crank_angle"} == set(channels(narrowed))
+    _, complete = solved(scene, settings)
+    for channel in motion.samples:
+        assert (motion[channel] == complete[channel]).all()
+    if settings is EXACT:
+        # those of the knots predict the next pose
+        few = level in ("position", "velocity")
+        assert simulation.counters["acceleration_solves"] == (1 + exudyn_poses.KNOTS if few else 72)
+
+
+@pytest.mark.parametrize("settings", [EXACT, FAST], ids=lambda settings: settings.label)
+def test_no_multiplier_is_found_where_no_force_is_asked_for(
+    settings: ExudynSettings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Poses, "multipliers", None)
+    scene = replace(scenes.load("toggle_press"), asked=ASKED["acceleration"])
+    simulation, _ = solved(scene, settings)
+    buffer = simulation._samples if settings is EXACT else simulation._runs[0]
+    assert len(buffer) == 3
+
+
+def test_kinematics_alone_cost_less() -> None:
+    asked = (frozenset({"P5.y"}), None)
+    position, everything = fastest(25, *(built(EXACT, of) for of in asked))
+    assert position < everything  # measured 0.85 of it
+
+
+def test_springs_are_checked_though_nobody_asks_for_their_ends(tmp_path: Path) -> None:
+    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 1000\nlength = 0.1\n[sketch]'
+    text = SLIDER_CRANK.replace("A = [0, 0]", "A = [0, 0]\nP = [1.3, 0]", 1).replace("[sketch]", spring)
+    with pytest.raises(Failure, match="P and C meet"):
+        run(replace(write(tmp_path, text), asked=frozenset({"drive.torque"})), EXACT)
+
+
+# --- the ladders -----------------------------------------------------------------------------------------------------
+
+
+def test_ladders_hold_what_they_promise() -> None:
+    every = [*LADDER, *LONG_LADDER, *ABLATIONS]
+    assert len({settings.label for settings in every}) == len(set(every)) == len(every)
+    assert {FAST, DEFAULT, EXACT} <= set(LADDER)
+    steps = [settings.steps for settings in (*LADDER, *LONG_LADDER) if isinstance(settings, TimeStepping)]
+    assert max(steps) >= 100 * min(steps)
+    for family in {settings.family for settings in every if settings.family}:
+        members = [settings for settings in every if settings.family == family]
+        assert len({frozenset(without_steps(settings).items()) for settings in members}) == 1
+    assert all(isinstance(settings, Textbook) == bool(settings.note) for settings in every)
+
+
+def without_steps(settings: Settings) -> dict[str, Any]:
+    return {name: value for name, value in asdict(settings).items() if name not in ("steps", "label")}
+
+
+# --- poses -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("knots", [exudyn_poses.KNOTS, 1])
+def test_poses_found_together_are_those_found_one_by_one(
+    knots: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From a single knot they are too far to be guessed, and each has to be followed."""
+    monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
+    poses = Poses(System(write(tmp_path, FOUR_BAR)))
+    first = start(poses)
+    there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
+    positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
+    together, state = poses.through(first, positions), first
+    assert (together.position == positions).all()
+    for row, position in enumerate(positions):
+        state = poses.follow(state, float(position))
+        assert np.abs(together.q[row] - state.q).max() <= 1e-13
+        assert np.abs(together.tangent[row] - state.tangent).max() <= 1e-13
+        assert np.abs(together.curvature[row] - state.curvature).max() <= 1e-9  # round-off over its difference of 1e-5
+
+
+def test_curvature_is_the_change_of_the_tangent(tmp_path: Path) -> None:
+    poses = Poses(System(write(tmp_path, FOUR_BAR)))
+    state, h = start(poses), 1e-4
+    after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
+    assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
+
+
+def test_extrapolated_trapezoidal_runs_have_an_even_number_of_steps_a_sample() -> None:
+    """They ring in every other step, and between odd and even numbers that would not cancel."""
+    for steps, made in ((24, 48), (48, 48), (72, 96)):
+        simulation = model.build(scenes.load("toggle_press"), TimeStepping("", steps=steps, **TIGHT), Sampling(24))
+        simulation.solve()
+        assert simulation.counters["steps"] == 3 * (made + 2)  # once and twice, each with its run-up

@@ -1,0 +1,190 @@
+"""Reactions and the drive's effort: Newton, Euler and power in every scene, and cases worked by hand."""
+
+from dataclasses import replace
+from math import cos, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenes import Failure, Motion, Scene, Status
+from scenes.loads import PressForce
+from scenes.motion import channels
+from scenes.scene import MotionLaw
+
+from .motion import acting, inertia, mass_centre, point_motion, reactions, size_of, slid, turning
+from .runs import ALL, EPS, SLIDER_CRANK, closed, named, run, scene_of
+
+flint = pytest.importorskip("flint")
+
+from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
+from sim_models.multiprecision import stroke as multiprecision_stroke  # noqa: E402
+
+
+@pytest.fixture(scope="module", params=ALL)
+def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    return named(tmp_path_factory.mktemp("scenes"), request.param)
+
+
+@pytest.fixture(scope="module")
+def motion(scene: Scene) -> Motion:
+    return run(scene)
+
+
+def test_every_body_obeys_newton_and_euler(scene: Scene, motion: Motion) -> None:
+    gravity = complex(*(scene.gravity or (0, 0)))
+    loads = acting(scene, motion)
+    for name, body in scene.bodies.items():
+        assert body.mass is not None
+        c, _, a = mass_centre(scene, motion, name)
+        force, moment = body.mass * (gravity - a), -inertia(scene, motion, name) * turning(motion, name)[2]
+        size = np.abs(force) + np.abs(moment) + body.mass * size_of(scene, motion, "a")  # what `carried` sums up
+        on = [(point, f, 0 * s, s) for owner, point, f, s in loads if owner == name]
+        on += [(point, f, couple, np.abs(f) + np.abs(couple)) for point, f, couple in reactions(scene, motion, name)]
+        for point, f, couple, terms in on:
+            force = force + f
+            moment = moment + couple + (np.conj(point_motion(scene, motion, point)[0] - c) * f).imag
+            size = size + terms * (1 + np.abs(c))
+        # Rounded channels: a dozen terms, each to half a unit in its last place, and arms to as much.
+        assert np.max(np.abs(force) / size) <= 16 * EPS
+        assert np.max(np.abs(moment) / size) <= 16 * EPS
+
+
+def test_power_of_drive_loads_and_weight_is_the_rate_of_kinetic_energy(scene: Scene, motion: Motion) -> None:
+    if scene.driven_slide is None:
+        power = motion["drive.torque"] * motion[f"{scene.drive.body}.omega"]
+    else:
+        power = motion["drive.force"] * slid(scene, motion, scene.drive.body)[1].real
+    size = np.abs(power)
+    for _, point, force, terms in acting(scene, motion):
+        v = point_motion(scene, motion, point)[1]
+        power, size = power + (np.conj(force) * v).real, size + terms * np.abs(v)
+    for name, body in scene.bodies.items():
+        assert body.mass is not None
+        _, v, a = mass_centre(scene, motion, name)
+        _, omega, alpha = turning(motion, name)
+        power = power + body.mass * (np.conj(v) * (complex(*(scene.gravity or (0, 0))) - a)).real
+        power = power - inertia(scene, motion, name) * omega * alpha
+    assert np.abs(power).max() <= 64 * EPS * size.max()  # rounded channels, some twenty products
+
+
+def test_slider_crank_statics_by_hand(tmp_path: Path) -> None:
+    """At 90 deg the massless rod of length 2 pushes along (√3, -1)/2 from the crank pin (0, 1)."""
+    loads = '[[loads]]\nbody = "slider"\nat = "C"\nforce = [-100, 0]\n'
+    motion = run(scene_of(tmp_path, SLIDER_CRANK.replace("[sketch]", loads + "[sketch]")), samples=4)
+    push = 100 / sqrt(3)
+    expected = {
+        "crank_angle": pi / 2,
+        "B.x": sqrt(3),
+        "B.vx": -2.0,
+        "rod.angle": -pi / 6,
+        "B.fx": 100.0,  # of the rod on the slider
+        "B.fy": -push,
+        "A.fx": 100.0,  # of the crank on the rod
+        "O.fx": 100.0,  # of the ground on the crank
+        "O.fy": -push,
+        "slider.guide_force": push,
+        "slider.guide_moment": -50.0,  # against the load, half a metre above B
+        "drive.torque": -100.0,  # the load helps: 100 N at 1 m/rad
+    }
+    for channel, value in expected.items():
+        assert abs(motion[channel][1] / value - 1) <= 4 * EPS  # pi/2 as a double, and the roots in this list
+
+
+def test_unbalanced_crank_by_hand(tmp_path: Path) -> None:
+    """One body backwards in its weight: the torque holds the weight, the pivot holds it on its circle."""
+    text = """
+format = 1
+name = "crank"
+gravity = [0, -10]
+ground.points = { O = [1, 2] }
+drive = { body = "crank", speed = -3.0, start = 0.5 }
+output = { point = "T" }
+[bodies.crank]
+points = { O = [0, 0], T = [2, 0] }
+mass = 4
+com = [0.5, 0]
+inertia = 0.2
+[sketch]
+angle = 7
+"""
+    motion = run(scene_of(tmp_path, text), samples=8)
+    angle = 0.5 - np.arange(9) * pi / 4
+    expected = {
+        "crank_angle": angle,
+        "crank.angle": (angle + pi) % (2 * pi) - pi,
+        "T.y": 2 + 2 * np.sin(angle),
+        "O.fx": -4 * 9 * 0.5 * np.cos(angle),
+        "O.fy": 40 - 4 * 9 * 0.5 * np.sin(angle),
+        "drive.torque": 40 * 0.5 * np.cos(angle),
+    }
+    for channel, values in expected.items():
+        assert np.abs(motion[channel] - values).max() <= 100 * EPS  # of values up to 60, in numpy
+
+
+def test_scene_without_masses_moves_alike_and_has_no_forces(tmp_path: Path) -> None:
+    with_masses = scene_of(tmp_path, SLIDER_CRANK)
+    without = scene_of(tmp_path, SLIDER_CRANK.replace("mass = 0\n", ""))
+    motion = run(without)
+    assert set(motion.samples) == set(channels(without))
+    assert "drive.torque" not in motion
+    assert np.array_equal(motion["B.ax"], run(with_masses)["B.ax"])
+
+
+# --- loads -----------------------------------------------------------------------------------------------------------
+
+
+def stroke_end(scene: Scene, force: float) -> float:
+    load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
+    with flint.ctx.workdps(50):
+        linkage = multiprecision_linkage.Linkage(scene)
+        march = multiprecision_march.March(linkage, 50)
+        q = march.follow(closed(linkage, march), linkage.drive(scene.drive.start))
+        return multiprecision_stroke.end_of_stroke(linkage, march, q, load)
+
+
+def test_a_closing_stroke_ends_at_the_dead_point(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, SLIDER_CRANK)
+    offset = scene_of(tmp_path, SLIDER_CRANK.replace("through = [0, 0]", "through = [0.5, 0.3]"))
+    for force, closed_by in ((-1.0, 3.0), (1.0, 1.0)):
+        assert abs(stroke_end(scene, force) - closed_by) <= 4 * EPS
+        assert abs(stroke_end(offset, force) - (sqrt(closed_by**2 - 0.3**2) - 0.5)) <= 4 * EPS
+
+
+def reach(angle: float) -> float:
+    return cos(angle) + sqrt(4 - sin(angle) ** 2)
+
+
+def test_a_closing_stroke_ends_where_a_run_does(tmp_path: Path) -> None:
+    """Away from the dead points: at the run's ends, or where the law turns round, there also between two samples."""
+    way = scene_of(tmp_path, SLIDER_CRANK.replace("speed = 2.0", "speed = 2.0, start = 0.5, end = 2.5"))
+    assert abs(stroke_end(way, -1.0) - reach(0.5)) <= 4 * EPS
+    assert abs(stroke_end(way, 1.0) - reach(2.5)) <= 4 * EPS
+    law = MotionLaw("crank", (0.0, 1.0, 2.0, 3.0), (1.0, 1.0 + 4 / 9, 1.0 + 2 / 9, 1.0), periodic=False)
+    a, b, c = np.polyfit(law.times, law.positions, 3)[:3]  # four entries: the spline is one cubic
+    turn = (-b - sqrt(b * b - 3 * a * c)) / (3 * a)
+    farthest = float(law.at(turn).position)
+    assert abs(stroke_end(replace(way, drive=law), 1.0) - reach(farthest)) <= 4 * EPS
+    assert abs(stroke_end(replace(way, drive=law), -1.0) - reach(float(law.extent[0]))) <= 4 * EPS
+
+
+def test_table_in_a_press_by_hand(tmp_path: Path) -> None:
+    """Massless: the drive's power is the load's. Below, between and beyond the entries."""
+    loads = '[[loads]]\nbody = "slider"\nat = "C"\ntable = [[1.5, -10], [2, -50], [2.5, 40]]\n'
+    motion = run(scene_of(tmp_path, SLIDER_CRANK.replace("[sketch]", loads + "[sketch]")), samples=24)
+    force = np.interp(motion["B.x"], [1.5, 2, 2.5], [-10, -50, 40])
+    assert {-10.0, 40.0} < set(force)
+    assert np.abs(motion["drive.torque"] * 2 + force * motion["B.vx"]).max() <= 1e-12  # of 100 W, in doubles
+
+
+def test_spring_without_a_direction_is_refused(tmp_path: Path) -> None:
+    """The slider's corner C, half a metre above B, meets the ground point P at the start."""
+    text = SLIDER_CRANK.replace("O = [0, 0] }", "O = [0, 0], P = [3, 0.5] }", 1)
+    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 5\nlength = LENGTH\n'
+    text = text.replace("[sketch]", spring + "[sketch]")
+    with pytest.raises(Failure, match=r"ground\.P and slider\.C meet at crank angle 0\.0000 deg") as failure:
+        run(scene_of(tmp_path, text.replace("LENGTH", "0.1")))
+    assert failure.value.status is Status.nonfinite
+    motion = run(scene_of(tmp_path, text.replace("LENGTH", "0")))
+    assert np.abs(motion["A.fx"] + 5 * (3 - motion["B.x"])).max() <= 16 * EPS  # of 10 N; the crank holds it

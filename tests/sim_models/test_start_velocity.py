@@ -1,0 +1,57 @@
+"""A simulation that starts with wrong velocities heals before its first sample, or says that it did not."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from compare.engines.reference import Reference
+from compare.judge.measure import measure
+from scenes import Sampling, Settings, Status
+from scenes.engine import ESTIMATE
+from sim_models.exudyn import engine as exudyn_model
+from sim_models.exudyn import stepping as exudyn_stepping
+from sim_models.exudyn.system import engine
+from sim_models.pymunk import engine as pymunk_model
+from sim_models.pymunk import start as pymunk_start
+from sim_models.pymunk import stepping as pymunk_run
+
+SAMPLING = Sampling(72)
+WORTH = {"exudyn": 1e-3, "pymunk": 1e-2}  # what an engine that says ok is worth, as in the hard cases
+
+
+def spoil_exudyn(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
+    prepare = exudyn_stepping.SteppedRun._prepare
+
+    def spoilt(run: exudyn_stepping.SteppedRun, *begin: Any) -> None:
+        prepare(run, *begin)
+        state, initial = run.model.state, engine().ConfigurationType.Initial
+        state.SetODE2Coordinates_t(factor * state.GetODE2Coordinates_t(initial), initial)
+
+    monkeypatch.setattr(exudyn_stepping.SteppedRun, "_prepare", spoilt)
+
+
+def spoil_pymunk(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
+    rates = pymunk_start.rates
+    monkeypatch.setattr(pymunk_run, "rates", lambda *of: factor * rates(*of))
+
+
+Spoil = Callable[[pytest.MonkeyPatch, float], None]
+SPOILT: list[tuple[str, Spoil, Settings]] = [
+    *(("exudyn", spoil_exudyn, settings) for settings in (exudyn_model.DEFAULT, *exudyn_model.LADDER[:6])),
+    *(("pymunk", spoil_pymunk, settings) for settings in (pymunk_model.DEFAULT, pymunk_model.EXACT)),
+]
+
+
+@pytest.mark.parametrize(("engine", "spoil", "settings"), SPOILT, ids=lambda of: getattr(of, "label", ""))
+@pytest.mark.parametrize("factor", [1 + 1e-6, 1.1, 0.0, -1.0])
+def test_a_wrong_start_is_forgotten_or_told(
+    reference: Reference, engine: str, spoil: Spoil, settings: Settings, factor: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clean = measure(reference, engine, SAMPLING, settings)
+    assert clean.run.status is Status.ok
+    spoil(monkeypatch, factor)
+    spoilt = measure(reference, engine, SAMPLING, settings)
+    if spoilt.run.status is Status.ok:  # what has not died away by the first sample is in the estimate, to a tenth
+        worth = max(WORTH[engine], 2 * float(clean.errors["max"].max()), 1.1 * spoilt.run.residuals[ESTIMATE])
+        assert spoilt.errors["max"].max() <= worth
