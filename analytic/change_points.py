@@ -11,7 +11,7 @@ from scenes.drive import Driven
 from scenes.motion import Samples
 
 from .decomposition import Decomposition, decompose, inner_joint
-from .kinematics import kinematics
+from .kinematics import followed, kinematics
 from .motion_range import in_line
 from .newton_group import Group
 
@@ -29,6 +29,7 @@ def check_way(scene: Scene) -> None:
     linkage = decompose(scene)
     if all(isinstance(group, Group) for group in linkage.groups):
         return
+    linkage = followed(scene, linkage)
     least, most = scene.drive.extent
     way = np.linspace(least, most, SAMPLES + 1)
     distances = _to_lock(scene, linkage, way)

@@ -62,12 +62,10 @@ def dead_points(displaced: Displaced, least: float, most: float) -> Samples:
 
 def stroke_end(scene: Scene, linkage: Decomposition, load: PressForce) -> float:
     """Return how far a cycle of the drive takes the slider in its closing direction: the displacement there, m."""
-    if load not in linkage.stroke_ends:
-        displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
-        least, most = scene.drive.extent
-        reached = displaced(np.array([least, *dead_points(displaced, least, most), most]))[0]
-        linkage.stroke_ends[load] = load.closing * float(np.nanmax(load.closing * reached))
-    return linkage.stroke_ends[load]
+    displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
+    least, most = scene.drive.extent
+    closed = load.closing * displaced(np.array([least, *dead_points(displaced, least, most), most]))[0]
+    return load.closing * float(np.max(closed, initial=-np.inf, where=~np.isnan(closed)))
 
 
 def bisected(f: Callable[[Samples], Samples], low: Samples, high: Samples) -> Samples:

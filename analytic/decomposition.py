@@ -78,8 +78,8 @@ class Decomposition:
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
-    tracks: dict[Group, Track] = field(default_factory=dict)  # of the larger groups, each followed when first needed
-    stroke_ends: dict[PressForce, float] = field(default_factory=dict)  # m, likewise
+    tracks: Mapping[Group, Track] = field(default_factory=dict)  # of larger groups, by `kinematics.followed`
+    stroke_ends: Mapping[PressForce, float] = field(default_factory=dict)  # m, where forces are wanted
 
 
 def decompose(scene: Scene) -> Decomposition:

@@ -1,17 +1,16 @@
 """The vector-equation core as an engine of the comparison."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
-from scenes import Motion, Sampling, Scene, Settings
+from scenes import Motion, Request, Scene, Settings
 
 from .change_points import check_way
-from .decomposition import Decomposition, decompose
 from .kinematics import kinematics
-from .solve import MotionAt, solve_decomposed
+from .solve import MotionAt, Solver, solver
 from .variants import differenced, half_angle_position
 
 
@@ -46,52 +45,44 @@ def version() -> str:
     return f"numpy {np.__version__}"
 
 
-@dataclass
-class AnalyticRun:
+class AnalyticSimulation:
     """One evaluation at the commanded positions."""
 
-    scene: Scene
-    linkage: Decomposition
-    sampling: Sampling
-    settings: AnalyticSettings
-    motion: Motion = field(init=False)
+    residuals: Mapping[str, float] = {}  # a closed form has none of its own; its floor is certified from outside
+
+    def __init__(self, solver: Solver, request: Request, settings: AnalyticSettings) -> None:
+        self._solver, self._request, self._settings = solver, request, settings
+        self._motion: Motion | None = None
 
     def solve(self) -> None:
         """Evaluate every channel."""
-        scene, sampling, settings = self.scene, self.sampling, self.settings
-        commanded = sampling.commanded(scene).astype(np.float32 if settings.single else np.float64)
+        scene, settings = self._solver.scene, self._settings
+        commanded = self._request.commanded(scene).astype(np.float32 if settings.single else np.float64)
         motion_at: MotionAt | None = None
         if settings.half_angles:
             motion_at = partial(kinematics, rrr=half_angle_position)
         elif settings.steps is not None:
             motion_at = partial(differenced, step=scene.drive.cycle / settings.steps)
-        self.motion = solve_decomposed(scene, self.linkage, commanded, sampling.times(scene), motion_at)
+        self._motion = self._solver(commanded, self._request.times(scene), motion_at)
 
     def read(self) -> Motion:
         """Return the channels, whatever precision they were found in, as doubles."""
+        assert self._motion is not None, "expected `solve` first"
         return Motion(
-            {channel: samples.astype(np.float64, copy=False) for channel, samples in self.motion.samples.items()}
+            {channel: samples.astype(np.float64, copy=False) for channel, samples in self._motion.samples.items()}
         )
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Return the number of positions times groups."""
-        return {"group_solves": self.sampling.count * len(self.linkage.groups)}
-
-    @property
-    def residuals(self) -> Mapping[str, float]:
-        """Return nothing: a closed form has no residual of its own; its floor is certified from outside."""
-        return {}
+        """The number of positions times groups."""
+        return {"group_solves": self._request.count * len(self._solver.linkage.groups)}
 
 
-def build(scene: Scene, settings: AnalyticSettings, sampling: Sampling) -> AnalyticRun:
+def build(scene: Scene, settings: AnalyticSettings, request: Request) -> AnalyticSimulation:
     """Prepare an evaluation.
 
     Raises:
-        Failure: the linkage does not decompose, cannot be assembled at the start, or has no one motion.
+        Failure: the linkage does not decompose, or has no one motion.
     """
     check_way(scene)
-    linkage = decompose(scene)
-    # Follows the branch of what Newton solves, once for all positions.
-    solve_decomposed(scene, linkage, [scene.drive.start], [0.0])
-    return AnalyticRun(scene, linkage, sampling, settings)
+    return AnalyticSimulation(solver(scene, request.channels), request, settings)

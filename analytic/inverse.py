@@ -12,6 +12,7 @@ from scenes.motion import Samples
 
 from .dead_points import SAMPLES, Displaced, bisected, dead_points, displacement
 from .decomposition import Decomposition, decompose
+from .kinematics import followed
 from .motion_range import describe
 
 STILL = 1e-12  # of the longest arm: roundings of a slider that stands still
@@ -49,7 +50,7 @@ def inverse(
         ValueError: the output point does not slide on the ground, or does not move.
     """
     s, v, a = (np.atleast_1d(np.asarray(x, float)) for x in np.broadcast_arrays(position, velocity, acceleration))
-    linkage = decompose(scene)
+    linkage = followed(scene, decompose(scene))
     displaced = displacement(scene, linkage, scene.output)
     way = displaced(np.linspace(*scene.drive.extent, SAMPLES))[0]
     if np.isnan(way).any():

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -25,28 +26,51 @@ def kinematics(
 ) -> Kinematics:
     """Solve position and, with `rates`, velocity and acceleration at positions of the drive, shape (n,), rad or m.
 
-    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN.
+    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN. Of a linkage with
+    larger groups the branches have to be known, from `followed`.
+    """
+    return _Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
+
+
+def followed(scene: Scene, linkage: Decomposition) -> Decomposition:
+    """Return the linkage with the branch of every larger group, each followed once over the drive's way.
 
     Raises:
         Failure: a larger group has no branch to follow, as `continuation.follow` says.
     """
-    return _Solution(scene, linkage, driven, rates=rates, rrr=rrr).k
+    for number, group in enumerate(linkage.groups):
+        if isinstance(group, Group):
+            placed = partial(_placed, scene, replace(linkage, groups=linkage.groups[:number]), group)
+            with np.errstate(invalid="ignore", divide="ignore"):  # next to a lock
+                track = follow(scene, group, linkage.bodies, placed)
+            linkage = replace(linkage, tracks={**linkage.tracks, group: track})
+    return linkage
 
 
-class _Solution(Placing):
+def _placed(scene: Scene, before: Decomposition, group: Group, position: Samples) -> Placed:
+    """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
+    unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
+    return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, len(position))
+
+
+class _Pass(Placing):
     """One pass from the driver to the last group."""
 
     def __init__(self, scene: Scene, linkage: Decomposition, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
         super().__init__(scene, linkage, driven.position, rates=rates)
-        self.rrr_position = rrr
-        self.driver(linkage.driver, driven)
-        for group in linkage.groups:
+        self.driven, self.rrr_position = driven, rrr
+
+    def solve(self) -> "_Pass":
+        """Place everything."""
+        self.driver(self.linkage.driver, self.driven)
+        for group in self.linkage.groups:
             if isinstance(group, InnerPin):
                 self.inner_pin(group)
             elif isinstance(group, InnerSlide):
                 self.inner_slide(group)
             else:
-                self.larger(group, driven.position)
+                self.larger(group, self.driven.position)
+        return self
 
     def driver(self, driver: Leg, driven: Driven) -> None:
         spin = driven.rate.astype(self.real), driven.acceleration.astype(self.real)
@@ -176,16 +200,7 @@ class _Solution(Placing):
     # --- larger groups
 
     def larger(self, group: Group, position: Samples) -> None:
-        linkage, k = self.linkage, self.k
-        if group not in linkage.tracks:
-            before = replace(linkage, groups=linkage.groups[: linkage.groups.index(group)])
-
-            def placed_at(position: Samples) -> Placed:
-                unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
-                return _Solution(self.scene, before, unit, rates=True, rrr=self.rrr_position).hung(group, len(position))
-
-            linkage.tracks[group] = follow(self.scene, group, linkage.bodies, placed_at)
-        track = linkage.tracks[group]
+        k, track = self.k, self.linkage.tracks[group]
         placed = self.hung(group, len(position))
         pose, J = track.at(position, placed.pose)
         if self.rates:

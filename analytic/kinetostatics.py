@@ -5,6 +5,7 @@ doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -14,7 +15,7 @@ from scenes import Scene
 from scenes.motion import Samples, force_channels
 from scenes.scene import Force, ForceTable, Load
 
-from .dead_points import guide_of, stroke_end
+from .dead_points import guide_of
 from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
@@ -39,11 +40,13 @@ class Reactions:
     effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
 
 
-def kinetostatics(scene: Scene, linkage: Decomposition, k: Kinematics) -> Reactions:
-    """Return all reactions that are asked for, and the torque or force by which the drive moves as it does."""
+def kinetostatics(
+    scene: Scene, linkage: Decomposition, k: Kinematics, wanted: AbstractSet[str] | None = None
+) -> Reactions:
+    """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does."""
     balance = _Balance(scene, linkage, k)
     for group in reversed(linkage.groups):
-        if balance.enough():
+        if wanted is not None and balance.has(wanted):
             return balance.found
         if isinstance(group, InnerPin):
             balance.inner_pin(group)
@@ -65,11 +68,11 @@ class _Balance:
     found: Reactions = field(default_factory=Reactions)
     slid_on: dict[str, list[Push]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
 
-    def enough(self) -> bool:
-        """Return whether all that is asked for was found; what was, is final."""
+    def has(self, wanted: AbstractSet[str]) -> bool:
+        """Return whether all reactions wanted were found; what was, is final."""
         found = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.found.pin}
-        asked = (self.scene.asked or frozenset()).intersection(force_channels(self.scene))
-        return bool(asked) and {channel.rpartition(".")[0] for channel in asked} <= found | set(self.found.guide)
+        joints = {channel.rpartition(".")[0] for channel in wanted & set(force_channels(self.scene))}
+        return joints <= found | set(self.found.guide)
 
     # --- dyads
 
@@ -218,5 +221,5 @@ class _Balance:
         s = dot(t, self.k.z[first] - through)
         if isinstance(load, ForceTable):
             return t * load.along(s)
-        acts = load.acts(s, dot(t, self.k.v[first]), stroke_end(self.scene, self.linkage, load))
+        acts = load.acts(s, dot(t, self.k.v[first]), self.linkage.stroke_ends[load])
         return np.where(acts, as_complex(load.force), 0)

@@ -28,7 +28,7 @@ def main() -> None:
     hard = hard_cases(catalogue(), DEFAULT_ENGINES, FOLDER, print)
     forget(FOLDER)
     FOLDER.mkdir(exist_ok=True)
-    for panel in panels(result.reference):
+    for panel in panels(result.reference, result.sampling):
         if panel.title in PICTURED:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
             figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)

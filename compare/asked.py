@@ -2,7 +2,6 @@
 
 from argparse import ArgumentTypeError
 from collections.abc import Sequence
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import TypeAlias
 
@@ -32,8 +31,8 @@ def accuracy(text: str) -> Accuracy:
     return level
 
 
-def narrowed(scene: Scene, patterns: Sequence[str]) -> Scene:
-    """Return the scene, only those of its channels asked for whose names match one of the patterns.
+def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:
+    """Return the channels of a scene whose names match one of the patterns, `P5.*` for example.
 
     Raises:
         InputError: a pattern matches no channel.
@@ -42,4 +41,4 @@ def narrowed(scene: Scene, patterns: Sequence[str]) -> Scene:
     for pattern in patterns:
         if not any(fnmatchcase(channel, pattern) for channel in known):
             raise InputError(f"--channels: {scene.name} has no channel '{pattern}'{nearest(pattern, known)}")
-    return replace(scene, asked=frozenset(c for c in known if any(fnmatchcase(c, pattern) for pattern in patterns)))
+    return frozenset(c for c in known if any(fnmatchcase(c, pattern) for pattern in patterns))

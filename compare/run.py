@@ -14,7 +14,7 @@ from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write
 from scenes.hard import catalogue, ladder
 
 from .arguments import parser
-from .asked import narrowed
+from .asked import matching
 from .engines import registry
 from .family.grid import grid
 
@@ -57,8 +57,7 @@ def _list() -> int:
 
 def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
-    if options.channels is not None:
-        scenes = [narrowed(scene, options.channels) for scene in scenes]
+    requests = [_request(scene, options) for scene in scenes]
     _check(options, scenes)
 
     from .report import (
@@ -68,12 +67,22 @@ def _run(options: argparse.Namespace) -> int:
     output.check_writable(options.out)
     run = _family if options.vary else _report
     with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
-        missed = [run(scene, options, status) for scene in scenes]
+        missed = [run(scene, request, options, status) for scene, request in zip(scenes, requests, strict=True)]
     if options.full:
         from .hard.cases import forget
 
         forget(options.out)
     return 1 if any(missed) else 0
+
+
+def _request(scene: Scene, options: argparse.Namespace) -> Sampling:
+    """Return what the options ask for of a scene.
+
+    Raises:
+        InputError: it has no such channels.
+    """
+    channels = None if options.channels is None else matching(scene, options.channels)
+    return Sampling(options.samples, options.turns, channels=channels)
 
 
 def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
@@ -97,7 +106,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
 
 
-def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
+def _report(scene: Scene, sampling: Sampling, options: argparse.Namespace, status: Status) -> bool:
     """Write one scene's report, and return whether it misses a tolerance.
 
     Raises:
@@ -116,7 +125,6 @@ def _report(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
     budget = Budget(rounds=10, seconds=1.0)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, long_ladders=True, point_s=10.0)
-    sampling = Sampling(options.samples, options.turns)
     try:
         with stoppable() as stopping:
             result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
@@ -148,7 +156,7 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     return replace(result, maps=maps, hard=hard_cases(catalogue(), able, options.out, progress))
 
 
-def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
+def _family(scene: Scene, sampling: Sampling, options: argparse.Namespace, status: Status) -> bool:
     """Write one scene's family, and return whether a member misses a tolerance, or none runs.
 
     Raises:
@@ -163,7 +171,6 @@ def _family(scene: Scene, options: argparse.Namespace, status: Status) -> bool:
 
     changes = grid(options.vary)
     family = Family(scene, options.vary, options.engines)
-    sampling = Sampling(options.samples, options.turns)
     stopped = False
     try:
         for member in members(scene.file, changes, options.engines, sampling, progress):

@@ -59,7 +59,7 @@ def study(
         InputError: the reference cannot solve the scene.
     """
     progress("solving and certifying the reference")
-    reference = establish(scene)
+    reference = establish(scene, sampling.channels)
     explained = explain(reference, sampling)
     able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
     reasons: list[str] = []
@@ -79,12 +79,12 @@ def study(
     measurements: list[Measurement] = []
     if isinstance(accuracy, str):  # first, so that a stop leaves them
         measurements += kept(main_runs(lambda engine: offered(engine, accuracy)))
-    speed = speed_table(reference, able, budget, progress)
+    speed = speed_table(reference, able, budget, progress, sampling.channels)
     if not isinstance(accuracy, str):
         measurements += kept(main_runs(lambda engine: cheapest_within(engine, accuracy, speed)))
     reasons += _left_out(engines, measurements, able, speed, budget)
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
-    judged = list(gates(scene, measurements))
+    judged = list(gates(scene, measurements, sampling.channels))
     return Study(scene, sampling, reference, explained, motion, measurements, judged, speed, reasons)
 
 

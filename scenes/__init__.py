@@ -1,9 +1,10 @@
 """What every model shares: the scene, what a model must return, and the scene files."""
 
-from .engine import Engine, Failure, Sampling, Settings, Simulation, Status
+from .engine import Engine, Failure, Settings, Simulation, Status
 from .errors import InputError
 from .motion import Motion
 from .reader import LIBRARY, load, numbers_in, shipped
+from .request import Positions, Request, Sampling
 from .scene import Scene
 from .starter import write_starter
 
@@ -13,6 +14,8 @@ __all__ = [
     "Failure",
     "InputError",
     "Motion",
+    "Positions",
+    "Request",
     "Sampling",
     "Scene",
     "Settings",

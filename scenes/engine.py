@@ -2,7 +2,7 @@
 
 The three stages are apart so that a clock can wrap `solve` alone:
 
-    simulation = engine.build(scene, settings, sampling)   # model, start pose, buffers
+    simulation = engine.build(scene, settings, request)    # model, start pose, buffers
     simulation.solve()                                     # the work itself
     motion = simulation.read()                             # channels, in the sign rules of `motion.py`
 
@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol, TypeVar
 
-import numpy as np
-
-from .motion import Motion, Samples
+from .motion import Motion
+from .request import Request, Sampling
 from .scene import Scene
 
 ESTIMATE = "estimated error"  # among an engine's residuals: its largest relative error by its own model
@@ -59,29 +58,15 @@ class Settings:
     note: str = field(default="", kw_only=True)  # what a reader has to know before believing it
 
 
-@dataclass(frozen=True)
-class Sampling:
-    """When the result is wanted: `samples` equal steps a cycle of the drive over `turns` cycles, both ends included."""
+def equal_steps(request: Request) -> Sampling:
+    """Return the request as one of equal steps of the time, which is all that an integration in time can answer.
 
-    samples: int = 360
-    turns: int = 1
-
-    @property
-    def count(self) -> int:
-        """Return the number of rows, n."""
-        return self.samples * self.turns + 1
-
-    def cycles(self) -> Samples:
-        """Return how many cycles have passed at each row, shape (n,)."""
-        return np.arange(self.count, dtype=np.float64) / self.samples
-
-    def times(self, scene: Scene) -> Samples:
-        """Return the instants, shape (n,), s."""
-        return self.cycles() * scene.drive.cycle
-
-    def commanded(self, scene: Scene) -> Samples:
-        """Return the positions that the drive asks for at those instants, shape (n,), rad or m."""
-        return scene.drive.after(self.cycles())
+    Raises:
+        Failure: `unsupported`, it is for positions of the drive.
+    """
+    if not isinstance(request, Sampling):
+        raise Failure(Status.unsupported, "it steps through the time, and was asked for positions of the drive")
+    return request
 
 
 class Simulation(Protocol):
@@ -135,7 +120,7 @@ class Engine(Protocol[S]):
     def version(self) -> str:
         """Return the versions of what does the work."""
 
-    def build(self, scene: Scene, settings: S, sampling: Sampling) -> Simulation:
+    def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
         """Prepare a run.
 
         Raises:

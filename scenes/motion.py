@@ -85,17 +85,8 @@ def force_channels(scene: Scene) -> tuple[str, ...]:
 
 
 def channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the channels asked for, in the order of the files: all, unless the scene narrows them."""
-    known = kinematic_channels(scene) + force_channels(scene)
-    if scene.asked is None:
-        return known
-    wanted = {*scene.asked, "time", scene.drive_channel}
-    return tuple(channel for channel in known if channel in wanted)
-
-
-def asks_forces(scene: Scene) -> bool:
-    """Return whether any force channel is asked for; if not, no model needs to find one."""
-    return not set(force_channels(scene)).isdisjoint(channels(scene))
+    """Return the names of all channels of a scene, in the order of the files."""
+    return kinematic_channels(scene) + force_channels(scene)
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,6 @@ class Scene:
     sketch: Sketch
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
-    asked: frozenset[str] | None = None  # the channels that are wanted besides the time and the drive's; None for all
 
     @property
     def has_masses(self) -> bool:

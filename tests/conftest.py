@@ -116,7 +116,7 @@ def references(tmp_path_factory: pytest.TempPathFactory) -> References:
         file = folder / f"{name}.toml"
         file.write_text(MECHANISMS[name], encoding="utf-8")
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("compare.engines.reference._certify", lambda _: Floor({}, "not certified here"))
+            patch.setattr("compare.engines.reference._certify", lambda *_: Floor({}, "not certified here"))
             return establish(scenes.load(file))
 
     return of

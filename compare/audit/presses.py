@@ -1,7 +1,7 @@
 """The toggle press and the crank press over a turn of their cranks, seen from the slider's lowest point."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from math import tau
 from types import MappingProxyType
@@ -76,8 +76,7 @@ def press(name: str, changes: Mapping[str, float] = NONE) -> Press:
     """
     scene = load(name, changes)
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
-    scene = replace(scene, asked=frozenset((y, vy)))
-    solve = registry.reference(scene)
+    solve = registry.reference(scene, frozenset((y, vy)))
     coarse = solve(TURN.commanded(scene), TURN.times(scene))
     near = 1 + int(coarse[y][1:-1].argmin())
     curvature = np.diff(coarse[vy][near - 1 : near + 2]).mean()

@@ -15,7 +15,7 @@ SCENES: Mapping[str, Sequence[str]] = {
 
 def source_of(scene: Scene) -> str | None:
     """Return the source of a shipped scene; None for any other file, changed numbers, or only some of its channels."""
-    sources = (source for source, names in SCENES.items() if scene.file in names and scene.asked is None)
+    sources = (source for source, names in SCENES.items() if scene.file in names)
     return next(sources, None)
 
 

@@ -31,7 +31,7 @@ class Reference:
     """The reference for one scene."""
 
     scene: Scene
-    at: registry.Solve  # the motion at positions of the drive and instants: every channel, asked for or not
+    at: registry.Solve  # the motion at positions of the drive and instants: every channel
     stroke: float  # m, of the output point
     scale: Mapping[str, float]  # by channel, what errors are divided by
     floor: Floor
@@ -60,8 +60,8 @@ class Reference:
         return found
 
 
-def establish(scene: Scene) -> Reference:
-    """Solve one cycle of the reference, take the scales from it, and certify it.
+def establish(scene: Scene, channels: frozenset[str] | None = None) -> Reference:
+    """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
 
     Raises:
         InputError: the reference cannot solve the scene, so that there is nothing to compare with.
@@ -70,7 +70,7 @@ def establish(scene: Scene) -> Reference:
         uncertified = found(scene)
     except Failure as failure:
         raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
-    return replace(uncertified, floor=_certify(uncertified))
+    return replace(uncertified, floor=_certify(uncertified, channels))
 
 
 def found(scene: Scene) -> Reference:
@@ -81,15 +81,14 @@ def found(scene: Scene) -> Reference:
         InputError: the output does not move, so that there is no scale.
     """
     sampling = Sampling(SCALE_SAMPLES)
-    everything = replace(scene, asked=None)
     registry.check_reference(scene)
-    solve = registry.reference(everything)
+    solve = registry.reference(scene)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
     stroke = float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
     ends = tuple(stroke_end(State(scene, motion), load) for load in press_forces(scene))
-    return Reference(scene, solve, stroke, _scales(everything, motion, stroke), Floor({}, ""), ends)
+    return Reference(scene, solve, stroke, _scales(scene, motion, stroke), Floor({}, ""), ends)
 
 
 def _scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
@@ -135,9 +134,9 @@ def relative_errors(motion: Motion, reference: Motion, scale: Mapping[str, float
     return errors
 
 
-def _certify(reference: Reference) -> Floor:
+def _certify(reference: Reference, channels: frozenset[str] | None) -> Floor:
     """Measure the reference against arbitrary precision at a few positions of one cycle."""
-    oracle = run(registry.ORACLE, reference.scene, Sampling(FLOOR_SAMPLES))
+    oracle = run(registry.ORACLE, reference.scene, Sampling(FLOOR_SAMPLES, channels=channels))
     if oracle.motion is None:
         return Floor({}, f"not certified: {oracle.reason}")
     true = reference.at(oracle.motion[reference.scene.drive_channel], oracle.motion["time"])

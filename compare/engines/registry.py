@@ -90,15 +90,15 @@ def check_reference(scene: Scene) -> None:
     import_module("analytic").check_way(scene)
 
 
-def reference(scene: Scene) -> Solve:
-    """Return the analytic core's solver of a scene, against which every engine is measured.
+def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
+    """Return the analytic core's solver of a scene for some channels or all, against which every engine is measured.
 
     It raises Failure where the linkage has no motion, as where a drive was taken beyond its end.
 
     Raises:
         Failure: the core cannot take the scene apart.
     """
-    return cast("Solve", import_module("analytic").solver(scene))
+    return cast("Solve", import_module("analytic").solver(scene, channels))
 
 
 def route(scene: Scene) -> str:

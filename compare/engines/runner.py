@@ -6,8 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from scenes import Failure, Motion, Sampling, Scene, Settings, Status
-from scenes.motion import channels
+from scenes import Failure, Motion, Request, Scene, Settings, Status
 
 from . import registry
 
@@ -32,7 +31,7 @@ class Run:
     residuals: Mapping[str, float] = field(default_factory=dict)
 
 
-def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
+def run(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
     """Build, solve and read, each timed apart; `settings` of None means the engine's default."""
     entry = registry.ENTRIES[name]
     failed = Run(name, settings, Status.unsupported, entry.missing or "", "engine", entry.version)
@@ -43,13 +42,13 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
         settings = settings or engine.DEFAULT
         failed = replace(failed, settings=settings, version=engine.version())  # imports what no clock shall time
         started = perf_counter()
-        simulation = engine.build(scene, settings, sampling)
+        simulation = engine.build(scene, settings, request)
         built = perf_counter()
         simulation.solve()
         solved = perf_counter()
         motion = simulation.read()
         read = perf_counter()
-        _check_complete(scene, sampling, motion)
+        _check_complete(scene, request, motion)
     except Failure as failure:
         return replace(failed, status=failure.status, reason=failure.reason, motion=failure.motion)
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
@@ -68,9 +67,9 @@ def run(name: str, scene: Scene, sampling: Sampling, settings: Settings | None =
     )
 
 
-def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
+def _check_complete(scene: Scene, request: Request, motion: Motion) -> None:
     """Refuse a result that is short, holds NaN, is of other instants, or drops a channel without a word."""
-    for channel in channels(scene):
+    for channel in request.wanted(scene):
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
@@ -78,12 +77,12 @@ def _check_complete(scene: Scene, sampling: Sampling, motion: Motion) -> None:
         values = motion[channel]
         if values.dtype != np.float64:  # the reference would be evaluated at its precision
             raise Failure(Status.crashed, f"{channel} is of {values.dtype}, expected float64")
-        if values.shape != (sampling.count,):
-            raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {sampling.count}")
+        if values.shape != (request.count,):
+            raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {request.count}")
         bad = ~np.isfinite(values)
         if bad.any():
-            where = scene.where(float(sampling.commanded(scene)[bad.argmax()]))
+            where = scene.where(float(request.commanded(scene)[bad.argmax()]))
             raise Failure(Status.nonfinite, f"{channel} is not finite at {where}")
-    late = np.abs(motion["time"] - sampling.times(scene)).max()
+    late = np.abs(motion["time"] - request.times(scene)).max()
     if not late <= ON_TIME * scene.drive.cycle:
         raise Failure(Status.crashed, f"the engine's samples are off the instants asked for, by up to {late:.3g} s")

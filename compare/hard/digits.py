@@ -24,17 +24,17 @@ Reactions are J^-T times inertia and loads: one kappa more in the change and in 
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import log10
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.loads import Force, ForceTable, Load, PressForce, Spring, Vector
+from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
+from scenes.loads import Vector
 from scenes.motion import Samples, channels, quantity
-from scenes.scene import Body, ConstantSpeed
+from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.press_switches import acts, press_forces, stroke_end
@@ -43,6 +43,7 @@ from ..engines.runner import run
 from ..engines.state import State
 from ..judge.constraints import Constraints
 from ..judge.errors import GROUPS, SHOWN_GROUPS
+from ..judge.perturbation import inputs, put
 
 EPS = float(np.finfo(float).eps)
 STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock
@@ -52,19 +53,6 @@ AROUND = np.geomspace(1e-6, 3e-2, 8)  # of a cycle: on either side of it, on the
 GRID = 3600  # over a cycle, where the search for it begins
 ZOOM = 32  # per round of the search
 ROUNDS = 5  # to 1e-11 of a cycle; a distance to lock is least there, and flat
-
-
-@dataclass(frozen=True)
-class Stops(ConstantSpeed):
-    """A constant speed of which only some positions are looked at, one a row of `Sampling(len(stops) - 1)`."""
-
-    stops: tuple[float, ...]  # rad or m
-
-    def after(self, cycles: object) -> Samples:
-        """Return the stop after that share of the rows."""
-        rows = np.rint(np.asarray(cycles, np.float64) * (len(self.stops) - 1))
-        stops: Samples = np.array(self.stops)[rows.astype(int)]
-        return stops
 
 
 def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.DataFrame:
@@ -80,19 +68,19 @@ def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.Da
     Raises:
         Failure: one of the two models does not solve the scene.
     """
-    scene = replace(scene, asked=None)
     solve = registry.reference(scene)
     to_lock = np.inf
+    request: Request = Sampling(EQUALLY)
     if isinstance(scene.drive, ConstantSpeed):
         nearest, to_lock = nearest_lock(scene, solve)
-        scene = stopping(scene, positions(scene, nearest))
-    true = _certified(scene)
+        request = Positions(tuple(positions(scene, nearest).tolist()))
+    true = _certified(scene, request)
     rows = _decided(scene, solve, true)
     peaks = _peaks(scene, true)
     found = solve(true[scene.drive_channel], true["time"])
     errors = _largest(relative_errors(found, true, peaks), rows)
     scaled = _largest(relative_errors(found, true, scale), rows) if scale is not None else {}
-    conditions = _largest(_changes(scene, true, peaks), rows)
+    conditions = _largest(_changes(scene, request, true, peaks), rows)
     kappa = float(Constraints(scene, true).condition.max())
     table = []
     for group in SHOWN_GROUPS:
@@ -155,24 +143,16 @@ def positions(scene: Scene, about: float) -> Samples:
     return all_ if scene.drive.start == least else all_[::-1]
 
 
-def stopping(scene: Scene, stops: Samples) -> Scene:
-    """Return the scene with its constant speed looked at in these positions, rad or m."""
-    drive = scene.drive
-    assert isinstance(drive, ConstantSpeed)
-    return replace(scene, drive=Stops(drive.body, drive.speed, drive.start, drive.end, tuple(stops.tolist())))
-
-
 # --- the certified truth ----------------------------------------------------------------------------------------------
 
 
-def _certified(scene: Scene) -> Motion:
+def _certified(scene: Scene, request: Request) -> Motion:
     """Return every channel as arbitrary precision has it.
 
     Raises:
         Failure: it has not.
     """
-    drive = scene.drive
-    done = run(registry.ORACLE, scene, Sampling(len(drive.stops) - 1 if isinstance(drive, Stops) else EQUALLY))
+    done = run(registry.ORACLE, scene, request)
     if done.motion is None or done.status is not Status.ok:
         raise Failure(done.status, done.reason)
     return done.motion
@@ -221,11 +201,14 @@ def _whole(motion: Motion, channel: str) -> Samples:
 # --- the problem's own condition --------------------------------------------------------------------------------------
 
 
-def _changes(scene: Scene, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:
+def _changes(scene: Scene, request: Request, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:
     """Return the sum of (1) by channel, shape (n,)."""
     total = {channel: np.zeros(true["time"].shape) for channel in peaks if channel != "time"}
-    for other in inputs_off(scene):
-        for channel, change in relative_errors(_certified(other), true, peaks).items():
+    problems = [(other, request) for other in inputs_off(scene)]
+    if isinstance(request, Positions):
+        problems.append((scene, _drive_off(scene, request)))
+    for problem in problems:
+        for channel, change in relative_errors(_certified(*problem), true, peaks).items():
             total[channel] += change / STEP
     return total
 
@@ -233,64 +216,19 @@ def _changes(scene: Scene, true: Motion, peaks: Mapping[str, float]) -> dict[str
 def inputs_off(scene: Scene) -> Iterator[Scene]:
     """Yield the scene with one input after the other a STEP off.
 
-    A vector is off along itself and across itself, by its own length: formulas round it as a whole. A crank's angle is
-    off by a STEP of 1 rad, however many turns it counts.
+    A vector is off along itself and across itself, by its own length: formulas round it as a whole; a unit vector is
+    off across itself alone.
     """
-    for name, place in scene.ground.items():
-        yield from (replace(scene, ground={**scene.ground, name: off}) for off in _off(place))
-    for name, body in scene.bodies.items():
-        yield from (replace(scene, bodies={**scene.bodies, name: off}) for off in _body_off(body))
-    for number, load in enumerate(scene.loads):
-        for off in _load_off(load):
-            yield replace(scene, loads=(*scene.loads[:number], off, *scene.loads[number + 1 :]))
-    for number, spring in enumerate(scene.springs):
-        for pulled in _spring_off(spring):
-            yield replace(scene, springs=(*scene.springs[:number], pulled, *scene.springs[number + 1 :]))
-    if scene.gravity is not None:
-        yield from (replace(scene, gravity=off) for off in _off(scene.gravity))
-    if isinstance(scene.drive, Stops):
-        size = 1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max())
-        yield replace(scene, drive=replace(scene.drive, stops=tuple(x + STEP * size for x in scene.drive.stops)))
-        yield replace(scene, drive=replace(scene.drive, speed=scene.drive.speed * (1 + STEP)))
+    for path, value, _, direction in inputs(scene):
+        if not isinstance(value, tuple):
+            offs: list[float | Vector] = [value * (1 + STEP)] if value else []
+        else:
+            x, y = value
+            offs = [(x * (1 + STEP), y * (1 + STEP)), (x - STEP * y, y + STEP * x)] if x or y else []
+        yield from (put(scene, path, off) for off in offs[1 if direction else 0 :])
 
 
-def _off(vector: Vector) -> Iterator[Vector]:
-    """Yield a vector longer, and turned, by a STEP; nothing of one that is zero."""
-    x, y = vector
-    if x or y:
-        yield x * (1 + STEP), y * (1 + STEP)
-        yield x - STEP * y, y + STEP * x
-
-
-def _body_off(body: Body) -> Iterator[Body]:
-    if body.local is not None:
-        for name, place in body.local.items():
-            yield from (replace(body, local={**body.local, name: off}) for off in _off(place))
-    if body.lengths is not None:
-        for pair, length in body.lengths.items():
-            yield replace(body, lengths={**body.lengths, pair: length * (1 + STEP)})
-    if body.mass:
-        yield replace(body, mass=body.mass * (1 + STEP))
-    if body.com is not None:
-        yield from (replace(body, com=off) for off in _off(body.com))
-    if body.inertia:
-        yield replace(body, inertia=body.inertia * (1 + STEP))
-    slide = body.slide
-    if slide is not None:
-        for off in _off(slide.through):
-            yield replace(body, slide=replace(slide, through=off))
-        _, turned = _off(slide.along)
-        yield replace(body, slide=replace(slide, along=turned))
-
-
-def _load_off(load: Load) -> Iterator[Load]:
-    if isinstance(load, ForceTable):
-        yield replace(load, forces=tuple(force * (1 + STEP) for force in load.forces))
-    elif isinstance(load, Force | PressForce):
-        yield from (replace(load, force=off) for off in _off(load.force))
-
-
-def _spring_off(spring: Spring) -> Iterator[Spring]:
-    yield replace(spring, stiffness=spring.stiffness * (1 + STEP))
-    if spring.length:
-        yield replace(spring, length=spring.length * (1 + STEP))
+def _drive_off(scene: Scene, request: Positions) -> Positions:
+    """Return the request with the drive a STEP off everywhere: of 1 rad for a crank, however many turns it counts."""
+    size = 1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max())
+    return replace(request, positions=tuple(x + STEP * size for x in request.positions))

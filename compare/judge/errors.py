@@ -78,7 +78,7 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
     if not isinstance(scene.drive, ConstantSpeed):
         steady = ConstantSpeed(scene.drive.body, 1.0, *scene.drive.extent)
         velocity = frozenset((f"{scene.output}.vx", f"{scene.output}.vy"))
-        steadily = registry.reference(replace(scene, drive=steady, asked=velocity))
+        steadily = registry.reference(replace(scene, drive=steady), velocity)
         motion = steadily(motion[scene.drive_channel], motion["time"])
     return np.hypot(motion[f"{scene.output}.vx"], motion[f"{scene.output}.vy"])
 

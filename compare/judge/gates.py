@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from scenes import Scene, Status
-from scenes.motion import channels, quantity
+from scenes.motion import quantity
 
 from .errors import GROUPS
 from .measure import Measurement
@@ -32,13 +32,13 @@ class Gate:
         )
 
 
-def gates(scene: Scene, measurements: Iterable[Measurement]) -> Iterator[Gate]:
-    """Yield every tolerance of the scene for the engines that were asked to run, in what they were asked for."""
-    asked = {GROUPS[quantity(channel)] for channel in channels(scene) if channel != "time"}
+def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[str] | None = None) -> Iterator[Gate]:
+    """Yield every tolerance of the scene for the engines that ran, in the channels that are wanted, or all."""
+    groups = {GROUPS[quantity(channel)] for channel in wanted or ()}
     for measurement in measurements:
         run, errors = measurement.run, measurement.errors
         for group, tolerance in scene.tolerances.get(run.engine, {}).items():
-            if scene.asked is not None and group not in asked:
+            if wanted is not None and group not in groups:
                 continue
             if run.status is not Status.ok:
                 yield Gate(run.engine, group, tolerance, float("nan"), f"{run.status.name}: {run.reason}")

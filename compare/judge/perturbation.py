@@ -1,17 +1,18 @@
-"""How far a scene's motion moves when its numbers are off by a few units in the last place.
+"""A scene's numbers, each with how to put another in its place; and how far the motion moves when all are a little off.
 
 No model that computes in doubles can be held to less: each rounds the lengths its own way before the first equation.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from scenes import Failure, Motion, Scene
+from scenes.loads import ForceTable, Vector
 from scenes.motion import Samples
-from scenes.scene import Body, Spring, Vector
+from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 
@@ -19,47 +20,83 @@ ULPS = 4  # of every number, up or down at random
 DRAWS = 4  # scenes; their worst is within a factor of three of the worst of many more, see the tests
 SEED = 20261121
 
-Jitter: TypeAlias = Callable[[float], float]
-Nearly: TypeAlias = Callable[[Motion], Motion]  # from the motion as it is, whose drive it follows
+
+Path: TypeAlias = tuple[str | int | frozenset[str], ...]  # names of fields, keys of tables, numbers of rows
 
 
-def nearly(scene: Scene) -> list[Nearly]:
-    """Return solvers of scenes whose lengths, places and drive are those of this one but for a few last places.
+class Input(NamedTuple):
+    """One number or vector of a scene, SI, and where it is; a table of forces is one input, by a factor."""
 
-    Raises:
-        Failure: the reference cannot take such a scene apart.
+    path: Path
+    value: float | Vector
+    geometry: bool = False  # whether it is a length or a place
+    direction: bool = False  # whether it is a unit vector
+
+
+def inputs(scene: Scene) -> Iterator[Input]:
+    """Yield the inputs of a scene in the order of its tables; of a motion law none."""
+    for name, place in scene.ground.items():
+        yield Input(("ground", name), place, geometry=True)
+    for body in scene.bodies.values():
+        own = ("bodies", body.name)
+        yield from (Input((*own, "local", p), place, geometry=True) for p, place in (body.local or {}).items())
+        yield from (Input((*own, "lengths", p), length, geometry=True) for p, length in (body.lengths or {}).items())
+        if body.com is not None:
+            yield Input((*own, "com"), body.com, geometry=True)
+        if body.slide is not None:
+            yield Input((*own, "slide", "through"), body.slide.through, geometry=True)
+            yield Input((*own, "slide", "along"), body.slide.along, direction=True)
+        yield Input((*own, "mass"), body.mass or 0.0)
+        yield Input((*own, "inertia"), body.inertia or 0.0)
+    for number, load in enumerate(scene.loads):
+        if isinstance(load, ForceTable):
+            yield Input(("loads", number, "forces"), 1.0)
+        else:
+            yield Input(("loads", number, "force"), load.force)
+    for number, spring in enumerate(scene.springs):
+        yield Input(("springs", number, "length"), spring.length, geometry=True)
+        yield Input(("springs", number, "stiffness"), spring.stiffness)
+    if scene.gravity is not None:
+        yield Input(("gravity",), scene.gravity)
+    if isinstance(scene.drive, ConstantSpeed):
+        yield Input(("drive", "speed"), scene.drive.speed)
+
+
+def put(whole: Any, path: Path, value: float | Vector) -> Any:
+    """Return a scene, or a part of one, with another value of an input."""
+    if not path:
+        return (
+            tuple(value * force for force in whole) if isinstance(whole, tuple) and isinstance(value, float) else value
+        )
+    key, rest = path[0], path[1:]
+    if isinstance(whole, Mapping):
+        return {**whole, key: put(whole[key], rest, value)}
+    if isinstance(key, int):
+        return (*whole[:key], put(whole[key], rest, value), *whole[key + 1 :])
+    return replace(whole, **{str(key): put(getattr(whole, str(key)), rest, value)})
+
+
+def sensitivity(scene: Scene, true: Motion, errors: Callable[[Motion], Mapping[str, Samples]]) -> dict[str, Samples]:
+    """Return by how much each channel moves when lengths, places and drive are off by a few last places, shape (n,).
+
+    Infinite where one of the scenes cannot be assembled: then doubles know nothing of the motion.
+
+    Args:
+        scene: the linkage.
+        true: its motion, whose drive the others follow, off by as little.
+        errors: relative errors of a motion by channel, each of shape (n,).
     """
     draw = np.random.default_rng(SEED)
-
-    def jitter(value: float) -> float:
-        return value * (1 + ULPS * np.finfo(float).eps * float(draw.choice((-1.0, 1.0))))
-
-    def solver(number: int) -> Nearly:
-        solve = registry.reference(_jittered(scene, jitter))
-        turn = (-1) ** number * ULPS * np.finfo(float).eps
-        least = 1e-3 * np.ptp(scene.drive.extent)  # an angle that passes through zero is no better known there
-
-        def moved(motion: Motion) -> Motion:
-            position = motion[scene.drive_channel]
-            return solve(position + turn * np.maximum(np.abs(position), least), motion["time"])
-
-        return moved
-
-    return [solver(number) for number in range(DRAWS)]
-
-
-def sensitivity(
-    solvers: list[Nearly], true: Motion, errors: Callable[[Motion], Mapping[str, Samples]]
-) -> dict[str, Samples]:
-    """Return by how much each channel of the true motion moves, relative as `errors` of a motion has it, shape (n,).
-
-    Infinite where one of the scenes cannot be assembled: then nothing can be said of the motion in doubles.
-    """
+    off = ULPS * np.finfo(float).eps
+    position = true[scene.drive_channel]
+    least = 1e-3 * np.ptp(scene.drive.extent)  # an angle that passes through zero is no better known there
     moved: dict[str, Samples] = {}
-    for solve in solvers:
+    for number in range(DRAWS):
+        turn = (-1) ** number * off * np.maximum(np.abs(position), least)
+        other = _jittered(scene, lambda value: value * (1 + off * float(draw.choice((-1.0, 1.0)))))
         try:
             with np.errstate(invalid="ignore"):
-                found = errors(solve(true))
+                found = errors(registry.reference(other)(position + turn, true["time"]))
         except Failure:
             return {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
         for channel, error in found.items():
@@ -68,26 +105,11 @@ def sensitivity(
     return moved
 
 
-def _jittered(scene: Scene, jitter: Jitter) -> Scene:
-    def place(point: Vector) -> Vector:
-        return jitter(point[0]), jitter(point[1])
-
-    def spring(of: Spring) -> Spring:
-        return replace(of, length=jitter(of.length))
-
-    def body(of: Body) -> Body:
-        return replace(
-            of,
-            local=None if of.local is None else {name: place(point) for name, point in of.local.items()},
-            lengths=None if of.lengths is None else {pair: jitter(length) for pair, length in of.lengths.items()},
-            com=None if of.com is None else place(of.com),
-            slide=None if of.slide is None else replace(of.slide, through=place(of.slide.through)),
-        )
-
-    return replace(
-        scene,
-        asked=None,
-        ground={name: place(point) for name, point in scene.ground.items()},
-        bodies={name: body(of) for name, of in scene.bodies.items()},
-        springs=tuple(map(spring, scene.springs)),
-    )
+def _jittered(scene: Scene, jitter: Callable[[float], float]) -> Scene:
+    """Return the scene with every length and place a little off."""
+    for path, value, geometry, _ in inputs(scene):
+        if geometry:
+            scene = put(
+                scene, path, (jitter(value[0]), jitter(value[1])) if isinstance(value, tuple) else jitter(value)
+            )
+    return scene

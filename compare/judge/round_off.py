@@ -15,7 +15,7 @@ from scenes.motion import Samples
 
 from ..engines.reference import Reference
 from .constraints import Constraints
-from .perturbation import nearly, sensitivity
+from .perturbation import sensitivity
 
 EPS = float(np.finfo(float).eps)
 UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
@@ -47,5 +47,5 @@ def explain(reference: Reference, sampling: Sampling) -> Explained:
     scene = reference.scene
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
     may = reference.acts(true)
-    moved = sensitivity(nearly(scene), true, lambda motion: reference.errors(motion, true, may))
+    moved = sensitivity(scene, true, lambda motion: reference.errors(motion, true, may))
     return Explained(Constraints(scene, true).condition, moved)

@@ -62,7 +62,7 @@ def judged(run: Run, scene: Scene, checks: list[Check], comparison: Comparison) 
         if found is not None and not found.worst <= limit.most:
             said = limit.sentence.format(of=found.of, worst=f"{found.worst:.1%}", relative_to=found.relative_to)
             return replace(run, status=limit.status, reason=f"{said} at {found.where}", found_by="checks")
-    closed = "with all joints closed, " if scene.asked is None else ""
+    closed = "with all joints closed, " if any(check.check == "closure" for check in checks) else ""
     for point in scene.moving_points:
         both = (f"{point}.x", f"{point}.y")
         places = [comparison.actual[channel] for channel in both if channel in comparison.actual]

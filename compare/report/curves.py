@@ -12,8 +12,8 @@ import plotly.graph_objects as go
 from plotly.io import templates
 from plotly.subplots import make_subplots
 
-from scenes import Motion
-from scenes.motion import Samples, channels, quantity
+from scenes import Motion, Request
+from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, Vector
 
 from ..engines.axis import axis, prefixed, turns_fully
@@ -54,9 +54,9 @@ class Panel:
     judged: tuple[str, ...]
 
 
-def panels(reference: Reference) -> Iterator[Panel]:
+def panels(reference: Reference, request: Request) -> Iterator[Panel]:
     """Yield the output's motion, then every joint's reaction, then the drive's torque or force: what is asked for."""
-    asked = set(channels(reference.scene))
+    asked = set(request.wanted(reference.scene))
     for panel in (*_motion_panels(reference), *_force_panels(reference)):
         curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.channels))
         if curves:
@@ -179,7 +179,7 @@ def assur_groups(study: Study) -> go.Figure | None:
         for wanted, factor, layout in (("transmission", 180 / np.pi, angles), ("to_lock", per_metre, {}))
         if (channels := [channel for channel in motion.samples if quantity(channel) == wanted])
     ]
-    if not rows or study.scene.asked is not None:
+    if not rows or study.sampling.channels is not None:
         return None
     joints = list(dict.fromkeys(channel.rpartition(".")[0] for channels, _, _ in rows for channel in channels))
     figure = make_subplots(len(rows), 1, shared_xaxes=True, vertical_spacing=0.06)

@@ -24,7 +24,7 @@ def over_distance(study: Study) -> go.Figure | None:
     """
     runs = [m for m in study.measurements if m.comparison is not None and m.run.engine != REFERENCE]
     groups = [group for group in PLOTTED if any(GROUPS[quantity(c)] == group for c in study.explained.sensitivity)]
-    if not runs or study.scene.asked is not None:
+    if not runs or study.sampling.channels is not None:
         return None
     locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
     distance = np.min(locks, axis=0) if locks else 1 / study.explained.condition

@@ -42,7 +42,9 @@ part of a joint's error that a step corrects.</p>"""
 def page(study: Study) -> str:
     """Return the whole report as HTML."""
     scene = study.scene
-    curves = "".join(_section(panel.title, over_angle(study, panel)) for panel in panels(study.reference))
+    curves = "".join(
+        _section(panel.title, over_angle(study, panel)) for panel in panels(study.reference, study.sampling)
+    )
     locks, near = assur_groups(study), over_distance(study)
     if locks is not None:
         curves += _section("Assur groups: transmission angle, and distance to lock", locks, ONLY_ANALYTIC)

@@ -6,7 +6,6 @@ from math import degrees, pi
 import pandas as pd
 
 from scenes import Scene, Status
-from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
@@ -98,10 +97,9 @@ def notes(study: Study) -> list[str]:
     said = [f"Floor of the reference: {floor.by}."]
     if floor.by_channel:
         said = [f"Floor of the reference: {max(floor.by_channel.values()):.1e} at most, certified by {floor.by}."]
-    if study.scene.asked is not None:
-        said.append(
-            f"Asked for: {', '.join(channels(study.scene)[2:])}; checks and tolerances of other channels are left out."
-        )
+    if study.sampling.channels is not None:
+        wanted = ", ".join(study.sampling.wanted(study.scene)[2:])
+        said.append(f"Asked for: {wanted}; checks and tolerances of other channels are left out.")
     said += [f"{reason}." for reason in study.reasons]
     for m in study.measurements:
         if m.run.status is not Status.ok:

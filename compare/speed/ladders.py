@@ -1,8 +1,9 @@
 """Every setting of every engine's ladder: errors and times, taken in separate runs."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain
 from math import ceil, inf
 
 import numpy as np
@@ -43,7 +44,11 @@ class Point:
 
 
 def speed_table(
-    reference: Reference, engines: Iterable[str], budget: Budget, progress: Callable[[str], None]
+    reference: Reference,
+    engines: Iterable[str],
+    budget: Budget,
+    progress: Callable[[str], None],
+    channels: frozenset[str] | None = None,
 ) -> pd.DataFrame:
     """Return one row a setting: status, times, errors by group, counters. Failed settings stay in the table.
 
@@ -51,10 +56,12 @@ def speed_table(
     and those that take longer than the budget has for one, keep the times of their error run. A stop leaves what is
     done.
     """
-    points = list(kept(point for engine in engines for point in _error_runs(reference, engine, budget, progress)))
+    sampling = replace(SAMPLING, channels=channels)
+    runs = (_error_runs(reference, engine, sampling, budget, progress) for engine in engines)
+    points = list(kept(chain.from_iterable(runs)))
     timed = [point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s]
     scene = reference.scene
-    builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, SAMPLING) for p in timed]
+    builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
     times = dict(zip(map(id, timed), take_turns(builds, budget, progress), strict=True))
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
 
@@ -80,7 +87,9 @@ def steps_a_cycle(settings: Settings) -> int | None:
     return None if steps is None else SAMPLING.samples * ceil(steps / SAMPLING.samples)
 
 
-def _error_runs(reference: Reference, engine: str, budget: Budget, progress: Callable[[str], None]) -> Iterator[Point]:
+def _error_runs(
+    reference: Reference, engine: str, sampling: Sampling, budget: Budget, progress: Callable[[str], None]
+) -> Iterator[Point]:
     """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps a cycle, by family
     for settings, role in settings_of(engine, long_ladders=budget.long_ladders).items():
@@ -91,7 +100,7 @@ def _error_runs(reference: Reference, engine: str, budget: Budget, progress: Cal
             yield Point(role, settings, Measurement(run, None, [], pd.DataFrame()))
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
-        point = Point(role, settings, measure(reference, engine, SAMPLING, settings))
+        point = Point(role, settings, measure(reference, engine, sampling, settings))
         if settings.family and point.seconds > budget.point_s:
             too_slow[settings.family] = steps
         yield point

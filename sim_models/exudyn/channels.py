@@ -4,12 +4,12 @@ Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in
 plane are complex numbers, x + iy.
 """
 
+from collections.abc import Set as AbstractSet
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.motion import channels
 from scenes.scene import GROUND
 
 from .system import System
@@ -32,12 +32,14 @@ def place(system: System, point: str, q: Array) -> NDArray[np.complex128]:
     return at
 
 
-def kinematics(system: System, q: Array, v: Array, a: Array | None = None) -> dict[str, Array]:
+def kinematics(
+    system: System, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
+) -> dict[str, Array]:
     """Return the channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
-    scene, asked = system.scene, set(channels(system.scene))
+    scene = system.scene
     found = {scene.drive_channel: driven(system, q)}
     for point in scene.moving_points:
-        if asked.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
+        if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
             continue
         body = scene.owners[point][0]
         (c, phi), (dc, omega) = _body(system, body, q), _body(system, body, v)
@@ -51,7 +53,7 @@ def kinematics(system: System, q: Array, v: Array, a: Array | None = None) -> di
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
         found |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
-    return {name: samples for name, samples in found.items() if name in asked}
+    return {name: samples for name, samples in found.items() if name in wanted}
 
 
 def _body(system: System, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
@@ -60,10 +62,10 @@ def _body(system: System, name: str, q: Array) -> tuple[NDArray[np.complex128], 
     return q[:, first] + 1j * q[:, first + 1], q[:, first + 2]
 
 
-def forces(system: System, multipliers: Array) -> dict[str, Array]:
+def forces(system: System, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
     """Return the force channels, from multipliers of shape (n, constraints)."""
     multipliers = multipliers * system.force_unit
-    scene, asked = system.scene, set(channels(system.scene))
+    scene = system.scene
     found: dict[str, Array] = {}
     for pin, joint in system.pins.items():
         fx, fy = -multipliers[:, system.columns(joint)].T
@@ -80,4 +82,4 @@ def forces(system: System, multipliers: Array) -> dict[str, Array]:
             force = -force  # the joint's first marker is the slider's, and at its first point
         found |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
     found |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
-    return {name: samples for name, samples in found.items() if name in asked}
+    return {name: samples for name, samples in found.items() if name in wanted}

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, TypeAlias
 
-from scenes import Sampling, Scene
+from scenes import Request, Scene
 
 from .pointwise import Pointwise, PointwiseRun
 from .settings import Extra, Newton, Textbook, TimeStepping
@@ -124,7 +124,7 @@ def version() -> str:
     return f"exudyn {engine().__version__}"
 
 
-def build(scene: Scene, settings: ExudynSettings, sampling: Sampling) -> "SteppedRun | PointwiseRun":
+def build(scene: Scene, settings: ExudynSettings, request: Request) -> "SteppedRun | PointwiseRun":
     """Prepare a run.
 
     Raises:
@@ -132,7 +132,7 @@ def build(scene: Scene, settings: ExudynSettings, sampling: Sampling) -> "Steppe
     """
     try:
         if isinstance(settings, Pointwise):
-            return PointwiseRun(scene, sampling)
-        return SteppedRun(scene, settings, sampling)
+            return PointwiseRun(scene, request)
+        return SteppedRun(scene, settings, request)
     except engine().ExudynError as error:
         raise failure(error, "building the system") from None

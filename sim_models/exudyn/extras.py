@@ -7,7 +7,6 @@ from tempfile import mkdtemp
 from typing import Any
 from weakref import finalize
 
-from scenes.motion import asks_forces
 from scenes.scene import GROUND
 
 from .settings import Extra, Textbook, TimeStepping
@@ -17,7 +16,7 @@ from .system import System, engine
 class Extras:
     """Sensors on a system, a folder for its files that lives as long as this does, and a callback."""
 
-    def __init__(self, system: System, options: TimeStepping, step: float) -> None:
+    def __init__(self, system: System, options: TimeStepping, step: float, *, forces: bool) -> None:
         extra, settings = options.extra, system.settings
         if extra is Extra.TEXT or isinstance(options, Textbook):
             self.folder = Path(mkdtemp(prefix="exudyn_"))
@@ -26,7 +25,7 @@ class Extras:
             settings.solution.file.name = str(self.folder / "coordinates.txt")
         if extra in (Extra.SENSORS, Extra.TEXT):
             settings.solution.sensors.writePeriod = step
-            for number, sensor in enumerate(_sensors(system)):
+            for number, sensor in enumerate(_sensors(system, forces=forces)):
                 file = str(self.folder / f"sensor{number}.txt") if extra is Extra.TEXT else ""
                 system.mbs.AddSensor(sensor(fileName=file, storeInternal=not file))
             system.mbs.Assemble()
@@ -34,7 +33,7 @@ class Extras:
             system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
 
 
-def _sensors(system: System) -> Iterator[Any]:
+def _sensors(system: System, *, forces: bool) -> Iterator[Any]:
     """Yield a sensor for every two channels or one, as a function of where it writes."""
     scene, items, kinds = system.scene, engine().itemInterface, engine().OutputVariableType
 
@@ -52,7 +51,7 @@ def _sensors(system: System) -> Iterator[Any]:
     for name in scene.turning:
         for kind in (kinds.Rotation, kinds.AngularVelocity, kinds.AngularAcceleration):
             yield of_body(name, kind, 0j)
-    if asks_forces(scene):
+    if forces:
         for constraint in (*system.pins.values(), system.drive):
             yield of_constraint(constraint)
         for name, constraint in system.slides.items():

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from scenes import Sampling, Scene, Settings
+from scenes import Request, Scene, Settings
 
-from .simulation import Array, Run, asks_accelerations
+from .simulation import Array, Run, wants_accelerations
 
 
 @dataclass(frozen=True)
@@ -15,10 +15,10 @@ class Pointwise(Settings):
 class PointwiseRun(Run):
     """A motion made of its states."""
 
-    def __init__(self, scene: Scene, sampling: Sampling) -> None:
-        super().__init__(scene, sampling)
+    def __init__(self, scene: Scene, request: Request) -> None:
+        super().__init__(scene, request)
         self._driven = scene.drive.at(self.times)
-        self._samples = self._buffer(accelerations=asks_accelerations(scene))
+        self._samples = self._buffer(accelerations=wants_accelerations(scene, request))
 
     def solve(self) -> None:
         """Follow the pose through the samples, cycle by cycle.

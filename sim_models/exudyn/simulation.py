@@ -6,9 +6,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import asks_forces, quantity
-from scenes.motion import channels as asked_channels
+from scenes import Failure, Motion, Request, Scene, Status
+from scenes.engine import equal_steps
+from scenes.motion import quantity
 
 from . import channels
 from .loads import add_loads
@@ -29,9 +29,9 @@ def failure(error: Exception, doing: str) -> Failure:
     return Failure(status, f"Exudyn gave up {doing}: {clause}")
 
 
-def asks_accelerations(scene: Scene) -> bool:
+def wants_accelerations(scene: Scene, request: Request) -> bool:
     """Return whether any channel needs accelerations."""
-    return asks_forces(scene) or any(quantity(channel) in ("ax", "ay", "alpha") for channel in asked_channels(scene))
+    return request.wants_forces(scene) or any(quantity(c) in ("ax", "ay", "alpha") for c in request.wanted(scene))
 
 
 class Run:
@@ -39,21 +39,21 @@ class Run:
 
     drive_limit = DRIVE_LIMIT
 
-    def __init__(self, scene: Scene, sampling: Sampling, *, si: bool = False) -> None:
+    def __init__(self, scene: Scene, request: Request, *, si: bool = False) -> None:
         self.scene = scene
         self.system = System(scene, si=si)
         self.poses = Poses(self.system)
         self.start = start(self.poses)
         add_loads(self.system, self.poses, self.start)
-        self.times = sampling.times(scene)
-        self.positions = sampling.commanded(scene)
-        self.sampling = sampling
+        self.sampling = equal_steps(request)
+        self.times = request.times(scene)
+        self.positions = request.commanded(scene)
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
 
     def _buffer(self, *, accelerations: bool = True) -> Array:
         """Return room for samples of position, velocity, acceleration and, where forces are asked for, multipliers."""
-        levels = 4 if asks_forces(self.scene) else 3 if accelerations else 2
+        levels = 4 if self.sampling.wants_forces(self.scene) else 3 if accelerations else 2
         return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
 
     def read(self) -> Motion:
@@ -77,8 +77,9 @@ class Run:
     def _channels(self, samples: Array) -> dict[str, Array]:
         """Return the channels asked for."""
         q, v, *others = samples
-        forces = channels.forces(self.system, others[1]) if len(others) > 1 else {}
-        return channels.kinematics(self.system, q, v, *others[:1]) | forces
+        wanted = set(self.sampling.wanted(self.scene))
+        forces = channels.forces(self.system, others[1], wanted) if len(others) > 1 else {}
+        return channels.kinematics(self.system, wanted, q, v, *others[:1]) | forces
 
     def _check(self, samples: Array, motion: Motion) -> None:
         """Refuse what is not finite, or not where the drive is, or where Exudyn leaves out a force."""

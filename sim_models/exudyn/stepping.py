@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Failure, Motion, Request, Scene, Status
 from scenes.engine import ESTIMATE
-from scenes.motion import asks_forces
 from scenes.scene import ConstantSpeed
 
 from .checks import check_channels
@@ -32,10 +31,10 @@ DRIFT_LIMIT = 1e-3  # of the drive, as DRIVE_LIMIT: steps of index 2 hold the ra
 class SteppedRun(Run):
     """One integration in time, or two whose results are extrapolated."""
 
-    def __init__(self, scene: Scene, settings: TimeStepping, sampling: Sampling) -> None:
+    def __init__(self, scene: Scene, settings: TimeStepping, request: Request) -> None:
         self.options = settings
-        self.stride = ceil(settings.steps / sampling.samples)  # steps from sample to sample
-        super().__init__(scene, sampling, si=isinstance(settings, Textbook))
+        super().__init__(scene, request, si=isinstance(settings, Textbook))
+        self.stride = ceil(settings.steps / self.sampling.samples)  # steps from sample to sample
         if settings.solver == "TrapezoidalIndex2":
             if settings.richardson:
                 self.stride += self.stride % 2  # what rings in every other step cancels between two even numbers
@@ -90,7 +89,7 @@ class SteppedRun(Run):
     def _prepare(self, begin: State) -> None:
         """Set the integrator, and its initial values."""
         self.lead = self.options.pre_roll * self.step
-        self._extras = Extras(self.model, self.options, self.step)
+        self._extras = Extras(self.model, self.options, self.step, forces=len(self._runs[0]) > 3)
         configure(self.model.settings, self.options, self.system.size)
         drive, values, initial = self.scene.drive.at(-self.lead), self.model.state, engine().ConfigurationType.Initial
         for place, of_plane in (
@@ -142,7 +141,7 @@ class SteppedRun(Run):
             (state.GetODE2Coordinates_t, coordinates),
             (state.GetODE2Coordinates_tt, coordinates),
         ]
-        if asks_forces(self.scene):
+        if len(samples) > 3:
             getters.append((state.GetAECoordinates, self.model.multipliers))
         steps = count(-before)
 

@@ -12,7 +12,7 @@ Engine: python-flint, imported only when a run is built.
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from scenes import Sampling, Scene, Settings
+from scenes import Request, Scene, Settings
 
 if TYPE_CHECKING:
     from .simulation import MultiprecisionSimulation
@@ -43,7 +43,7 @@ def version() -> str:
     return f"python-flint {flint.__version__} (FLINT {flint.__FLINT_VERSION__})"
 
 
-def build(scene: Scene, settings: MultiprecisionSettings, sampling: Sampling) -> "MultiprecisionSimulation":
+def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
     """Set up the equations, close the linkage on the sketch's branch and move it to the drive's start.
 
     Raises:
@@ -53,4 +53,4 @@ def build(scene: Scene, settings: MultiprecisionSettings, sampling: Sampling) ->
     """
     from .simulation import MultiprecisionSimulation
 
-    return MultiprecisionSimulation(scene, sampling, settings.digits)
+    return MultiprecisionSimulation(scene, request, settings.digits)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes import Failure, Motion, Request, Scene, Status
 from scenes.loads import PressForce
-from scenes.motion import Samples, channels, force_channels
+from scenes.motion import Samples, force_channels
 
 from .constraints import Linkage
 from .loads import Loads
@@ -32,14 +32,14 @@ class State(NamedTuple):
 class MultiprecisionSimulation:
     """One prepared run, see `scenes.engine.Simulation`."""
 
-    def __init__(self, scene: Scene, sampling: Sampling, digits: int) -> None:
+    def __init__(self, scene: Scene, request: Request, digits: int) -> None:
         """Find the pose at the start, and where the strokes of press forces end.
 
         Raises:
             Failure: the linkage cannot be assembled as sketched, or locks on the way to the start, or within the
                 cycle where a press force asks for its end.
         """
-        self._scene, self._sampling, self._digits = scene, sampling, digits
+        self._scene, self._request, self._digits = scene, request, digits
         start, sketched = scene.drive.start, scene.sketch.drive
         if scene.driven_slide is None:
             sketched = start + remainder(sketched - start, tau)  # from there the short way round to the start
@@ -62,8 +62,8 @@ class MultiprecisionSimulation:
             Failure: the linkage locks at some position of the drive, or the digits are too few.
         """
         scene = self._scene
-        _, rates, accelerations = scene.drive.at(self._sampling.times(scene))
-        driven = zip(self._sampling.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
+        _, rates, accelerations = scene.drive.at(self._request.times(scene))
+        driven = zip(self._request.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
         march = March(self._linkage, self._digits)
         self._states = []
         q = self._start
@@ -82,7 +82,7 @@ class MultiprecisionSimulation:
     def read(self) -> Motion:
         """Return the channels asked for, rounded to double precision here and nowhere before."""
         scene, linkage, states = self._scene, self._linkage, self._states
-        samples = {"time": self._sampling.times(scene)}
+        samples = {"time": self._request.times(scene)}
         with ctx.workdps(self._digits):
             samples[scene.drive_channel] = _table(linkage.position.value(state.q).entries() for state in states)[:, 0]
             x, v, a = (np.array(rows) for rows in zip(*(self._points(state) for state in states), strict=True))
@@ -102,7 +102,7 @@ class MultiprecisionSimulation:
             samples[f"{body}.alpha"] = alpha[:, column]
         if scene.has_masses:
             samples |= zip(force_channels(scene), multipliers.T, strict=True)
-        return Motion({channel: samples[channel] for channel in channels(scene)})
+        return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})
 
     def _state(self, q: arb_mat, rate: float, acceleration: float) -> State:
         """Return what follows from the pose, e being the drive's row.

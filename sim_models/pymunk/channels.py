@@ -6,10 +6,11 @@ and guides and the effort of the drive, in the order and with the signs of `scen
 """
 
 from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 
 import numpy as np
 
-from scenes.motion import Samples, asks_forces, channels, force_channels
+from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND
 
 from .constraints import Complex, Linkage, Plane, Poses, planes, solved, with_ground
@@ -17,27 +18,30 @@ from .loads import Acts, forces
 from .masses import held
 
 
-def found_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, acts: Acts) -> dict[str, Samples]:
-    """Return the channels asked for, shape (n,), and where there are forces among them, all forces."""
-    found = motion_channels(linkage, q, v, a)
-    return found | reaction_channels(linkage, q, v, a, acts) if asks_forces(linkage.scene) else found
+def found_channels(
+    linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses, acts: Acts
+) -> dict[str, Samples]:
+    """Return the channels wanted, shape (n,), and where there are forces among them, all forces."""
+    found = motion_channels(linkage, wanted, q, v, a)
+    if wanted.isdisjoint(force_channels(linkage.scene)):
+        return found
+    return found | reaction_channels(linkage, q, v, a, acts)
 
 
-def motion_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
-    """Return the channels asked for of points, bodies and the drive, shape (n,); q, v, a have shape (n, bodies, 3)."""
+def motion_channels(linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
+    """Return the channels wanted of points, bodies and the drive, shape (n,); q, v, a have shape (n, bodies, 3)."""
     scene = linkage.scene
-    asked = {*channels(scene)}
     found = {scene.drive_channel: linkage.drive_position(q)}
     for point in scene.moving_points:
         names = [f"{point}.{order}{axis}" for order in ("", "v", "a") for axis in "xy"]
-        if not asked.isdisjoint(names):
+        if not wanted.isdisjoint(names):
             body = scene.owners[point][0]
             _, *vectors = _point(linkage.index[body], linkage.arm(body, point), q, v, a)
             parts = [part for vector in vectors for part in (vector.real, vector.imag)]
-            found |= {name: part for name, part in zip(names, parts, strict=True) if name in asked}
+            found |= {name: part for name, part in zip(names, parts, strict=True) if name in wanted}
     for name in scene.turning:
         for quantity, values in (("angle", q), ("omega", v), ("alpha", a)):
-            if f"{name}.{quantity}" in asked:
+            if f"{name}.{quantity}" in wanted:
                 found[f"{name}.{quantity}"] = values[:, linkage.index[name], 2]
     return found
 

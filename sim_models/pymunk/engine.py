@@ -14,7 +14,7 @@ too few do not blur the result but flip the linkage, whatever dt. How many are e
 
 from collections.abc import Mapping
 
-from scenes import Sampling, Scene
+from scenes import Request, Scene
 
 from .settings import Extra, PymunkSettings, Textbook
 from .simulation import PymunkSimulation
@@ -130,14 +130,12 @@ def version() -> str:
     return f"pymunk {pymunk.version}, Chipmunk {pymunk.chipmunk_version.partition('-')[0]}"
 
 
-def build(
-    scene: Scene, settings: PymunkSettings | Textbook, sampling: Sampling
-) -> PymunkSimulation | TextbookSimulation:
+def build(scene: Scene, settings: PymunkSettings | Textbook, request: Request) -> PymunkSimulation | TextbookSimulation:
     """Prepare one run, or one for each level, from a consistent start.
 
     Raises:
         Failure: unsupported, what pymunk has no body, joint or drive for; cannot_assemble, with the drive's position.
     """
     if isinstance(settings, Textbook):
-        return TextbookSimulation(scene, settings, sampling)
-    return PymunkSimulation(scene, settings, sampling)
+        return TextbookSimulation(scene, settings, request)
+    return PymunkSimulation(scene, settings, request)

@@ -7,8 +7,9 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Failure, Motion, Sampling, Scene
-from scenes.motion import Samples, asks_forces, channels, force_channels
+from scenes import Failure, Motion, Request, Scene
+from scenes.engine import equal_steps
+from scenes.motion import Samples, force_channels
 
 from .channels import found_channels, joint_forces
 from .checks import (
@@ -48,28 +49,30 @@ class Level:
     samples: Mapping[str, Samples]
 
 
-def loaded(scene: Scene, settings: PymunkSettings) -> bool:
+def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
     """Return whether forces act on the bodies; where nobody asks for any, the drive alone moves fictitious masses."""
-    return asks_forces(scene) and not settings.fictitious
+    return request.wants_forces(scene) and not settings.fictitious
 
 
-def linkage_of(scene: Scene, settings: PymunkSettings) -> Linkage:
+def linkage_of(scene: Scene, settings: PymunkSettings, request: Request) -> Linkage:
     """Return the linkage with the masses that these settings give it.
 
     Raises:
         Failure: unsupported, cannot_assemble; see `Linkage`.
     """
-    masses = ballasted_masses if loaded(scene, settings) else fictitious_masses
+    masses = ballasted_masses if loaded(scene, settings, request) else fictitious_masses
     return Linkage(scene, own_masses if settings.extra == "motor" else masses)
 
 
 class PymunkSimulation:
     """One run for each level. Where nobody asks for forces, they have fictitious masses and fewer sweeps."""
 
-    def __init__(self, scene: Scene, settings: PymunkSettings, sampling: Sampling) -> None:
+    def __init__(self, scene: Scene, settings: PymunkSettings, request: Request) -> None:
+        sampling = equal_steps(request)
         self._scene, self._sampling = scene, sampling
-        self._loaded = loaded(scene, settings)
-        self._linkage = linkage_of(scene, settings)
+        self._wanted = frozenset(request.wanted(scene))
+        self._loaded = loaded(scene, settings, request)
+        self._linkage = linkage_of(scene, settings, request)
         spared = not (self._loaded or settings.fictitious or settings.extra == "motor")
         iterations = ceil(settings.iterations / LIGHTER) if spared else settings.iterations
 
@@ -129,10 +132,10 @@ class PymunkSimulation:
         q, a = run.path.q[sampled], run.accelerations[sampled]
         v = run.path.v[sampled] - run.dt / 2 * a
         acts = run.acts if self._loaded else self._acting(q, v)
-        return Level(run, q, v, a, acts, found_channels(self._linkage, q, v, a, acts))
+        return Level(run, q, v, a, acts, found_channels(self._linkage, self._wanted, q, v, a, acts))
 
     def _extrapolated(self, levels: Sequence[Level]) -> dict[str, Samples]:
-        asked = [name for name in channels(self._scene) if name in levels[0].samples]
+        asked = [name for name in self._sampling.wanted(self._scene) if name in levels[0].samples]
         samples = {name: _richardson([level.samples[name] for level in levels]) for name in asked}
         # Where the levels have a press force now on and now off, no limit can be told from them.
         finest = levels[-1]
@@ -149,7 +152,7 @@ class PymunkSimulation:
         residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
         residuals |= level_change(linkage, [level.a for level in levels])
         true = closed(linkage, _richardson([level.q for level in levels]), self._driven)
-        expected = found_channels(linkage, *true, levels[-1].acts)
+        expected = found_channels(linkage, self._wanted, *true, levels[-1].acts)
         errors = largest_errors(linkage, samples, expected)
         largest = LARGEST_ERROR if len(levels) == 1 else LARGEST_EXTRAPOLATED_ERROR
         return residuals | check_closed(self._scene, positions, errors, largest)

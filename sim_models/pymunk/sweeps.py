@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Scene
+from scenes import Request, Scene
 
 from .constraints import Linkage, Poses
 from .settings import Extra, PymunkSettings
@@ -35,7 +35,7 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     Raises:
         Failure: unsupported, cannot_assemble; as the run itself.
     """
-    linkage = linkage_of(scene, settings)
+    linkage = linkage_of(scene, settings, Request())
     rho = max(rho for _, rho in contractions(linkage, start(linkage)))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
 

@@ -11,8 +11,8 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import channels
+from scenes import Failure, Motion, Request, Scene, Status
+from scenes.engine import equal_steps
 from scenes.scene import Force
 
 from .channels import found_channels
@@ -35,9 +35,11 @@ class TextbookSimulation:
         Failure: unsupported, what the manual has no joint or force for; cannot_assemble, with the drive's position.
     """
 
-    def __init__(self, scene: Scene, settings: Textbook, sampling: Sampling) -> None:
+    def __init__(self, scene: Scene, settings: Textbook, request: Request) -> None:
         _refuse(scene)
+        sampling = equal_steps(request)
         self._scene, self._sampling, self._iterations = scene, sampling, settings.iterations
+        self._wanted = frozenset(request.wanted(scene))
         self._linkage = linkage = Linkage(scene, own_masses)
         self._stride = ceil(settings.steps / sampling.samples)
         self._dt = float(sampling.times(scene)[1]) / self._stride
@@ -87,8 +89,8 @@ class TextbookSimulation:
         linkage, before, after = self._linkage, self._before.rows(), self._after.rows()
         q, v, a = after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / self._dt
         acts = np.zeros((len(q), 0), dtype=np.bool_)
-        found = found_channels(linkage, q, v, a, acts)
-        samples = {name: found[name] for name in channels(self._scene) if name in found}
+        found = found_channels(linkage, self._wanted, q, v, a, acts)
+        samples = {name: found[name] for name in self._sampling.wanted(self._scene) if name in found}
         motion = Motion({"time": self._sampling.times(self._scene)} | samples)
         path = Path(q, v, self._sampling.commanded(self._scene), self._dt, 1 - ERROR_BIAS**self._dt)
         try:
@@ -96,7 +98,7 @@ class TextbookSimulation:
             check_finite(self._scene, samples)
             # The motor may lag: the linkage is to follow the crank where it is.
             driven = self._scene.drive.at(motion["time"])._replace(position=linkage.drive_position(q))
-            true = found_channels(linkage, *closed(linkage, q, driven), acts)
+            true = found_channels(linkage, self._wanted, *closed(linkage, q, driven), acts)
             errors = largest_errors(linkage, samples, true)
             self.residuals |= check_closed(self._scene, path.positions, errors, LARGEST_ERROR)
         except Failure as failure:

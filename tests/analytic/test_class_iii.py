@@ -11,9 +11,10 @@ import analytic
 import scenes
 from analytic import continuation
 from analytic.decomposition import Decomposition, _Placed, decompose, larger_group, members
+from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from analytic.newton_group import Group
-from analytic.solve import solve_decomposed
+from analytic.solve import prepared
 from compare.engines import registry
 from compare.engines.reference import establish, relative_errors
 from compare.judge.checks import checks
@@ -81,7 +82,7 @@ def test_dyads_as_one_group(scene_from: SceneFrom, text: str) -> None:
     scene = scene_from(text)
     by_dyads = decompose(scene)
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
-    by_newton = solve_decomposed(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)), position)
+    by_newton = prepared(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)))(position)
     scale = establish(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         # near 30 deg rod and guide of the busy scene are almost square, which multiplies roundings by thousands
@@ -100,7 +101,7 @@ def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(scene_from: Scene
             placed.add(body)
     groups = (*before, larger_group(placed, members(last)))
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
-    by_newton = solve_decomposed(scene, replace(by_dyads, groups=groups), position)
+    by_newton = prepared(scene, replace(by_dyads, groups=groups))(position)
     scale = establish(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings of each
@@ -193,7 +194,7 @@ def test_the_scene_is_as_it_says(class_iii: Scene) -> None:
 def test_a_lock_is_told_where(scene_from: SceneFrom) -> None:
     """With a longer crank, the lines of the three bars meet in one point at both ends of the range."""
     scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
-    (interval,) = motion_range(scene, decompose(scene))
+    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     assert interval.start_lock == interval.end_lock == "B"
     assert interval.end - interval.start < 2 * np.pi
     ends = analytic.solve(scene, [interval.start, interval.end])
@@ -259,7 +260,7 @@ def test_newton_does_not_jump_over_a_lock(scene_from: SceneFrom) -> None:
     Steps of 0.01 degrees in other coordinates lose the branch at 72.007 and at -109.09 degrees.
     """
     scene = scene_from(JUMPS)
-    (interval,) = motion_range(scene, decompose(scene))
+    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     assert np.degrees([interval.start, interval.end]) == pytest.approx([360 - 109.09, 360 + 72.007], abs=0.005)
     inside = np.linspace(interval.start, interval.end, 50)[1:-1]
     with pytest.raises(Failure, match=r"B cannot be reached at crank angle 90\.0000 deg"):

@@ -9,11 +9,10 @@ import analytic
 import scenes
 from analytic import continuation
 from analytic.decomposition import decompose
-from analytic.solve import solve_decomposed
+from analytic.solve import prepared
 from compare.engines import registry
 from compare.engines.reference import establish, relative_errors
-from compare.hard.digits import stopping
-from scenes import Failure, Motion, Sampling, Scene, hard
+from scenes import Failure, Motion, Positions, Sampling, Scene, hard
 from scenes.motion import Samples
 from scenes.scene import ConstantSpeed
 
@@ -27,7 +26,7 @@ def exact_at(scene: Scene, position: Samples) -> Motion:
     assert isinstance(scene.drive, ConstantSpeed)
     engine = registry.engine(registry.ORACLE)
     there = replace(scene, drive=replace(scene.drive, start=float(position[0])))
-    run = engine.build(stopping(there, position), engine.DEFAULT, Sampling(len(position) - 1))
+    run = engine.build(there, engine.DEFAULT, Positions(tuple(position)))
     run.solve()
     motion: Motion = run.read()
     assert np.array_equal(motion[scene.drive_channel], position)
@@ -77,10 +76,10 @@ def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
     by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
     least, most = scene.drive.extent
     position = np.linspace(least, most, 3601)
-    nearest = position[solve_decomposed(scene, by_dyads, position)["B.to_lock"].argmin()]
+    nearest = position[analytic.solve(scene, position)["B.to_lock"].argmin()]
     width = np.sqrt(float(label))  # rad, or so: where the lock is felt
     position = np.concatenate([position, nearest + width * np.linspace(-5, 5, 101)])
-    found, true = solve_decomposed(scene, by_newton, position), analytic.solve(scene, position)
+    found, true = prepared(scene, by_newton)(position), analytic.solve(scene, position)
     for quantity, power in (("", 0.5), ("v", 1), ("a", 1)):  # of the distance: `compare.digits`
         for axis in "xy":
             error = np.abs(found[f"B.{quantity}{axis}"] - true[f"B.{quantity}{axis}"])
@@ -95,13 +94,12 @@ def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard:
     by_dyads = decompose(scene)
     by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
     position = np.linspace(*scene.drive.extent, 3601)
-    solve_decomposed(scene, by_newton, position)
+    prepared(scene, by_newton)(position)
     monkeypatch.setattr(continuation, "SMOOTH", 1e3)
-    by_newton.tracks.clear()
     if guard == "branch":
         monkeypatch.setattr(np.linalg, "slogdet", lambda J: (np.ones(len(J)), None))
     try:
-        found = solve_decomposed(scene, by_newton, position)
+        found = prepared(scene, by_newton)(position)
     except Failure:
         return
     assert np.abs(found["B.y"] - analytic.solve(scene, position)["B.y"]).max() > 1e-3

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import analytic
 from analytic.decomposition import _Placed, decompose, larger_group, members
-from analytic.solve import solve_decomposed
+from analytic.solve import prepared
 from compare.engines import registry
 from compare.judge.checks import checks
 from scenes import Sampling, Scene
@@ -122,7 +122,8 @@ def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.D
     whole = solve(scene)
     known = data.draw(st.sampled_from((list(whole.samples), list(force_channels(scene)))))
     asked = data.draw(st.frozensets(st.sampled_from(known), min_size=1, max_size=3))
-    part = solve(replace(scene, asked=asked))
+    time = instants(scene)
+    part = analytic.solve(scene, scene.drive.at(time).position, time, asked)
     assert set(part.samples) == asked | {"time", scene.drive_channel}
     for channel in part.samples:
         assert np.array_equal(part[channel], whole[channel]), channel
@@ -162,8 +163,7 @@ def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
         placed.add(body)
     group = larger_group(placed, tuple(body for body in linkage.carries if body not in placed))
     time = instants(scene)
-    newton = replace(linkage, groups=(*dyads, group), tracks={}, stroke_ends={})
-    by_newton = solve_decomposed(scene, newton, scene.drive.at(time).position, time)
+    by_newton = prepared(scene, replace(linkage, groups=(*dyads, group)))(scene.drive.at(time).position, time)
     motion = solve(scene)
     assert_agree(scene, by_newton, {c: motion[c] for c in channels(scene)})
 

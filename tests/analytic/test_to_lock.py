@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import analytic
 import scenes
 from analytic.decomposition import decompose
+from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from scenes import Failure, Motion, Scene
 from scenes.scene import Slide
@@ -71,7 +72,7 @@ def test_transmission_is_the_angle_of_two_lines(scene_from: SceneFrom, case: str
 def test_transmission_is_nothing_in_a_lock_and_whole_where_square(scene_from: SceneFrom) -> None:
     """Coupler and rocker are in line at both ends, and square where the crank's tip is hypot(1.5, 1.2) from C."""
     scene = scene_from(TRIPLE_ROCKER)
-    (interval,) = motion_range(scene, decompose(scene))
+    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     square = np.arccos((2**2 + 3**2 - 1.5**2 - 1.2**2) / (2 * 2 * 3))
     found = analytic.solve(scene, [interval.start, interval.end, square])["B.transmission"]
     assert found[:2] == pytest.approx([0, 0], abs=1e-6)  # the square root of an angle's roundings
@@ -123,11 +124,13 @@ def test_a_length_changed_by_that_much_locks(scene_from: SceneFrom, case: str) -
     """One way by a little more it does not reach, and by less it has just that left; the other way it does."""
     text, joint, position, change, body = NEAREST[case]
     channel = f"{joint}.to_lock"
-    scene = replace(scene_from(text), asked=frozenset({channel}))  # what hangs on the group may lock before
+    scene = scene_from(text)
 
     def left(longer_by: float) -> float | None:
         try:
-            return float(analytic.solve(change(body, longer_by)(scene), [position])[channel][0])
+            # that channel alone: what hangs on the group may lock before
+            motion = analytic.solve(change(body, longer_by)(scene), [position], channels={channel})
+            return float(motion[channel][0])
         except Failure:
             return None
 
@@ -151,7 +154,7 @@ def test_two_crossing_guides_have_no_length_to_a_lock(scene_from: SceneFrom) -> 
 def test_a_larger_group_has_a_length_alone(scene_from: SceneFrom) -> None:
     """It falls to zero at either end of the range, as the root of the angle that is left."""
     scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
-    (interval,) = motion_range(scene, decompose(scene))
+    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     left = np.array([1e-5, 4e-5])  # rad; far more than the end is known to, 1e-8
     for angles in (interval.start + left, interval.end - left):
         motion = analytic.solve(scene, angles)

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare.asked import accuracy, narrowed
+from compare.asked import accuracy, matching
 from compare.engines.reference import Reference, establish
 from compare.engines.runner import Run
 from compare.judge.checks import checks
@@ -20,11 +20,11 @@ from compare.judge.errors import compare
 from compare.judge.verdict import judged
 from compare.report import files as output
 from compare.report import tables
-from compare.report.curves import panels
+from compare.report.curves import Panel, panels
 from compare.speed.timing import Budget
 from compare.study import Study, study
-from scenes import InputError, Motion, Sampling, Status
-from scenes.motion import channels, header
+from scenes import InputError, Motion, Request, Sampling, Status
+from scenes.motion import header
 from tests.comparisons import CHECKS
 from tests.mechanisms import MECHANISMS
 
@@ -41,9 +41,9 @@ Studies = Callable[..., Study]
     ],
 )
 def test_channels_asked_for(patterns: list[str], asked: set[str]) -> None:
-    scene = narrowed(scenes.load("toggle_press"), patterns)
-    assert set(scene.asked or ()) == asked
-    assert set(channels(scene)) == asked | {"time", "crank_angle"}
+    scene = scenes.load("toggle_press")
+    assert matching(scene, patterns) == asked
+    assert set(Sampling(channels=matching(scene, patterns)).wanted(scene)) == asked | {"time", "crank_angle"}
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_channels_asked_for(patterns: list[str], asked: set[str]) -> None:
 )
 def test_channels_that_are_not(pattern: str, nearest: str) -> None:
     with pytest.raises(InputError, match="toggle_press has no channel") as caught:
-        narrowed(scenes.load("toggle_press"), ["P5.*", pattern])
+        matching(scenes.load("toggle_press"), ["P5.*", pattern])
     assert nearest in str(caught.value)
 
 
@@ -80,9 +80,8 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
         if name in MECHANISMS:
             file.write_text(MECHANISMS[name], encoding="utf-8")
         scene = scenes.load(file if name in MECHANISMS else name)
-        return study(
-            narrowed(scene, patterns) if patterns else scene, ["analytic"], SAMPLING, Budget(1, 0.0), lambda _: None
-        )
+        sampling = Sampling(72, channels=matching(scene, patterns) if patterns else None)
+        return study(scene, ["analytic"], sampling, Budget(1, 0.0), lambda _: None)
 
     return of
 
@@ -103,7 +102,7 @@ FEW = [
 def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path: Path) -> None:
     """The channels asked for and no others, with the errors that they have among all."""
     full, few = studies(name), studies(name, *patterns)
-    wanted = channels(few.scene)
+    wanted = few.sampling.wanted(few.scene)
     assert few.measurements[0].run.status is Status.ok, few.measurements[0].run.reason
     assert few.reference.scale == full.reference.scale
     assert set(few.reference.floor.by_channel) <= set(wanted)
@@ -117,16 +116,20 @@ def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "Asked for:" in page
     assert "Assur groups" not in page, "nobody asked for them"
-    for panel in panels(few.reference):
+    for panel in panels(few.reference, few.sampling):
         assert set(panel.judged) <= set(wanted)
         for curve in panel.curves:
             assert np.isfinite(curve.of(few.motion)).all()
 
 
 def test_panels_are_of_what_is_asked_for(studies: Studies) -> None:
-    titles = [panel.title for panel in panels(studies("toggle_press", "P3.f?", "P3.x", "P3.y", "O.fx").reference)]
+    def of(*patterns: str) -> list[Panel]:
+        result = studies("toggle_press", *patterns)
+        return list(panels(result.reference, result.sampling))
+
+    titles = [panel.title for panel in of("P3.f?", "P3.x", "P3.y", "O.fx")]
     assert [title.partition(":")[0] for title in titles] == ["Pin O", "Pin P3"]
-    (panel,) = panels(studies("toggle_press", "P5.y").reference)
+    (panel,) = of("P5.y")
     assert [curve.name for curve in panel.curves] == ["along the guide"]
     assert panel.judged == ("P5.y",)
 
@@ -136,11 +139,11 @@ def reference() -> Reference:
     return establish(scenes.load("toggle_press"))
 
 
-def motion_of(reference: Reference, *patterns: str) -> tuple[Reference, Motion]:
-    """Return the reference with some channels asked for, and a motion with only those."""
-    few = replace(reference, scene=narrowed(reference.scene, patterns))
-    motion = few.at(SAMPLING.commanded(few.scene), SAMPLING.times(few.scene))
-    return few, Motion({channel: motion[channel] for channel in channels(few.scene)})
+def motion_of(reference: Reference, *patterns: str) -> Motion:
+    """Return a motion with only the channels that match."""
+    scene = reference.scene
+    motion = reference.at(SAMPLING.commanded(scene), SAMPLING.times(scene))
+    return Motion({c: motion[c] for c in Sampling(channels=matching(scene, patterns)).wanted(scene)})
 
 
 @pytest.mark.parametrize(
@@ -153,19 +156,18 @@ def motion_of(reference: Reference, *patterns: str) -> tuple[Reference, Motion]:
     ],
 )
 def test_checks_that_have_their_channels(reference: Reference, patterns: list[str], made: set[str]) -> None:
-    few, motion = motion_of(reference, *patterns)
-    assert {check.of for check in checks(few.scene, motion, few.stroke) if check.check != "drive"} == made
-    everything = checks(reference.scene, few.at(motion["crank_angle"], motion["time"]), few.stroke)
+    motion = motion_of(reference, *patterns)
+    assert {check.of for check in checks(reference.scene, motion, reference.stroke) if check.check != "drive"} == made
+    whole = reference.at(motion["crank_angle"], motion["time"])
+    everything = checks(reference.scene, whole, reference.stroke)
     assert {check.check for check in everything} == CHECKS
 
 
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:
     few = studies("quick_return", "block.*")
     assert {check.check for check in few.measurements[0].checks} == {"drive"}
-    scene = narrowed(replace(few.scene, asked=None), ["*.x", "*.y", "*.angle"])
-    motion = few.reference.at(SAMPLING.commanded(scene), SAMPLING.times(scene))
-    found = checks(scene, Motion({channel: motion[channel] for channel in channels(scene)}), few.reference.stroke)
-    assert {check.of for check in found if check.check == "closure"} == set(scene.bodies)
+    found = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.stroke)
+    assert {check.of for check in found if check.check == "closure"} == set(few.scene.bodies)
 
 
 @pytest.mark.parametrize(
@@ -173,25 +175,25 @@ def test_a_slot_needs_its_carrier(studies: Studies) -> None:
 )
 def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: list[str], status: Status) -> None:
     """The slider a tenth of the stroke off, beside its guide and along it; without its channels nobody can know."""
-    few, motion = motion_of(reference, *patterns)
-    moved = {c: motion[c] + 0.1 * few.stroke for c in ("P5.x", "P5.y") if c in motion}
+    motion, scene = motion_of(reference, *patterns), reference.scene
+    moved = {c: motion[c] + 0.1 * reference.stroke for c in ("P5.x", "P5.y") if c in motion}
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
-    found = judged(run, few.scene, checks(few.scene, wrong, few.stroke), compare(few, SAMPLING, wrong))
+    found = judged(run, scene, checks(scene, wrong, reference.stroke), compare(reference, SAMPLING, wrong))
     assert found.status is status
 
 
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
     scene = scenes.load("toggle_press")
     scene = replace(scene, tolerances={"analytic": {"position": 1e-9, "reaction": 1e-9, "torque": 0.0}})
-    few = narrowed(scene, ["P5.y", "drive.torque"])
-    result = study(few, ["analytic"], SAMPLING, Budget(1, 0.0), lambda _: None)
+    few = Sampling(72, channels=frozenset({"P5.y", "drive.torque"}))
+    result = study(scene, ["analytic"], few, Budget(1, 0.0), lambda _: None)
     assert [(gate.group, gate.missed) for gate in result.gates] == [("position", False), ("torque", True)]
     assert "P5.y, drive.torque" in tables.notes(result)[1]
 
 
 def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every run of every engine, and the one that certifies the floor, gets the scene with what is asked for."""
+    """Every run of every engine, and the one that certifies the floor, is asked for these channels alone."""
     from compare.engines import registry
 
     seen = []
@@ -204,12 +206,12 @@ def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
         def __getattr__(self, attribute: str) -> object:
             return getattr(real(self.name), attribute)
 
-        def build(self, scene: scenes.Scene, settings: scenes.Settings, sampling: Sampling) -> scenes.Simulation:
-            seen.append((self.name, scene.asked))
-            return real(self.name).build(scene, settings, sampling)
+        def build(self, scene: scenes.Scene, settings: scenes.Settings, request: Request) -> scenes.Simulation:
+            seen.append((self.name, request.channels))
+            return real(self.name).build(scene, settings, request)
 
     monkeypatch.setattr(registry, "engine", Spy)
-    scene = narrowed(scenes.load("toggle_press"), ["P5.y"])
-    study(scene, ["analytic"], SAMPLING, Budget(1, inf), lambda _: None)
+    few = frozenset({"P5.y"})
+    study(scenes.load("toggle_press"), ["analytic"], Sampling(72, channels=few), Budget(1, inf), lambda _: None)
     assert {name for name, _ in seen} == {"analytic", "multiprecision"}
-    assert {asked for _, asked in seen} == {scene.asked}
+    assert {asked for _, asked in seen} == {few}

@@ -10,8 +10,8 @@ import pytest
 from analytic import kinematics
 from compare.engines import registry
 from compare.engines.reference import establish
-from compare.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions, stopping
-from scenes import Failure, Sampling, Scene, Status, hard
+from compare.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
+from scenes import Failure, Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
 from tests.analytic.test_solve import SLIDER_CRANK
 from tests.conftest import SceneFrom
@@ -103,23 +103,21 @@ def test_the_nearest_lock_is_looked_at_from_close_by(scene_from: SceneFrom) -> N
     assert (np.diff(positions(back, nearest)) < 0).all()  # as the drive comes by
     part = scene_from(SLIDER_CRANK.replace("speed = 10", "speed = 10\nstart = 0.5\nend = 1.5"))
     assert positions(part, 0.5).min() == 0.5  # a way that ends is not left
-    sampled = Sampling(len(stops) - 1).commanded(stopping(scene, stops))
-    assert np.array_equal(sampled, stops)
+    assert np.array_equal(Positions(tuple(stops)).commanded(scene), stops)
 
 
 def test_every_input_is_off_by_a_step(scene_from: SceneFrom) -> None:
     """Zeros, as O and two of the masses, are exact; a vector is off twice, along itself and across, a guide across."""
     scene = scene_from(SLIDER_CRANK)
-    moving = stopping(scene, np.array([0.0, 1.0]))
-    others = list(inputs_off(moving))
+    others = list(inputs_off(scene))
     off = {
         name: [other.bodies[name] for other in others if other.bodies[name] != body]
         for name, body in scene.bodies.items()
     }
     assert {name: len(bodies) for name, bodies in off.items()} == {"crank": 2, "rod": 1, "slider": 2}
     assert sum(other.loads != scene.loads for other in others) == 2
-    assert sum(other.drive != moving.drive for other in others) == 2
-    assert len(others) == 9
+    assert sum(other.drive != scene.drive for other in others) == 1
+    assert len(others) == 8
     (rod,) = off["rod"]
     assert rod.lengths is not None
     assert rod.lengths[frozenset("AB")] == 3 * (1 + STEP)

@@ -28,7 +28,7 @@ def result() -> Study:
 
 
 def panel_of(result: Study, title: str) -> Panel:
-    return next(panel for panel in panels(result.reference) if panel.title.startswith(title))
+    return next(panel for panel in panels(result.reference, result.sampling) if panel.title.startswith(title))
 
 
 def curve(panel: Panel, name: str) -> Callable[[Motion], Samples]:
@@ -36,7 +36,7 @@ def curve(panel: Panel, name: str) -> Callable[[Motion], Samples]:
 
 
 def test_every_joint_has_a_panel(result: Study) -> None:
-    titles = [panel.title for panel in panels(result.reference)]
+    titles = [panel.title for panel in panels(result.reference, result.sampling)]
     for wanted in (
         "P5: displacement",
         "P5: velocity",
@@ -123,7 +123,7 @@ def test_curves_run_over_the_drive(
     studies: Studies, name: str, title: str, first: float, last: float, autorange: object, said: str
 ) -> None:
     result = studies(name)
-    for panel in panels(result.reference):
+    for panel in panels(result.reference, result.sampling):
         figure = over_angle(result, panel)
         assert figure.layout.xaxis2.title.text == title
         assert figure.layout.xaxis2.autorange == autorange

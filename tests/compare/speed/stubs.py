@@ -1,7 +1,7 @@
 """Stand-ins for tests of speed against error: a clock, an engine whose errors and times are known, and its table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import repeat
 from math import inf, nan
 from typing import Any
@@ -96,7 +96,7 @@ class StubRun:
 
     def read(self) -> Motion:
         reference = self.engine.reference
-        scene = replace(reference.scene, asked=None)
+        scene = reference.scene
         exact = reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
         off = exact["P3.fx"] + reference.scale["P3.fx"] * self.steps**-2.0
         return Motion(dict(exact.samples) | {"P3.fx": off})

@@ -37,8 +37,14 @@ def edited(folder: Path, *changes: tuple[str, str]) -> Scene:
     return write(folder, text)
 
 
-def run(scene: Scene, settings: ExudynSettings, samples: int = 72, turns: int = 1) -> Motion:
-    simulation = model.build(scene, settings, Sampling(samples, turns))
+def run(
+    scene: Scene,
+    settings: ExudynSettings,
+    samples: int = 72,
+    turns: int = 1,
+    channels: frozenset[str] | None = None,
+) -> Motion:
+    simulation = model.build(scene, settings, Sampling(samples, turns, channels=channels))
     simulation.solve()
     return simulation.read()
 

@@ -90,5 +90,5 @@ def test_what_stays_a_whole_body(tmp_path: Path) -> None:
 
 def test_no_force_is_found_where_none_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Equations, "forces", None)
-    scene = replace(scenes.load("toggle_press"), asked=frozenset({"P5.ay"}))
-    assert set(run(scene, IN_PAIRS).samples) == {"time", "crank_angle", "P5.ay"}
+    motion = run(scenes.load("toggle_press"), IN_PAIRS, channels=frozenset({"P5.ay"}))
+    assert set(motion.samples) == {"time", "crank_angle", "P5.ay"}

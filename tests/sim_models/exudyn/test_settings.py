@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Settings
-from scenes.motion import channels
 from sim_models.exudyn import checks as exudyn_checks
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
@@ -104,8 +103,8 @@ def test_without_a_run_up_the_transient_is_of_order_one(monkeypatch: pytest.Monk
 # --- what costs what -------------------------------------------------------------------------------------------------
 
 
-def solved(scene: Scene, settings: ExudynSettings, samples: int = 72) -> tuple[Any, Motion]:
-    simulation = model.build(scene, settings, Sampling(samples))
+def solved(scene: Scene, settings: ExudynSettings, channels: frozenset[str] | None = None) -> tuple[Any, Motion]:
+    simulation = model.build(scene, settings, Sampling(72, channels=channels))
     simulation.solve()
     return simulation, simulation.read()
 
@@ -188,8 +187,8 @@ def test_reactions_to_1e_8_cost_little_more_than_to_a_per_cent() -> None:
     assert exact <= 4 * percent  # measured 2.6 times
 
 
-def built(settings: ExudynSettings, asked: frozenset[str] | None = None) -> Any:
-    return model.build(replace(scenes.load("toggle_press"), asked=asked), settings, Sampling(72))
+def built(settings: ExudynSettings, channels: frozenset[str] | None = None) -> Any:
+    return model.build(scenes.load("toggle_press"), settings, Sampling(72, channels=channels))
 
 
 def fastest(rounds: int, *simulations: Any) -> list[float]:
@@ -217,9 +216,8 @@ ASKED = {
 @pytest.mark.parametrize("level", ASKED)
 def test_only_what_is_asked_for_is_returned(level: str, settings: ExudynSettings) -> None:
     scene = scenes.load("toggle_press")
-    narrowed = replace(scene, asked=ASKED[level])
-    simulation, motion = solved(narrowed, settings)
-    assert set(motion.samples) == {*ASKED[level], "time", "crank_angle"} == set(channels(narrowed))
+    simulation, motion = solved(scene, settings, ASKED[level])
+    assert set(motion.samples) == {*ASKED[level], "time", "crank_angle"}
     _, complete = solved(scene, settings)
     for channel in motion.samples:
         assert (motion[channel] == complete[channel]).all()
@@ -234,8 +232,7 @@ def test_no_multiplier_is_found_where_no_force_is_asked_for(
     settings: ExudynSettings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Poses, "multipliers", None)
-    scene = replace(scenes.load("toggle_press"), asked=ASKED["acceleration"])
-    simulation, _ = solved(scene, settings)
+    simulation, _ = solved(scenes.load("toggle_press"), settings, ASKED["acceleration"])
     buffer = simulation._samples if settings is EXACT else simulation._runs[0]
     assert len(buffer) == 3
 
@@ -250,7 +247,7 @@ def test_springs_are_checked_though_nobody_asks_for_their_ends(tmp_path: Path) -
     spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 1000\nlength = 0.1\n[sketch]'
     text = SLIDER_CRANK.replace("A = [0, 0]", "A = [0, 0]\nP = [1.3, 0]", 1).replace("[sketch]", spring)
     with pytest.raises(Failure, match="P and C meet"):
-        run(replace(write(tmp_path, text), asked=frozenset({"drive.torque"})), EXACT)
+        run(write(tmp_path, text), EXACT, channels=frozenset({"drive.torque"}))
 
 
 # --- the ladders -----------------------------------------------------------------------------------------------------

@@ -1,0 +1,95 @@
+"""What is asked of a model: at which instants, and for which channels."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .drive import ConstantSpeed
+from .motion import Samples, channels, force_channels
+from .scene import Scene
+
+
+@dataclass(frozen=True)
+class Request:
+    """Base of both kinds of request: equal steps of the time, or positions of the drive."""
+
+    channels: frozenset[str] | None = field(default=None, kw_only=True)  # besides the time and the drive's; None: all
+
+    @property
+    def count(self) -> int:
+        """The number of rows, n."""
+        raise NotImplementedError
+
+    def times(self, scene: Scene) -> Samples:
+        """Return the instants, shape (n,), s."""
+        raise NotImplementedError
+
+    def commanded(self, scene: Scene) -> Samples:
+        """Return the positions that the drive commands at those instants, shape (n,), rad or m."""
+        raise NotImplementedError
+
+    def wanted(self, scene: Scene) -> tuple[str, ...]:
+        """Return the names of the channels of the result, in the order of the files."""
+        known = channels(scene)
+        if self.channels is None:
+            return known
+        wanted = {*self.channels, "time", scene.drive_channel}
+        return tuple(channel for channel in known if channel in wanted)
+
+    def wants_forces(self, scene: Scene) -> bool:
+        """Return whether any force channel is wanted; if not, no model needs to find one."""
+        return not set(force_channels(scene)).isdisjoint(self.wanted(scene))
+
+
+@dataclass(frozen=True)
+class Sampling(Request):
+    """Rows at `samples` equal steps of the time a cycle of the drive, over `turns` cycles, both ends included."""
+
+    samples: int = 360
+    turns: int = 1
+
+    @property
+    def count(self) -> int:
+        """The number of rows, n."""
+        return self.samples * self.turns + 1
+
+    def cycles(self) -> Samples:
+        """Return how many cycles have passed at each row, shape (n,)."""
+        return np.arange(self.count, dtype=np.float64) / self.samples
+
+    def times(self, scene: Scene) -> Samples:
+        """Return the instants, shape (n,), s."""
+        return self.cycles() * scene.drive.cycle
+
+    def commanded(self, scene: Scene) -> Samples:
+        """Return the positions that the drive commands at those instants, shape (n,), rad or m."""
+        return scene.drive.after(self.cycles())
+
+
+@dataclass(frozen=True)
+class Positions(Request):
+    """Rows at some positions of a drive at constant speed, rad or m, in the order in which it passes them.
+
+    Only models without a time step can answer; the others refuse it as unsupported.
+    """
+
+    positions: tuple[float, ...]
+
+    @property
+    def count(self) -> int:
+        """The number of rows, n."""
+        return len(self.positions)
+
+    def times(self, scene: Scene) -> Samples:
+        """Return the instants, shape (n,), s.
+
+        Raises:
+            ValueError: the drive follows a motion law.
+        """
+        if not isinstance(scene.drive, ConstantSpeed):
+            raise ValueError("positions alone are of a drive at constant speed")
+        return (self.commanded(scene) - scene.drive.start) / scene.drive.speed
+
+    def commanded(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself
+        """Return the positions, shape (n,), rad or m."""
+        return np.array(self.positions)
