@@ -65,9 +65,8 @@ def inputs(scene: Scene) -> Iterator[Input]:
 def put(whole: Any, path: Path, value: float | Vector) -> Any:
     """Return a scene, or a part of one, with another value of an input."""
     if not path:
-        return (
-            tuple(value * force for force in whole) if isinstance(whole, tuple) and isinstance(value, float) else value
-        )
+        by_factor = isinstance(whole, tuple) and not isinstance(value, tuple)
+        return tuple(value * force for force in whole) if by_factor else value
     key, rest = path[0], path[1:]
     if isinstance(whole, Mapping):
         return {**whole, key: put(whole[key], rest, value)}
