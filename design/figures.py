@@ -6,7 +6,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from compare.report.curves import COLOURS, DASHES, LAYOUT
+from compare.report.style import COLOURS, DASHES, LAYOUT
 
 from .clamp import DEGREE, Array, acceleration, velocity_ratio
 from .measures import measure

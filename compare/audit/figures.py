@@ -10,7 +10,7 @@ from plotly.subplots import make_subplots
 
 from scenes.motion import Samples
 
-from ..report.curves import COLOURS, DASHES, LAYOUT
+from ..report.style import COLOURS, DASHES, LAYOUT
 from . import clamp_designs as designs
 from . import clamp_formulas as formulas
 from .clamp_designs import SPEED

@@ -9,30 +9,18 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.io import templates
-from plotly.subplots import make_subplots
 
 from scenes import Motion, Request
 from scenes.motion import Samples, quantity
-from scenes.scene import ConstantSpeed, Vector
+from scenes.scene import Vector
 
-from ..engines.axis import axis, prefixed, turns_fully
+from ..engines.axis import axis, prefixed
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..study import Study
+from .style import BOUND, COLOURS, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 
-templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
-
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")  # Okabe and Ito's, told apart with any colour vision
-SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
-DASHES = ("solid", "dash", "dot")
 MARKERS = 36  # a cycle, shared out between the engines
-LAYOUT: dict[str, Any] = {
-    "margin": {"l": 70, "r": 20, "t": 40, "b": 55},
-    "legend": {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0},
-    "hoverlabel": {"namelength": -1},
-}
-SUBTITLED = {"margin": LAYOUT["margin"] | {"t": 80}, "legend": LAYOUT["legend"] | {"y": 1.07}}
 
 
 @dataclass(frozen=True)
@@ -113,95 +101,59 @@ def _magnitude(name: str, x: str, y: str, factor: float) -> Curve:
 
 def over_angle(study: Study, panel: Panel) -> go.Figure:
     """Draw one panel: curves above, errors below, on one axis."""
-    figure = make_subplots(2, 1, shared_xaxes=True, row_heights=[0.6, 0.4], vertical_spacing=0.06)
+    figure = stacked(0.6, 0.4)
     over = axis(study.scene).of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
-        line = {"color": "#555555", "dash": dash, "width": 1.5}
-        figure.add_scatter(x=over, y=curve.of(study.motion), name=curve.name, line=line, mode="lines", row=1, col=1)
+        draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
     stride = max(study.sampling.samples // MARKERS, 1)
     floor = max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
     for number, m in enumerate(study.measurements):
         if m.run.motion is None or m.comparison is None or any(c not in m.run.motion for c in panel.judged):
             continue
-        engine, colour = m.run.engine, COLOURS[number % len(COLOURS)]
+        engine = m.run.engine
         rows = slice(number * stride, None, len(study.measurements) * stride)
-        marker = {"color": colour, "symbol": SYMBOLS[number % len(SYMBOLS)], "size": 8, "line": {"width": 2}}
-        for first, curve in enumerate(panel.curves):
-            figure.add_scatter(
-                x=over[rows],
-                y=curve.of(m.run.motion)[rows],
-                name=engine,
-                legendgroup=engine,
-                showlegend=first == 0,
-                mode="markers",
-                marker=marker,
-                row=1,
-                col=1,
-            )
+        for curve in panel.curves:
+            draw(figure, engine, over[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
             error = np.sqrt(sum(np.square(m.comparison.actual[channel]) for channel in panel.judged))
-            figure.add_scatter(
-                x=over,
-                y=np.maximum(error, floor) if floor else np.where(error > 0, error, np.nan),
-                name=f"{engine} error",
-                legendgroup=engine,
-                showlegend=False,
-                mode="lines",
-                line={"color": colour, "width": 1.3},
-                row=2,
-                col=1,
-            )
+            shown = np.maximum(error, floor) if floor else np.where(error > 0, error, np.nan)
+            line = {"color": colour(number), "width": 1.3}
+            draw(figure, f"{engine} error", over, shown, 2, group=engine, line=line)
     if floor:
-        line = {"color": "#999999", "dash": "dot"}
-        figure.add_scatter(
-            x=over[[0, -1]], y=[floor] * 2, name="reference's floor", line=line, mode="lines", row=2, col=1
-        )
+        draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
     figure.update_yaxes(title=panel.axis, row=1, col=1)
-    figure.update_yaxes(title="relative error [-]", type="log", exponentformat="power", nticks=6, row=2, col=1)
-    return _on_axis(figure, study, 2).update_layout(LAYOUT, height=480)
+    figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
+    return _over_drive(figure, study, 2).update_layout(layout(480))
 
 
-def _on_axis(figure: go.Figure, study: Study, last_row: int) -> go.Figure:
-    scene = study.scene
-    figure.update_xaxes(title=axis(scene).title, row=last_row, col=1)
-    backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0  # time runs from left to right
-    ticks = {"dtick": 60 * study.sampling.turns} if turns_fully(scene) else {}
-    return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
+def _over_drive(figure: go.Figure, study: Study, last_row: int) -> go.Figure:
+    figure.update_xaxes(title=axis(study.scene).title, row=last_row, col=1)
+    return drive_axes(figure, study.scene, study.sampling.turns)
 
 
 def assur_groups(study: Study) -> go.Figure | None:
-    """Draw how far every Assur group is from its lock, as the reference alone can say; None if it says nothing."""
+    """Draw how far every Assur group is from its lock, by the reference; None where it has no such channel."""
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = prefixed(study.reference.stroke, "m")
     angles = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
     rows = [
-        (channels, factor, layout)
-        for wanted, factor, layout in (("transmission", 180 / np.pi, angles), ("to_lock", per_metre, {}))
+        (channels, factor, vertical)
+        for wanted, factor, vertical in (("transmission", 180 / np.pi, angles), ("to_lock", per_metre, {}))
         if (channels := [channel for channel in motion.samples if quantity(channel) == wanted])
     ]
     if not rows or study.sampling.channels is not None:
         return None
     joints = list(dict.fromkeys(channel.rpartition(".")[0] for channels, _, _ in rows for channel in channels))
-    figure = make_subplots(len(rows), 1, shared_xaxes=True, vertical_spacing=0.06)
-    for row, (channels, factor, layout) in enumerate(rows, start=1):
+    figure = stacked(*[1.0] * len(rows))
+    for row, (channels, factor, vertical) in enumerate(rows, start=1):
         for channel in channels:
             joint = channel.rpartition(".")[0]
             number = joints.index(joint)
-            line = {"color": COLOURS[number % len(COLOURS)], "dash": DASHES[number // len(COLOURS) % len(DASHES)]}
-            figure.add_scatter(
-                x=over,
-                y=factor * motion[channel],
-                name=joint,
-                legendgroup=joint,
-                showlegend=row == 1 or f"{joint}.transmission" not in motion,
-                mode="lines",
-                line=line,
-                row=row,
-                col=1,
-            )
+            line = {"color": colour(number), "dash": DASHES[number // len(COLOURS) % len(DASHES)]}
+            draw(figure, joint, over, factor * motion[channel], row, line=line)
         lengths = {"title": f"to lock [{metres}]"} | _logarithmic(factor * np.array([motion[c] for c in channels]))
-        figure.update_yaxes(**layout or lengths, row=row, col=1)
-    return _on_axis(figure, study, len(rows)).update_layout(LAYOUT, height=(300, 480)[len(rows) - 1])
+        figure.update_yaxes(**vertical or lengths, row=row, col=1)
+    return _over_drive(figure, study, len(rows)).update_layout(layout((300, 480)[len(rows) - 1]))
 
 
 def _logarithmic(values: Samples) -> dict[str, Any]:
@@ -210,10 +162,5 @@ def _logarithmic(values: Samples) -> dict[str, Any]:
     marks = np.outer(10.0 ** np.arange(-12, 12), (1, 2, 5)).ravel()
     near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
     if not 1 < len(near) < 8:
-        return {"type": "log", "exponentformat": "power", "dtick": 1}
-    return {
-        "type": "log",
-        "range": np.log10([0.9 * near[0], near[-1]]),
-        "tickvals": near,
-        "ticktext": [f"{m:g}" for m in near],
-    }
+        return LOG | {"dtick": 1}
+    return LOG | {"range": np.log10([0.9 * near[0], near[-1]]), "tickvals": near, "ticktext": [f"{m:g}" for m in near]}

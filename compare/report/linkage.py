@@ -5,18 +5,16 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from scenes import Scene
 from scenes.scene import GROUND, Body
 
 from ..engines.state import State, Vectors
 from ..study import Study
-from .curves import LAYOUT, SUBTITLED
+from .style import BODY_COLOURS, draw, layout, side_by_side
 
 POSES = (0.0, 0.25, 0.5, 0.75)  # of the first cycle
 POSES_ONCE = (0.0, 1 / 3, 2 / 3, 1.0)  # of a run that need not end where it began
-BODY_COLOURS = ("#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#f0e442")  # Okabe and Ito
 SLOT_MARGIN = 0.05  # of the travel, at each end
 
 
@@ -28,15 +26,13 @@ def linkage(study: Study) -> go.Figure:
     poses = POSES if scene.drive.repeats else POSES_ONCE
     rows = [round(pose * study.sampling.samples) for pose in poses]
     titles = [_title(scene, float(study.motion[scene.drive_channel][row])) for row in rows]
-    figure = make_subplots(1, len(poses), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=0.01)
+    figure = side_by_side(titles, 0.01)
     for column, row in enumerate(rows, start=1):
         _pose(figure, state, paths, row, column)
         figure.update_xaxes(title="x [mm]", matches="x", row=1, col=column)
         figure.update_yaxes(scaleanchor="x", scaleratio=1, row=1, col=column)
     figure.update_yaxes(title="y [mm]", row=1, col=1)
-    height = _height(np.concatenate(list(paths.values())))
-    legend = SUBTITLED["legend"] | {"y": 1 + 38 / (height - 135)}  # above the titles, at any height
-    return figure.update_layout(LAYOUT | SUBTITLED, legend=legend, height=height)
+    return figure.update_layout(layout(_height(np.concatenate(list(paths.values()))), titled=True))
 
 
 def _height(points: Vectors) -> int:
@@ -53,52 +49,33 @@ def _title(scene: Scene, position: float) -> str:
 
 def _pose(figure: go.Figure, state: State, paths: Mapping[str, Vectors], row: int, column: int) -> None:
     scene = state.scene
-    shown = {"row": 1, "col": column}
-    legend = column == 1
     for point in scene.moving_points:
-        path, line = paths[point], {"color": "#dddddd", "width": 1}
-        figure.add_scatter(
-            x=path.real, y=path.imag, mode="lines", line=line, hoverinfo="skip", showlegend=False, **shown
-        )
+        path = paths[point]
+        draw(figure, "", path.real, path.imag, 1, column, line={"color": "#dddddd", "width": 1})
     colours = {name: BODY_COLOURS[number % len(BODY_COLOURS)] for number, name in enumerate(scene.bodies)}
     for body in scene.bodies.values():
         if body.slide is not None and body.slide.on != GROUND:
-            ends, line = _slot(state, body, row), {"color": colours[body.slide.on], "width": 10}
-            figure.add_scatter(
-                x=ends.real, y=ends.imag, mode="lines", line=line, opacity=0.3, legendgroup=body.slide.on,
-                hoverinfo="skip", showlegend=False, **shown,
-            )  # fmt: skip
+            ends, carrier = _slot(state, body, row), body.slide.on
+            line = {"color": colours[carrier], "width": 10}
+            draw(figure, "", ends.real, ends.imag, 1, column, group=carrier, line=line, opacity=0.3)
     for body in scene.bodies.values():
-        corners = np.array([paths[point][row] for point in _around(body, paths, row)])
+        points = _around(body, paths, row)
+        corners = np.array([paths[point][row] for point in points])
         closed = len(corners) > 2
         outline = np.append(corners, corners[0]) if closed else corners
-        figure.add_scatter(
-            x=outline.real,
-            y=outline.imag,
-            fill="toself" if closed else None,
-            mode="lines+markers" if len(corners) > 1 else "markers",
-            line={"color": colours[body.name], "width": 5},
-            marker=_marker(state, body, colours[body.name], row),
-            text=_around(body, paths, row),
-            name=body.name,
-            legendgroup=body.name,
-            showlegend=legend,
-            **shown,
-        )
-    for number, spring in enumerate(scene.springs):
+        style: dict[str, Any] = {
+            "mode": "lines+markers" if len(corners) > 1 else "markers",
+            "fill": "toself" if closed else None,
+            "line": {"color": colours[body.name], "width": 5},
+            "marker": _marker(state, body, colours[body.name], row),
+        }
+        draw(figure, body.name, outline.real, outline.imag, 1, column, text=points, **style)
+    for spring in scene.springs:
         ends = np.array([paths[point][row] for _, point in (spring.first, spring.second)])
-        line = {"color": "#777777", "width": 2, "dash": "dot"}
-        figure.add_scatter(
-            x=ends.real, y=ends.imag, mode="lines", line=line, name="spring", legendgroup="spring",
-            showlegend=legend and number == 0, **shown,
-        )  # fmt: skip
-    ground = np.array(list(scene.ground.values())) * 1e3
-    marker = {"symbol": "triangle-up", "size": 12, "color": "black"}
-    names = list(scene.ground)
-    figure.add_scatter(
-        x=ground[:, 0], y=ground[:, 1], mode="markers", marker=marker, text=names, name="ground", showlegend=legend,
-        legendgroup="ground", **shown,
-    )  # fmt: skip
+        draw(figure, "spring", ends.real, ends.imag, 1, column, line={"color": "#777777", "width": 2, "dash": "dot"})
+    x, y = 1e3 * np.array(list(scene.ground.values())).T
+    triangle = {"symbol": "triangle-up", "size": 12, "color": "black"}
+    draw(figure, "ground", x, y, 1, column, mode="markers", marker=triangle, text=list(scene.ground))
 
 
 def _around(body: Body, paths: Mapping[str, Vectors], row: int) -> tuple[str, ...]:

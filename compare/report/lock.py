@@ -4,7 +4,6 @@ from collections.abc import Mapping
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from scenes.motion import Samples, quantity
 
@@ -12,7 +11,7 @@ from ..engines.registry import REFERENCE
 from ..judge.errors import GROUPS
 from ..judge.round_off import EPS
 from ..study import Study
-from .curves import COLOURS, LAYOUT
+from .style import BOUND, ROUND_OFF, colour, draw, error_axes, layout, side_by_side
 
 PLOTTED = ("velocity", "acceleration", "reaction")
 
@@ -29,39 +28,17 @@ def over_distance(study: Study) -> go.Figure | None:
     locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
     distance = np.min(locks, axis=0) if locks else 1 / study.explained.condition
     order = np.argsort(distance)
-    figure = make_subplots(1, len(groups), subplot_titles=groups, shared_yaxes=True, horizontal_spacing=0.03)
+    figure = side_by_side(groups)
     for column, group in enumerate(groups, start=1):
-        for number, m in enumerate(runs, start=1):
-            assert m.comparison is not None
-            error = _largest(group, m.comparison.actual)
-            figure.add_scatter(
-                x=distance,
-                y=np.where(error > 0, error, np.nan),
-                name=m.run.engine,
-                legendgroup=m.run.engine,
-                showlegend=column == 1,
-                mode="markers",
-                marker={"color": COLOURS[number % len(COLOURS)], "size": 4},
-                row=1,
-                col=column,
-            )
+        for number, m in enumerate(study.measurements):
+            if m.comparison is not None and m.run.engine != REFERENCE:
+                error = _largest(group, m.comparison.actual)
+                shown, mark = np.where(error > 0, error, np.nan), {"color": colour(number), "size": 4}
+                draw(figure, m.run.engine, distance, shown, 1, column, mode="markers", marker=mark)
         explained = np.maximum(_largest(group, study.explained.sensitivity), EPS * study.explained.condition)
-        figure.add_scatter(
-            x=distance[order],
-            y=explained[order],
-            name="explained by doubles",
-            legendgroup="explained",
-            showlegend=column == 1,
-            mode="lines",
-            line={"color": "#999999", "dash": "dot"},
-            row=1,
-            col=column,
-        )
-    title = "nearest distance to lock [m]" if locks else "1/κ [-]"
-    figure.update_xaxes(title=title, type="log", exponentformat="power", nticks=6)
-    figure.update_yaxes(type="log", exponentformat="power", nticks=8)
-    figure.update_yaxes(title="relative error [-]", col=1)
-    return figure.update_layout(LAYOUT, height=380).update_layout(legend_y=1.18, margin_t=80)
+        draw(figure, ROUND_OFF, distance[order], explained[order], 1, column, line=BOUND)
+    error_axes(figure, "nearest distance to lock [m]" if locks else "1/κ [-]")
+    return figure.update_layout(layout(380, titled=True))
 
 
 def _largest(group: str, by_channel: Mapping[str, Samples]) -> Samples:

@@ -6,20 +6,17 @@ from math import ceil
 import numpy as np
 import plotly.graph_objects as go
 from plotly.colors import sample_colorscale
-from plotly.subplots import make_subplots
 
 from scenes import Scene
-from scenes.scene import ConstantSpeed
 
-from ...engines.axis import axis, prefixed, turns_fully
+from ...engines.axis import axis, prefixed
 from ...family.cycle import Cycle
 from ...family.family import Family, Member
-from ..curves import LAYOUT
+from ..style import DASHES, LEGEND_BESIDE, cell, draw, drive_axes, grid, layout
 from .tables import label
 
 MOST_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
-DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 CURVES = {
     "displacement": "m",
     "x": "m",
@@ -36,29 +33,17 @@ def curves(family: Family) -> go.Figure:
     drawn = list(_drawn(family))
     names = [name for name in CURVES if name in drawn[0][1].curves]
     over = axis(family.scene)
-    rows = ceil(len(names) / 2)
-    titles = [_title(family.scene, name) for name in names]
-    figure = make_subplots(rows, 2, subplot_titles=titles, horizontal_spacing=0.07, vertical_spacing=0.28 / rows)
+    figure = grid([_title(family.scene, name) for name in names], 2)
     for number, name in enumerate(names):
-        where = {"row": number // 2 + 1, "col": number % 2 + 1}
+        row, column = cell(number, 2)
         factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in drawn) or 1.0, CURVES[name])
         for member, cycle in drawn:
-            figure.add_scatter(
-                x=(over.factor * cycle.position)[::STRIDE].astype(np.float32),
-                y=(factor * cycle.curves[name])[::STRIDE].astype(np.float32),
-                name=label(family, member),
-                legendgroup=label(family, member),
-                showlegend=number == 0,
-                mode="lines",
-                line=_line(family, member),
-                **where,
-            )
-        figure.update_yaxes(title=f"{name} [{unit}]", **where)
-    figure.update_xaxes(title=over.title, dtick=60 if turns_fully(family.scene) else None)
-    if isinstance(family.scene.drive, ConstantSpeed) and family.scene.drive.speed < 0:
-        figure.update_xaxes(autorange="reversed")  # time runs from left to right
-    legend = {"orientation": "v", "x": 1.02, "y": 1, "yanchor": "top"}
-    return figure.update_layout(LAYOUT | {"legend": legend}, height=60 + 380 * rows)
+            x = (over.factor * cycle.position)[::STRIDE].astype(np.float32)
+            y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
+            draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
+        figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
+    drive_axes(figure.update_xaxes(title=over.title), family.scene)
+    return figure.update_layout(layout(60 + 380 * ceil(len(names) / 2)), legend=LEGEND_BESIDE)
 
 
 def _drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:

@@ -3,12 +3,11 @@
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from ...hard.case import Outcome
 from ...judge.errors import SHOWN_GROUPS
 from ...judge.round_off import EPS
-from ..curves import COLOURS, LAYOUT
+from ..style import BOUND, colour, draw, error_axes, layout, side_by_side
 
 SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
 
@@ -18,41 +17,17 @@ def over_condition(cases: pd.DataFrame) -> go.Figure | None:
     groups = [group for group in SHOWN_GROUPS if f"{group}_max" in cases and group != "torque"]
     if not groups:
         return None
-    figure = make_subplots(1, len(groups), subplot_titles=groups, shared_yaxes=True, horizontal_spacing=0.03)
+    figure = side_by_side(groups)
+    span = np.array([cases["condition"].min(), cases["condition"].max()])
     for column, group in enumerate(groups, start=1):
-        for number, (engine, own) in enumerate(cases.groupby("engine", sort=False)):
-            shown = own[own[f"{group}_max"] > 0]
-            figure.add_scatter(
-                x=shown["condition"],
-                y=shown[f"{group}_max"],
-                name=str(engine),
-                legendgroup=str(engine),
-                showlegend=column == 1,
-                mode="markers",
-                marker={
-                    "color": COLOURS[number % len(COLOURS)],
-                    "symbol": [SYMBOLS[Outcome(outcome)] for outcome in shown["outcome"]],
-                    "size": 7,
-                    "line": {"width": 1.2},
-                },
-                text=[f"{row.ladder}, {row.rung}: {row.setting}, {row.status}" for row in shown.itertuples()],
-                hovertemplate="%{text}<br>error %{y:.2e}<extra></extra>",
-                row=1,
-                col=column,
-            )
-        span = np.array([cases["condition"].min(), cases["condition"].max()])
-        figure.add_scatter(
-            x=span,
-            y=EPS * span,
-            name="κ ε",
-            legendgroup="rounding",
-            showlegend=column == 1,
-            mode="lines",
-            line={"color": "#999999", "dash": "dot"},
-            row=1,
-            col=column,
-        )
-    figure.update_xaxes(title="condition κ [-]", type="log", exponentformat="power", nticks=6)
-    figure.update_yaxes(type="log", exponentformat="power", nticks=8)
-    figure.update_yaxes(title="largest relative error [-]", col=1)
-    return figure.update_layout(LAYOUT, height=420).update_layout(legend_y=1.18, margin_t=80)
+        for number, (engine, attempts) in enumerate(cases.groupby("engine", sort=False)):
+            shown = attempts[attempts[f"{group}_max"] > 0]
+            symbols = [SYMBOLS[Outcome(outcome)] for outcome in shown["outcome"]]
+            mark = {"color": colour(number), "symbol": symbols, "size": 7, "line": {"width": 1.2}}
+            text = [f"{row.ladder}, {row.rung}: {row.setting}, {row.status}" for row in shown.itertuples()]
+            hover = "%{text}<br>error %{y:.2e}<extra></extra>"
+            at = shown["condition"], shown[f"{group}_max"], 1, column
+            draw(figure, str(engine), *at, mode="markers", marker=mark, text=text, hovertemplate=hover)
+        draw(figure, "κ ε", span, EPS * span, 1, column, line=BOUND)
+    error_axes(figure, "condition κ [-]", "largest relative error [-]")
+    return figure.update_layout(layout(420, titled=True))

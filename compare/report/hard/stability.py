@@ -7,11 +7,10 @@ from typing import Any, TypeAlias
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
-from plotly.subplots import make_subplots
 
 from scenes import Status
 
-from ..curves import COLOURS, LAYOUT
+from ..style import colour, layout, side_by_side
 
 LETTERS: Mapping[Status, str] = {
     Status.unsupported: "U",
@@ -47,7 +46,7 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
     for kind, rows in table.groupby("map", sort=False) if len(table) else ():
         title, across = TITLES[str(kind)]
         engines = [*dict.fromkeys(rows["engine"])]
-        figure = make_subplots(1, len(engines), subplot_titles=engines, shared_yaxes=True, horizontal_spacing=0.03)
+        figure = side_by_side(engines)
         for column, engine in enumerate(engines, start=1):
             own = rows[rows["engine"] == engine]
             for trace in _traces(own):
@@ -60,8 +59,8 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
         figure.update_yaxes(showgrid=False, zeroline=False, tickvals=[*range(len(steps))], ticktext=steps)
         figure.update_yaxes(range=[-0.5, len(steps) - 0.5]).update_yaxes(title="steps a cycle", col=1)
         figure.add_annotation(text=_key(rows), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
-        margin = LAYOUT["margin"] | {"t": 60, "b": 100}
-        yield title, figure.update_layout(LAYOUT, margin=margin, coloraxis=SCALE, height=170 + 42 * len(steps))
+        figure.update_layout(layout(170 + 42 * len(steps), titled=True), coloraxis=SCALE)
+        yield title, figure.update_layout(margin_b=100)
 
 
 def _steps(rows: pd.DataFrame) -> list[int]:
@@ -114,7 +113,7 @@ def _boundary(rows: pd.DataFrame) -> Trace:
     needed = rows.groupby("steps")["needed"].first().to_numpy(float)
     at = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
     up = np.arange(len(needed))
-    line = {"color": COLOURS[1], "width": 3, "dash": "dash"}
+    line = {"color": colour(1), "width": 3, "dash": "dash"}
     return {"type": "scatter", "x": [at[0], *at, at[-1]], "y": [-0.5, *up, len(up) - 0.5], "mode": "lines"} | {
         "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)",
         "showlegend": True,

@@ -1,0 +1,117 @@
+"""The look of every figure: colours, symbols, lines, entries of the legend, log axes, arrangements of panels."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.io import templates
+from plotly.subplots import make_subplots
+
+from scenes import Scene
+from scenes.scene import ConstantSpeed
+
+from ..engines.axis import turns_fully
+
+templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
+
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe and Ito, for any colour vision
+BODY_COLOURS = (*COLOURS[4:], *COLOURS[2:4], *COLOURS[:2], "#f0e442")  # the same in an order unlike the engines'
+GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
+SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+BOUND = {"color": GREY, "dash": "dot"}  # line of the reference's floor, of round-off, of a limit
+FLOOR, ROUND_OFF = "reference's floor", "explained by round-off"  # names of such lines
+LOG = {"type": "log", "exponentformat": "power"}
+MARGIN = {"l": 70, "r": 20, "t": 40, "b": 55}  # px
+LEGEND = {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0}  # above the panels
+LEGEND_BESIDE = {"orientation": "v", "yanchor": "top", "y": 1, "x": 1.02}
+LAYOUT: dict[str, Any] = {"margin": MARGIN, "legend": LEGEND, "hoverlabel": {"namelength": -1}}
+
+
+def colour(number: int) -> str:
+    """Return the colour of a series, such as an engine, by its number from 0."""
+    return COLOURS[number % len(COLOURS)]
+
+
+def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:
+    """Return the marker of a series by its number from 0; `symbol` replaces the series' own, `size` is in px."""
+    edge = {"width": 2, "color": colour(number)}
+    return {"color": colour(number), "symbol": symbol or SYMBOLS[number % len(SYMBOLS)], "size": size, "line": edge}
+
+
+def draw(
+    figure: go.Figure,
+    name: str,
+    x: Any,
+    y: Any,
+    row: int = 1,
+    column: int = 1,
+    *,
+    group: str = "",
+    mode: str = "lines",
+    **style: Any,
+) -> None:
+    """Add a trace to one panel of a figure.
+
+    Args:
+        figure: of `stacked`, `side_by_side` or `grid`.
+        name: of the trace; one without a name is background, with no entry in the legend and no hover.
+        x: values, shape (n,).
+        y: values, shape (n,).
+        row: of the panel, from 1.
+        column: of the panel, from 1.
+        group: of traces that share an entry of the legend, that of the first named one; the name if empty.
+        mode: lines, markers or both, as plotly names them.
+        style: further attributes of plotly's scatter trace.
+    """
+    group = group or name
+    listed = bool(name) and not any(trace.legendgroup == group and trace.showlegend for trace in figure.data)
+    style = ({} if name else {"hoverinfo": "skip"}) | style
+    figure.add_scatter(
+        x=x, y=y, name=name, mode=mode, legendgroup=group, showlegend=listed, row=row, col=column, **style
+    )
+
+
+def stacked(*heights: float) -> go.Figure:
+    """Return empty panels one above the other over one axis, by their relative heights; a single one by default."""
+    return make_subplots(len(heights) or 1, 1, shared_xaxes=True, row_heights=heights or None, vertical_spacing=0.06)
+
+
+def side_by_side(titles: Sequence[str], gap: float = 0.03) -> go.Figure:
+    """Return an empty panel a title, all in one row with one vertical axis; `gap` is a share of the width."""
+    return make_subplots(1, len(titles), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=gap)
+
+
+def grid(titles: Sequence[str], columns: int) -> go.Figure:
+    """Return an empty panel a title, row by row, each with axes of its own; see `cell`."""
+    rows = max(-(-len(titles) // columns), 1)
+    return make_subplots(
+        rows, columns, subplot_titles=titles, horizontal_spacing=0.18 / columns, vertical_spacing=0.3 / rows
+    )
+
+
+def cell(number: int, columns: int) -> tuple[int, int]:
+    """Return row and column, from 1, of a panel of a grid by its number from 0."""
+    row, column = divmod(number, columns)
+    return row + 1, column + 1
+
+
+def error_axes(figure: go.Figure, across: str, error: str = "relative error [-]") -> go.Figure:
+    """Make all axes of a figure logarithmic: `across` titles the horizontal ones, `error` the first vertical one."""
+    figure.update_xaxes(LOG, title=across, nticks=6)
+    return figure.update_yaxes(LOG, nticks=8).update_yaxes(title=error, col=1)
+
+
+def drive_axes(figure: go.Figure, scene: Scene, turns: int = 1) -> go.Figure:
+    """Let time run from left to right over the drive's position, with marks at 60 degrees of a crank's single turn."""
+    backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
+    ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}
+    return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
+
+
+def layout(height: int, *, titled: bool = False) -> dict[str, Any]:
+    """Return the layout of a figure of `height` px; where its panels are titled, with the legend above their titles."""
+    if not titled:
+        return LAYOUT | {"height": height}
+    plotted = height - 80 - MARGIN["b"]
+    return LAYOUT | {"height": height, "margin": MARGIN | {"t": 80}, "legend": LEGEND | {"y": 1 + 38 / plotted}}
