@@ -11,14 +11,15 @@ from scenes import Motion, Sampling, Scene, Settings
 from .asked import Accuracy
 from .engines import registry
 from .engines.reference import Reference, establish
+from .engines.settings import settings_of, tiers
 from .engines.stopping import kept
 from .judge.escalation import escalated
 from .judge.gates import Gate, gates
 from .judge.measure import Measurement, measure
 from .judge.round_off import Explained, explain
-from .speed.choice import cheapest_within, offered
-from .speed.ladders import settings_of, speed_table
+from .speed.ladders import speed_table
 from .speed.timing import Budget
+from .speed.work_precision import cheapest_within
 
 
 @dataclass(frozen=True)
@@ -78,14 +79,30 @@ def study(
 
     measurements: list[Measurement] = []
     if isinstance(accuracy, str):  # first, so that a stop leaves them
-        measurements += kept(main_runs(lambda engine: offered(engine, accuracy)))
+        measurements += kept(main_runs(lambda engine: settings_by_name(engine, accuracy)))
     speed = speed_table(reference, able, budget, progress, sampling.channels)
     if not isinstance(accuracy, str):
-        measurements += kept(main_runs(lambda engine: cheapest_within(engine, accuracy, speed)))
+        measurements += kept(main_runs(lambda engine: settings_by_error(engine, accuracy, speed)))
     reasons += _left_out(engines, measurements, able, speed, budget)
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
     judged = list(gates(scene, measurements, sampling.channels))
     return Study(scene, sampling, reference, explained, motion, measurements, judged, speed, reasons)
+
+
+def settings_by_name(engine: str, tier: str) -> tuple[Settings, str]:
+    """Return an engine's settings of that name, with their note for the reader."""
+    settings = tiers(engine)[tier]
+    return settings, f"{engine}, {settings.label}: {settings.note}" if settings.note else ""
+
+
+def settings_by_error(engine: str, accuracy: float, speed: pd.DataFrame) -> tuple[Settings, str]:
+    """Return the cheapest settings measured to be accurate enough, or else the most accurate ones; and the reason."""
+    found = cheapest_within(engine, accuracy, speed)
+    if found is not None:
+        return found, f"{engine}: {found.label} is the cheapest measured to be within {accuracy:g} in every group"
+    settings, note = settings_by_name(engine, "exact")
+    why = f"{engine}: no setting was measured to be within {accuracy:g} in every group; run at its most accurate one"
+    return settings, f"{why}; {note}" if note else why
 
 
 def _left_out(

@@ -16,12 +16,12 @@ from ..engines import registry
 from ..engines.reference import Reference, found
 from ..engines.registry import ORACLE, REFERENCE
 from ..engines.runner import run
+from ..engines.settings import tiers
 from ..judge.errors import SHOWN_GROUPS
 from ..judge.escalation import attempts
 from ..judge.gates import gates
 from ..judge.measure import Measurement, measure
 from ..judge.round_off import Explained, explain
-from ..speed.ladders import tiers
 from .digits import digits_lost
 
 SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from scenes import Settings, Status
 
 from ..engines.runner import Run
-from ..speed.ladders import tiers
+from ..engines.settings import tiers
 from .measure import Measurement
 
 HELPED = {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}  # by more accuracy, at times

@@ -1,6 +1,6 @@
 """Every setting of every engine's ladder: errors and times, taken in separate runs."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -14,14 +14,12 @@ from scenes import Sampling, Settings, Status
 from ..engines import registry
 from ..engines.reference import Reference
 from ..engines.runner import Run
+from ..engines.settings import settings_of, tiers
 from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
 from .timing import Budget, Times, take_turns
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
-
-LADDER = "ladder"
-ABLATION = "ablation"
 
 
 @dataclass(frozen=True)
@@ -64,21 +62,6 @@ def speed_table(
     builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
     times = dict(zip(map(id, timed), take_turns(builds, budget, progress), strict=True))
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
-
-
-def settings_of(engine: str, *, long_ladders: bool) -> Mapping[Settings, str]:
-    """Return an engine's settings and the role of each; what only `--full` takes among them if asked for."""
-    module = registry.engine(engine)
-    if not long_ladders:
-        return dict.fromkeys(module.LADDER, LADDER)
-    ladder = dict.fromkeys((*module.LADDER, *module.LONG_LADDER, *tiers(engine).values()), LADDER)
-    return dict.fromkeys(module.ABLATIONS, ABLATION) | ladder
-
-
-def tiers(engine: str) -> Mapping[str, Settings]:
-    """Return the settings that an engine offers by name."""
-    module = registry.engine(engine)
-    return {"fast": module.FAST, "balanced": module.DEFAULT, "exact": module.EXACT}
 
 
 def steps_a_cycle(settings: Settings) -> int | None:

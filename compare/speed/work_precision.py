@@ -4,18 +4,17 @@ Settings with a note, such as an engine's own defaults or fictitious masses, com
 every comparison and are never called the cheapest, since they are not what one should take, or no independent check.
 """
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from scenes import Status
+from scenes import Settings, Status
 from scenes.motion import Samples
 
+from ..engines.settings import LADDER, settings_of
 from ..judge.errors import SHOWN_GROUPS
-from .ladders import LADDER
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
 TIE = 0.1  # of the time: what two runs of one setting may differ by on a busy machine
@@ -32,11 +31,6 @@ def groups(speed: pd.DataFrame) -> list[str]:
 def solved(speed: pd.DataFrame) -> pd.DataFrame:
     """Return the settings of the ladders that solved the scene."""
     return speed[(speed["status"] == Status.ok.name) & (speed["role"] == LADDER)] if len(speed) else speed
-
-
-def contender(engine: str, note: str) -> str:
-    """Return what an engine's settings with this note are called, in a few words."""
-    return engine if not note else f"{engine}: {re.split('[:,]', note)[0]}"
 
 
 def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
@@ -83,6 +77,17 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
                     row["ratio"] = times[best] / of_all["solve_min_s"] if of_all is not None else np.nan
                 rows.append(row)
     return pd.DataFrame(rows)
+
+
+def cheapest_within(engine: str, accuracy: float, speed: pd.DataFrame) -> Settings | None:
+    """Return an engine's cheapest settings without a note that meet an accuracy in every group; None where none do."""
+    points = solved(speed)
+    points = points[(points["engine"] == engine) & (points["note"] == "")]
+    worst = points[[f"{group}_max" for group in groups(speed)]].max(axis=1, skipna=False)
+    best = cheapest(points.assign(worst=worst), "worst", accuracy)
+    if best is None:
+        return None
+    return next(s for s in settings_of(engine, long_ladders=True) if s.label == best["setting"])
 
 
 def _arrays(points: pd.DataFrame, error: str) -> tuple[Samples, Samples]:

@@ -13,9 +13,10 @@ from scenes.motion import Samples
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
-from ...speed.work_precision import contender, contenders, families, front, groups, solved
+from ...speed.work_precision import contenders, families, front, groups, solved
 from ...study import Study
 from ..style import BOUND, FLOOR, GREY, cell, colour, draw, error_axes, grid, layout, marker
+from .tables import contender
 
 COLUMNS = 3
 NOTED = ("x-thin", "asterisk", "cross-thin", "y-up")  # symbols of settings with a note
@@ -35,11 +36,10 @@ def _panels(study: Study, found: Sequence[str], kind: str) -> go.Figure:
     figure = grid(found, min(COLUMNS, len(found)) or 1)
     points = solved(study.speed)
     engines = {m.run.engine: number for number, m in enumerate(study.measurements)}
-    notes = list(dict.fromkeys(points["note"][points["note"] != ""]))
-    times = 1e3 * study.speed["solve_min_s"]
+    notes = list(dict.fromkeys(note for _, note, _ in contenders(points) if note))
     for panel, group in enumerate(found):
         error, where = f"{group}_{kind}", cell(panel, COLUMNS)
-        floor = group_floors(study.reference).get(group, np.nan)
+        floor, times = group_floors(study.reference).get(group, np.nan), 1e3 * study.speed["solve_min_s"]
         draw(figure, FLOOR, [times.min(), times.max()], [floor] * 2, *where, line=BOUND)
         for name, rows, shade in (
             ("Pareto front", points, "#000000"),

@@ -1,15 +1,16 @@
 """Speed against error as a reader wants it: one sentence, and tables of text."""
 
+import re
 from typing import Any
 
 import pandas as pd
 
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
+from ...engines.settings import ABLATION
 from ...judge.errors import group_floors
 from ...speed import work_precision
-from ...speed.ladders import ABLATION
-from ...speed.work_precision import LEVELS, cheapest, contender, contenders, groups, solved
+from ...speed.work_precision import LEVELS, cheapest, contenders, groups, solved
 from ...study import Study
 
 SAID = "0.1 %"  # the level of the sentence
@@ -21,6 +22,11 @@ def said_group(study: Study) -> str | None:
     """Return the channel group that matters most: the reactions, or else the last that was measured."""
     found = groups(study.speed)
     return "reaction" if "reaction" in found else found[-1] if found else None
+
+
+def contender(engine: str, note: str) -> str:
+    """Return the name of an engine's settings with this note: the engine, and the note up to its first comma."""
+    return engine if not note else f"{engine}: {re.split('[:,]', note)[0]}"
 
 
 def verdict(study: Study) -> str:

@@ -16,11 +16,10 @@ from compare.judge.round_off import explain
 from compare.report.page import page
 from compare.report.speed import tables as speed_tables
 from compare.report.speed.figure import work_precision as picture
-from compare.speed.choice import cheapest_within, offered
 from compare.speed.ladders import speed_table
 from compare.speed.timing import Budget, take_turns
 from compare.speed.work_precision import choices, orders, solved, step_costs
-from compare.study import Study, study
+from compare.study import Study, settings_by_error, settings_by_name, study
 from scenes import Sampling
 
 from .stubs import FULL, STEPS, Clock, StubEngine, StubSettings, family, quiet, second_order, table
@@ -113,15 +112,15 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("tier", TIERS)
 def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
-    settings, why = offered("stub", tier)
+    settings, why = settings_by_name("stub", tier)
     assert settings is {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
     assert why == ""
 
 
-def test_a_note_is_told(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "EXACT", second_order(72, note="for show"))
     speed = table(("stub", "72 steps", 1.0, 1e-3))
-    for settings, why in (offered("stub", "exact"), cheapest_within("stub", 1e-9, speed)):
+    for settings, why in (settings_by_name("stub", "exact"), settings_by_error("stub", 1e-9, speed)):
         assert settings is stub.EXACT
         assert why.endswith("stub, 72 steps, noted: for show")
 
@@ -138,7 +137,7 @@ def test_a_note_is_told(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> No
 def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
     speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
     speed.loc[speed["setting"] == "72 steps", "torque_max"] = nan  # what has no error in a group does not meet it
-    settings, why = cheapest_within("stub", level, speed)
+    settings, why = settings_by_error("stub", level, speed)
     assert settings.label == label
     assert said in why
 
@@ -147,7 +146,7 @@ def test_an_accuracy_by_number(reference: Reference, level: float, label: str, s
 def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "LADDER", (second_order(72, note="for show"), *StubEngine.LADDER))
     speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
-    assert cheapest_within("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
+    assert settings_by_error("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
 
 
 def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
