@@ -1,4 +1,4 @@
-"""The audit's page: one self-contained HTML file that looks like a report; and a section for the reports."""
+"""The audit's page: one self-contained HTML file that looks like a report."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -8,12 +8,9 @@ import pandas as pd
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from scenes import Scene
-
 from ..engines.environment import environment
 from ..report.html import figure_html, table_html, template
 from .claims import Claim
-from .sources import claims_of, source_of
 from .table import RULES, overview, table
 
 
@@ -32,19 +29,6 @@ def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]]
         ),
         pictures="".join(_picture(*picture) for picture in pictures),
         environment=table_html(pd.DataFrame(environment().items(), columns=["of", "version"]), "text"),
-    )
-
-
-def section(scene: Scene) -> str:
-    """Return the section of a report on the source that a shipped scene is from; nothing for any other scene."""
-    source = source_of(scene)
-    if source is None:
-        return ""
-    claims = claims_of(source)
-    return (
-        f"<h2>The source paper, audited</h2>{table_html(overview(claims))}{RULES}"
-        f"<details><summary>Every claim</summary>{table(claims)}</details>"
-        "<p>Both sources, with pictures, and by the engines too: <code>python -m compare.audit</code>.</p>"
     )
 
 

@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 
-from scenes import Scene
-
 from .claims import Claim
 
 TOGGLE_PRESS, CLAMP = "toggle press", "double-toggle clamp"
@@ -11,12 +9,6 @@ SCENES: Mapping[str, Sequence[str]] = {
     TOGGLE_PRESS: ("toggle_press", "crank_press"),
     CLAMP: ("double_toggle_clamp", "double_toggle_clamp_scheme4"),
 }  # as they are shipped
-
-
-def source_of(scene: Scene) -> str | None:
-    """Return the source of a shipped scene; None for any other file, changed numbers, or only some of its channels."""
-    sources = (source for source, names in SCENES.items() if scene.file in names)
-    return next(sources, None)
 
 
 def claims_of(source: str) -> list[Claim]:

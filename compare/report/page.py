@@ -8,7 +8,6 @@ from plotly.offline import get_plotlyjs
 
 from scenes.scene import ConstantSpeed
 
-from ..audit.page import section as audit_section
 from ..engines.axis import axis, cycle_name, position_name
 from ..engines.environment import environment
 from ..speed.ladders import SAMPLING
@@ -82,7 +81,6 @@ def page(study: Study) -> str:
         tie=f"{TIE:.0%}".replace("%", " %"),
         stability=_stability(study),
         hard=hard_section(study.hard),
-        audit=audit_section(scene),
         settings=table_html(tables.settings(study), "text"),
         environment=table_html(pd.DataFrame(environment().items(), columns=["environment", ""]), "text"),
         plotly=get_plotlyjs(),

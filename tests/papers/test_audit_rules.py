@@ -1,5 +1,6 @@
 """The audit's rules: which residuals lead to which verdict; and bad arguments."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from compare.audit.claims import Equation, Verdict, bound, comparison, judge, limit, number
 from compare.audit.run import main
+from compare.audit.sources import CLAMP, TOGGLE_PRESS, claims_of
 
 
 @pytest.mark.parametrize(
@@ -58,6 +60,17 @@ def test_the_rules_of_limits_and_words() -> None:
     assert comparison("", "", "", [False], "").verdict is Verdict.NOT_REPRODUCIBLE
     assert bound("", "", "", "", 2.0, ("", 0.5)).verdict is Verdict.MISPRINT
     assert bound("", "", "", "", 2.0, ("", 1.5)).verdict is Verdict.NOT_REPRODUCIBLE
+
+
+@pytest.mark.parametrize(
+    ("source", "counts"),
+    [(TOGGLE_PRESS, (37, 19, 3, 7, 7, 5)), (CLAMP, (32, 3, 2, 1, 2, 20))],
+)
+def test_how_many_claims_came_out_how(source: str, counts: tuple[int, ...]) -> None:
+    claims = claims_of(source)
+    found = Counter(claim.verdict for claim in claims)
+    assert tuple(found[verdict] for verdict in Verdict) == counts
+    assert {claim.source for claim in claims} == {source}
 
 
 @pytest.mark.parametrize("arguments", [["--ou", "x", "y"], ["--out"], ["--out", __file__]])
