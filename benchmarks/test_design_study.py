@@ -1,11 +1,11 @@
-"""The clamp's whole optimisation, as `python -m design.run` does it, within its time: `pytest benchmarks`."""
+"""The clamp's whole optimisation, as `python -m papers.optimise` does it, within its time: `pytest benchmarks`."""
 
 import json
 from pathlib import Path
 
-from design.optimise import FEASIBLE
-from design.run import main
-from design.study import LENGTHS, MAIN
+from papers.clamp.optimisation.search import FEASIBLE
+from papers.clamp.optimisation.study import LENGTHS, MAIN
+from papers.optimise import main
 
 LONGEST = 120.0  # s, of the optimisation on two cores
 SHOWN = 5e-7  # of the digits below

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("analytic", "compare", "design", "scenes", "sim_models")
+PACKAGES = ("analytic", "compare", "papers", "scenes", "sim_models")
 
 
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -36,6 +36,7 @@ def test_the_contracts_hold() -> None:
         ("scenes/motion.py", "import analytic"),
         ("compare/judge/checks.py", "from analytic import solve"),
         ("sim_models/pymunk/engine.py", "import compare.engines.registry"),
+        ("compare/report/page.py", "import papers.page"),
     ],
 )
 def test_a_forbidden_import_is_caught(module: str, line: str, tmp_path: Path) -> None:

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compare.audit import clamp as audit_clamp
-from compare.audit import clamp_formulas as formulas
-from compare.audit.claims import EXACT, Claim, Verdict, half_unit, judge
-from compare.audit.clamp_designs import (
+from compare.engines import registry
+from papers.audit import audit, write
+from papers.claims import EXACT, Claim, Verdict, half_unit, judge
+from papers.clamp import claims as audit_clamp
+from papers.clamp import equations as formulas
+from papers.clamp.designs import (
     design,
     first_velocity_ratio,
     force_ratio,
@@ -22,13 +24,11 @@ from compare.audit.clamp_designs import (
     platen_stroke,
     stroke_ratio,
 )
-from compare.audit.clamp_rounding import one_for_all
-from compare.audit.clamp_variables import DESIGNS
-from compare.audit.run import audit, write
-from compare.audit.toggle_positions import EQUATIONS as POSITIONS
-from compare.audit.toggle_rates import EQUATIONS as RATES
-from compare.audit.toggle_variables import Uneven, Variables, over_two_turns
-from compare.engines import registry
+from papers.clamp.rounding import one_for_all
+from papers.clamp.variables import DESIGNS
+from papers.toggle_press.positions import EQUATIONS as POSITIONS
+from papers.toggle_press.rates import EQUATIONS as RATES
+from papers.toggle_press.variables import Uneven, Variables, over_two_turns
 
 from . import audit_transcription as second
 

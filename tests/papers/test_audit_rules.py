@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from compare.audit.claims import Equation, Verdict, bound, comparison, judge, limit, number
-from compare.audit.run import main
-from compare.audit.sources import CLAMP, TOGGLE_PRESS, claims_of
+from papers.audit import main
+from papers.claims import Equation, Verdict, bound, comparison, judge, limit, number
+from papers.sources import CLAMP, TOGGLE_PRESS, claims_of
 
 
 @pytest.mark.parametrize(

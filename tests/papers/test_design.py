@@ -14,18 +14,32 @@ from scipy.optimize import brentq
 import analytic
 import scenes
 from compare.engines import runner
-from design import clamp
-from design.clamp import DEGREE, INITIAL, LOWER, SCHEME_4, UNITS, UPPER, VARIABLES, Array
-from design.constraints import LITERAL, OPENING, slacks, tightest
-from design.measures import MEASURES, measure
-from design.optimise import FEASIBLE, restart, search
-from design.problem import Limit, Problem, gains, in_box
-from design.recheck import rechecks
-from design.report import Outcome, write
-from design.run import main
-from design.scene_file import locking
-from design.study import AHEAD, ALONE, BOTH, BROKEN, LENGTHS, MAIN, MET, SIX, Effort, Point, ahead, fixed_ratio, study
-from design.tables import improved
+from papers.clamp import formulas as clamp
+from papers.clamp.constraints import LITERAL, OPENING, slacks, tightest
+from papers.clamp.formulas import DEGREE, INITIAL, LOWER, SCHEME_4, UNITS, UPPER, VARIABLES, Array
+from papers.clamp.optimisation.measures import MEASURES, measure
+from papers.clamp.optimisation.problem import Limit, Problem, gains, in_box
+from papers.clamp.optimisation.recheck import rechecks
+from papers.clamp.optimisation.report import Outcome, write
+from papers.clamp.optimisation.scene_file import locking
+from papers.clamp.optimisation.search import FEASIBLE, restart, search
+from papers.clamp.optimisation.study import (
+    AHEAD,
+    ALONE,
+    BOTH,
+    BROKEN,
+    LENGTHS,
+    MAIN,
+    MET,
+    SIX,
+    Effort,
+    Point,
+    ahead,
+    fixed_ratio,
+    study,
+)
+from papers.clamp.optimisation.tables import improved
+from papers.optimise import main
 from scenes import Motion, Scene
 from scenes.scene import Force
 from tests.conftest import SceneFrom

@@ -1,1 +1,0 @@
-"""The two source papers, audited: what they print against what is computed."""

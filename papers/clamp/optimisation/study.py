@@ -1,0 +1,156 @@
+"""Every optimisation of the study, two processes at a time.
+
+The coordination curve comes first: the largest M_P at each of 13 values of R_S. Then the tolerance-hierarchical step
+from each of its points: the least L_sum with M_P and R_S within 0.5 % of theirs. Both with the least clearance with
+which both published designs can be; the curve under other assumptions too. Last, how far a design can be ahead of
+scheme 4.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import as_completed as in_any_order
+from dataclasses import dataclass, replace
+from itertools import product
+from multiprocessing import get_context
+from typing import TypeAlias
+
+import numpy as np
+
+from ..constraints import LITERAL, LOOSEST, Clearance, slacks, tightest
+from ..formulas import INITIAL, SCHEME_4
+from .measures import MEASURES, measure
+from .problem import Limit, Problem
+from .search import Optimum, restart, search
+
+WORKERS = 2
+RATIOS = tuple(round(1 + 0.01 * step, 2) for step in range(13))  # of R_S
+TOLERANCE = 0.005
+PIN_ROOM = tuple(range(120, 141, 4))  # mm, of (d_D + d_E)/2
+
+BOTH = tightest(INITIAL, SCHEME_4)
+ALONE = tightest(SCHEME_4)
+LITERALLY = "160 deg read literally"
+ASSUMPTIONS = {
+    "sizes that allow both published designs": (BOTH, frozenset({LITERAL})),
+    "sizes that allow scheme 4": (ALONE, frozenset({LITERAL})),
+    "any sizes": (LOOSEST, frozenset({LITERAL})),
+    LITERALLY: (BOTH, frozenset[str]()),
+}
+BROKEN = frozenset(name for name, slack in slacks(SCHEME_4, BOTH).items() if slack < 0)  # LITERAL among them
+MAIN = next(iter(ASSUMPTIONS))
+LENGTHS = "least L_sum"
+
+
+@dataclass(frozen=True)
+class Point:
+    """One optimisation and how it ended."""
+
+    set: str
+    at: str
+    problem: Problem
+    optimum: Optimum
+    short: tuple[float, ...] = ()  # what each restart by differential evolution falls short, relatively
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How many starts a point has, and how many restarts by differential evolution where any are made."""
+
+    starts: int = 64
+    restarts: int = 1
+
+
+Progress: TypeAlias = Callable[[Point, int], None]  # told of each point, and of how many there are in all
+Task: TypeAlias = tuple[str, str, Problem, Effort]
+
+
+def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[Point]:
+    """Return every point, set by set."""
+    half = replace(effort, starts=max(effort.starts // 2, 1))  # for all that is not in the source
+    again = replace(half, restarts=0)
+    count = len(ratios)
+    curve = [
+        (name, f"R_S = {ratio:.2f}", fixed_ratio(ratio, *assumed), effort if name == MAIN else again)
+        for name, assumed in ASSUMPTIONS.items()
+        for ratio in ratios
+    ]
+    beyond = list(_beyond(half))
+    total = len(curve) + count + len(beyond)
+    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
+        points = _solve(pool, [*curve, *beyond], total, progress)
+        best, others, ahead = points[:count], points[count : len(curve)], points[len(curve) :]
+        steps = [(LENGTHS, p.at, least_length(p), effort) for p in best if p.optimum.feasible]
+        return [*best, *_solve(pool, steps, total, progress), *others, *ahead]
+
+
+def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str] = frozenset({LITERAL})) -> Problem:
+    """Return the search for the largest M_P at one value of R_S."""
+    return Problem("M_P", clearance, (Limit("R_S", ratio, ratio),), waived)
+
+
+def least_length(point: Point) -> Problem:
+    """Return the search for the least L_sum, M_P and R_S within the tolerance of a point's."""
+    values = {name: measure(name, point.optimum.X) for name in ("M_P", "R_S")}
+    limits = (Limit(name, (1 - TOLERANCE) * value, (1 + TOLERANCE) * value) for name, value in values.items())
+    return replace(point.problem, objective="L_sum", limits=tuple(limits))
+
+
+# --- beyond the source: how far ahead of scheme 4 a design can be -----------------------------------------------------
+
+AHEAD = "ahead of scheme 4"
+FORCE = "ahead of scheme 4 in M_P, no worse in R_S and L_sum"
+ROOM = "ahead of scheme 4, by (d_D + d_E)/2"
+BASELINE = "largest M_P of all"
+MOST_ROOM = "largest L4 that is no worse than scheme 4"
+THREE, SIX = "M_P, R_S, L_sum", "all six objectives"
+AS_PRINTED, MET = "all constraints", "those that scheme 4 meets"
+
+
+def no_worse(name: str) -> Limit:
+    """Return the limit that a measure is no worse than scheme 4's."""
+    value = measure(name, SCHEME_4)
+    return Limit(name, -np.inf, value) if MEASURES[name].least else Limit(name, value, np.inf)
+
+
+AIMS = {THREE: (), SIX: tuple(no_worse(name) for name in ("R_V start", "R_V peak-valley", "a_m range"))}
+CONDITIONS: Mapping[str, tuple[frozenset[str], tuple[Limit, ...]]] = {
+    AS_PRINTED: (frozenset({LITERAL}), ()),
+    "none broken further": (BROKEN, (no_worse("L1/L2"), Limit("S_m", -np.inf, measure("S_m", SCHEME_4)))),
+    MET: (BROKEN, ()),
+}
+SIZES = {"for both": BOTH, "for scheme 4": ALONE}
+
+
+def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
+    """Return the search for the largest gain on scheme 4 that M_P, R_S and L_sum have at once."""
+    waived, limits = CONDITIONS[condition]
+    return Problem("M_P", clearance, (*AIMS[aim], *limits), waived, tuple(SCHEME_4))
+
+
+def _beyond(effort: Effort) -> Iterator[Task]:
+    """Yield the searches for designs ahead of scheme 4, under more and less strict conditions."""
+    for aim, condition, sizes in product(AIMS, CONDITIONS, SIZES):
+        searched = (
+            replace(effort, restarts=0) if (aim, sizes) == (SIX, "for scheme 4") else effort
+        )  # slow, and stricter
+        yield AHEAD, f"{aim}; {condition}; sizes {sizes}", ahead(aim, condition, SIZES[sizes]), searched
+    force, ratio, length = (no_worse(name) for name in ("M_P", "R_S", "L_sum"))
+    yield BASELINE, "any R_S", Problem("M_P", BOTH), effort
+    yield FORCE, AS_PRINTED, Problem("M_P", BOTH, (ratio, length)), effort
+    for room in PIN_ROOM:
+        yield ROOM, f"{room} mm", ahead(THREE, AS_PRINTED, replace(ALONE, L4=float(room))), replace(effort, restarts=0)
+    yield MOST_ROOM, AS_PRINTED, Problem("L4", replace(ALONE, L4=0.0), (force, ratio, length)), effort
+
+
+def _solve(pool: ProcessPoolExecutor, tasks: Sequence[Task], total: int, progress: Progress) -> list[Point]:
+    futures: list[Future[Point]] = [pool.submit(_point, *task) for task in tasks]
+    for future in in_any_order(futures):
+        progress(future.result(), total)
+    return [future.result() for future in futures]
+
+
+def _point(set_name: str, at: str, problem: Problem, effort: Effort) -> Point:
+    optimum = search(problem, effort.starts)
+    restarts = effort.restarts if optimum.feasible else 0
+    short = tuple(restart(problem, optimum, seed) for seed in range(restarts))
+    return Point(set_name, at, problem, optimum, short)

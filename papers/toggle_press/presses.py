@@ -1,0 +1,100 @@
+"""The toggle press and the crank press over a turn of their cranks, seen from the slider's lowest point."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from math import tau
+from types import MappingProxyType
+
+import numpy as np
+
+from compare.engines import registry
+from scenes import Sampling, load
+from scenes.motion import Samples
+
+TURN = Sampling(3600)
+STEP = tau / TURN.samples
+LENGTHS: Mapping[str, tuple[str, float]] = {
+    "l₀": ("bodies.crank.points.P2.0", 77),
+    "l₁": ("bodies.rocker.lengths.O-P3", 300),
+    "l₂": ("bodies.toggle.lengths.P2-P3", 490),
+    "l₃": ("bodies.toggle.lengths.P3-P4", 490),
+    "l₄": ("bodies.toggle.lengths.P2-P4", 760),
+    "l₅": ("bodies.rod.lengths.P4-P5", 300),
+}  # of the toggle press: the path in the scene file, and mm as printed
+ROUNDING = 0.5  # mm: they are printed without decimals
+PART = 0.01  # by which one length of a member of the family is longer or shorter
+NEAR = 0.01  # of the stroke: so near to its lowest point the slider dwells
+NONE: Mapping[str, float] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of the lowest point, up to the highest; shape (n,)."""
+
+    angle: Samples  # of the crank from where the slider is lowest, rad, increasing from zero
+    height: Samples  # m, increasing from zero
+    rate: Samples  # magnitude of the height's rate by the crank's angle, m/rad
+
+    def at(self, height: float) -> tuple[float, float]:
+        """Return angle, rad, and rate, m/rad, at a height, m."""
+        return float(np.interp(height, self.height, self.angle)), float(np.interp(height, self.height, self.rate))
+
+
+@dataclass(frozen=True)
+class Press:
+    """A press by the angle of its crank, counter-clockwise: before and after its slider is lowest."""
+
+    before: Side
+    after: Side
+
+    @property
+    def stroke(self) -> float:
+        """Return the stroke, m."""
+        return float(self.after.height[-1])
+
+    @property
+    def dwell(self) -> float:
+        """Return for what part of a turn the slider is near its lowest point."""
+        near = NEAR * self.stroke
+        return (self.before.at(near)[0] + self.after.at(near)[0]) / tau
+
+    @property
+    def closing(self) -> Mapping[str, Side]:
+        """Return the side on which the slider closes, by the direction in which the crank turns if they differ."""
+        if abs(self.after.angle[-1] - self.before.angle[-1]) < STEP / 2:
+            return {"": self.after}
+        return {"clockwise": self.after, "counter-clockwise": self.before}
+
+
+def press(name: str, changes: Mapping[str, float] = NONE) -> Press:
+    """Solve one turn of a press by the reference.
+
+    Raises:
+        Failure: it cannot be assembled over the whole turn.
+    """
+    scene = load(name, changes)
+    y, vy = f"{scene.output}.y", f"{scene.output}.vy"
+    solve = registry.reference(scene, frozenset((y, vy)))
+    coarse = solve(TURN.commanded(scene), TURN.times(scene))
+    near = 1 + int(coarse[y][1:-1].argmin())
+    curvature = np.diff(coarse[vy][near - 1 : near + 2]).mean()
+    lowest = coarse["crank_angle"][near] - coarse[vy][near] / curvature * STEP
+    motion = solve(lowest + STEP * np.arange(TURN.samples), TURN.times(scene)[:-1])
+    height, rate = motion[y] - motion[y][0], np.abs(motion[vy]) / scene.drive.peak_rate
+    highest = int(height.argmax())
+    after, before = np.arange(highest + 1), -np.arange(TURN.samples - highest + 1)
+    return Press(*(Side(STEP * np.abs(rows), height[rows], rate[rows]) for rows in (before, after)))
+
+
+def rounded() -> list[Press]:
+    """Return the toggle press with its lengths at both ends of what their rounding leaves open, in all combinations."""
+    ends = [[(path, value + end) for end in (-ROUNDING, ROUNDING)] for path, value in LENGTHS.values()]
+    return [press("toggle_press", dict(corner)) for corner in product(*ends)]
+
+
+def family() -> Iterator[tuple[str, Press]]:
+    """Yield the toggle press with one length after the other changed, and what was changed."""
+    for name, (path, value) in LENGTHS.items():
+        for part in (1 - PART, 1 + PART):
+            yield f"{name} = {part * value:g} mm", press("toggle_press", {path: part * value})

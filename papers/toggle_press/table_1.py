@@ -1,0 +1,140 @@
+"""Toggle press: table 1 of Yang (2023), each entry by itself, and its columns against each other by virtual work.
+
+Without friction and inertia the torque T on the crank and the force F on the slider do the same work: T w = F v. The
+direction in which the crank turns and the strokes a minute, 40 to 60, are not given.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import degrees, radians, tau
+
+import numpy as np
+
+from ..claims import Claim, Range, bound, comparison, number
+from .presses import Press, Side
+from .variables import SOURCE
+
+HEIGHT, FORCE = 6e-3, 1600e3  # m above the lowest point, N
+FEWEST, MOST = 40, 60  # strokes a minute
+UNIFORM = 0.1  # of the largest speed: where it varies by more it is not uniform
+TOGGLE, CRANK = "toggle press", "crank press"
+PRINTED: Mapping[str, Mapping[str, str]] = {
+    TOGGLE: {"angle": "36.0", "from": "135", "speed": "112.6", "torque": "1563"},
+    CRANK: {"angle": "20.6", "from": "153", "speed": "228.2", "torque": "3615"},
+}
+
+
+def span(values: Iterable[float]) -> Range:
+    """Return the least and the largest of some values."""
+    known = list(values)
+    return min(known), max(known)
+
+
+def speed(rate: float, strokes: float = MOST) -> float:
+    """Return the slider's speed, mm/s, by its rate, m/rad, and the strokes a minute."""
+    return 1e3 * rate * tau * strokes / 60
+
+
+def table(toggle: Press, crank: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+    """Yield a row for each entry; `corners` are the toggle press at the ends of what its lengths' rounding allows."""
+    for name, press, others in ((TOGGLE, toggle, corners), (CRANK, crank, ())):
+        yield from _row(name, PRINTED[name], press, [press, *others])
+
+
+def _row(name: str, printed: Mapping[str, str], press: Press, all_: Sequence[Press]) -> Iterator[Claim]:
+    def entry(
+        what: str, value: Callable[[Side], float], at: tuple[float, str] | None = None, least: float = 1.0
+    ) -> Claim:
+        """Return a row of a value that goes with what it is `at`, of which `least` is the smallest share possible."""
+        text = next(text for kind, text in printed.items() if kind in what)
+        face = {way: value(side) for way, side in press.closing.items()}
+        ranges = [span(value(p.closing[way]) for p in all_) for way in face]
+        said = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
+        nearest = min(face.values(), key=lambda v: abs(v - float(text)))
+        if at is not None:
+            level, unit = at
+            takes = " or ".join(f"{level * float(text) / v:.3g} {way}".strip() for way, v in face.items())
+            said = f"{said} at {level:g} {unit}; the printed one takes {takes}"
+        allowed = [(least * low, high) for low, high in ranges if least * low < high]
+        return number(
+            SOURCE, f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=f"6 mm above the end: {said}"
+        )
+
+    yield entry("pressure angle [deg]", lambda side: degrees(side.at(HEIGHT)[0]))
+    yield _uniform(name, printed["from"], press)
+    yield _unit(name, printed["speed"], press)
+    yield entry("speed [mm/s]", lambda side: speed(side.at(HEIGHT)[1]), (MOST, "strokes a minute"), FEWEST / MOST)
+    yield entry("torque [N m]", lambda side: FORCE * side.at(HEIGHT)[1], (FORCE / 1e3, "kN"))
+
+
+def _uniform(name: str, start: str, press: Press) -> Claim:
+    parts = [side.rate[side.angle <= radians(180 - float(start))] for side in press.closing.values()]
+    fastest = " or ".join(f"{speed(rates.max()):.0f}" for rates in parts)
+    return comparison(
+        SOURCE,
+        f"table 1 uniform speed, {name}",
+        f"from {start} to 180°",
+        [rates.min() >= (1 - UNIFORM) * rates.max() for rates in parts],
+        f"falls from {fastest} mm/s to {speed(max(rates.min() for rates in parts)):.0f}, at {MOST} a minute",
+        f"within 10 % of that 6 mm above {' or '.join(_steady(*way) for way in press.closing.items())}",
+    )
+
+
+def _steady(way: str, side: Side) -> str:
+    """Return from where to where the speed is nearly that at the nominal height, in words."""
+    angle, rate = side.at(HEIGHT)
+    unlike = side.angle[np.abs(side.rate - rate) > UNIFORM * rate]
+    ends = 180 - np.degrees((unlike[unlike > angle].min(), unlike[unlike < angle].max()))
+    return f"from {ends[0]:.0f} to {ends[1]:.0f}° {way}".strip()
+
+
+def _unit(name: str, printed: str, press: Press) -> Claim:
+    """Return the row of the speed's unit: no speed of the slider can be above its peak over the whole turn."""
+    peak = speed(max(side.rate.max() for side in press.closing.values())) / 1e3
+    value = float(printed)
+    return bound(
+        SOURCE,
+        f"table 1 unit of the speed, {name}",
+        f"{printed} m/s",
+        f"at most {peak:.3f} m/s over the whole turn, at {MOST} a minute",
+        value / peak,
+        ("mm/s", value / 1e3 / peak),
+    )
+
+
+def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+    """Yield rows on what table 1 says together: its speeds, torques and force, and its speed and a conclusion."""
+    for name, printed in PRINTED.items():
+        v, torque = float(printed["speed"]) / 1e3, float(printed["torque"])
+        low, high = (torque * tau * strokes / 60 / v / 1e3 for strokes in (FEWEST, MOST))
+        yield number(
+            SOURCE,
+            f"table 1 virtual work, {name}: nominal force [kN]",
+            "1600",
+            high,
+            allowed=[(low, high)],
+            among_printed=True,
+            note="torque times the crank's speed over the slider's speed, both as printed",
+        )
+    torques, speeds = ([float(PRINTED[name][what]) for name in PRINTED] for what in ("torque", "speed"))
+    share = speeds[0] / speeds[1]
+    yield number(
+        SOURCE,
+        "table 1 virtual work, ratio of the torques",
+        f"{torques[0] / torques[1]:.3f}",
+        share,
+        allowed=[(share * FEWEST / MOST, share * MOST / FEWEST)],
+        among_printed=True,
+        note="the ratio of the speeds, at the same force and as many strokes a minute",
+    )
+    quick = {way: side for way, side in toggle.closing.items() if side.angle[-1] > tau / 2}
+    for way, side in quick.items():
+        rates = [p.closing[way].at(HEIGHT)[1] for p in (toggle, *corners)]
+        yield number(
+            SOURCE,
+            f"table 1 speed, {TOGGLE}, with the quick return of conclusion 2 [mm/s]",
+            PRINTED[TOGGLE]["speed"],
+            speed(side.at(HEIGHT)[1]),
+            allowed=[(speed(min(rates), FEWEST), speed(max(rates), MOST))],
+            among_printed=True,
+            note=f"it returns quickly only {way}",
+        )
