@@ -3,11 +3,9 @@
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-from typing import NoReturn
-
-from scenes import InputError
 
 from .asked import TIERS, accuracy
+from .command_line import Parser
 from .engines import registry
 from .family.grid import variation
 
@@ -17,16 +15,9 @@ USAGE = (
 )
 
 
-class _Parser(argparse.ArgumentParser):
-    """Bad arguments are told in one line, like all bad input."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"arguments: {message}; usage: {USAGE}")
-
-
 def parser() -> argparse.ArgumentParser:
     """Return what parses them; bad ones raise InputError."""
-    parser = _Parser(
+    parser = Parser(
         prog="python -m compare.run", usage=USAGE, description="Solve planar linkages by independent models."
     )
     parser.add_argument(

@@ -1,7 +1,6 @@
 """`python -m compare.run`: from scene names to reports."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -15,6 +14,7 @@ from scenes.hard import catalogue, ladder
 
 from .arguments import parser
 from .asked import matching
+from .command_line import command
 from .engines import registry
 from .family.grid import grid
 
@@ -25,25 +25,16 @@ if TYPE_CHECKING:
 TO_LOCK = "lock_rrr"  # the ladder in a map of every report
 
 
+@command
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a missed tolerance, 2 for bad input."""
-    try:
-        options = parser().parse_args(arguments)
-        if options.list:
-            return _list()
-        if options.new:
-            print("wrote", " and ".join(map(str, write_starter(options.new))))
-            return 0
-        return _run(options)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except BrokenPipeError:  # whoever read the output has seen enough; what is still to be flushed goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    options = parser().parse_args(arguments)
+    if options.list:
+        return _list()
+    if options.new:
+        print("wrote", " and ".join(map(str, write_starter(options.new))))
         return 0
-    except KeyboardInterrupt as stop:
-        print(str(stop) or "stopped; nothing was written for the scene under way", file=sys.stderr)
-        return 130
+    return _run(options)
 
 
 def _list() -> int:
