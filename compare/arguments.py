@@ -1,18 +1,26 @@
 """The arguments of `python -m compare.run`."""
 
 import argparse
-from collections.abc import Callable
+from argparse import ArgumentTypeError
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
-from .asked import TIERS, accuracy
+from scenes import InputError, Sampling, Scene
+from scenes.errors import nearest
+from scenes.motion import channels
+
 from .command_line import Parser
 from .engines import registry
+from .engines.settings import TIERS, Accuracy
 from .family.grid import variation
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
 )
+
+SAMPLES, TURNS = (8, 100_000), (1, 10_000)  # least and most
 
 
 def parser() -> argparse.ArgumentParser:
@@ -24,8 +32,8 @@ def parser() -> argparse.ArgumentParser:
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples a cycle of the drive (360)")
-    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
+    parser.add_argument("--samples", type=_count(*SAMPLES), default=360, help="samples a cycle of the drive (360)")
+    parser.add_argument("--turns", type=_count(*TURNS), default=1, help="cycles of the drive (1)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
     parser.add_argument(
@@ -61,7 +69,67 @@ def _engines(text: str) -> list[str]:
 def _count(least: int, most: int) -> Callable[[str], int]:
     def parse(text: str) -> int:
         if not (text.isdecimal() and least <= int(text) <= most):
-            raise argparse.ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{text}'")
+            raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{text}'")
         return int(text)
 
     return parse
+
+
+def accuracy(text: str) -> Accuracy:
+    """Return the accuracy that an argument asks for.
+
+    Raises:
+        ArgumentTypeError: it is none.
+    """
+    if text in TIERS:
+        return text
+    try:
+        level = float(text)
+    except ValueError:
+        level = 0.0
+    if not 0 < level < 1:
+        raise ArgumentTypeError(f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{text}'")
+    return level
+
+
+def checked(scene: Scene, engines: Sequence[str], samples: int, turns: int, level: Accuracy) -> Sampling:
+    """Return the sampling that these arguments ask for.
+
+    Raises:
+        InputError: one of the arguments is out of its range, or does not fit the scene.
+    """
+    registry.check_names(engines)
+    for name, value, parse in (
+        ("samples", samples, _count(*SAMPLES)),
+        ("turns", turns, _count(*TURNS)),
+        ("accuracy", level, accuracy),
+    ):
+        try:
+            parse(str(value))
+        except ArgumentTypeError as error:
+            raise InputError(f"arguments: {name}: {error}") from None
+    return sampling(scene, samples, turns)
+
+
+def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:
+    """Return the sampling of a scene, for the channels that match one of the patterns, or all.
+
+    Raises:
+        InputError: a pattern matches no channel, or there are to be several cycles of a run that has one.
+    """
+    if turns > 1 and not scene.drive.repeats:
+        raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
+    return Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
+
+
+def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:
+    """Return the channels of a scene whose names match one of the patterns, `P5.*` for example.
+
+    Raises:
+        InputError: a pattern matches no channel.
+    """
+    known = [channel for channel in channels(scene) if channel not in ("time", scene.drive_channel)]
+    for pattern in patterns:
+        if not any(fnmatchcase(channel, pattern) for channel in known):
+            raise InputError(f"--channels: {scene.name} has no channel '{pattern}'{nearest(pattern, known)}")
+    return frozenset(c for c in known if any(fnmatchcase(c, pattern) for pattern in patterns))

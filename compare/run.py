@@ -12,14 +12,14 @@ from rich.status import Status
 from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
 from scenes.hard import catalogue, ladder
 
-from .arguments import parser
-from .asked import matching
+from .arguments import parser, sampling
 from .command_line import command
 from .engines import registry
 from .family.grid import grid
 
 if TYPE_CHECKING:
     from .judge.gates import Gate
+    from .judge.measure import Measurement
     from .study import Study
 
 TO_LOCK = "lock_rrr"  # the ladder in a map of every report
@@ -48,7 +48,7 @@ def _list() -> int:
 
 def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
-    requests = [_request(scene, options) for scene in scenes]
+    requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
 
     from .report import (
@@ -66,16 +66,6 @@ def _run(options: argparse.Namespace) -> int:
     return 1 if any(missed) else 0
 
 
-def _request(scene: Scene, options: argparse.Namespace) -> Sampling:
-    """Return what the options ask for of a scene.
-
-    Raises:
-        InputError: it has no such channels.
-    """
-    channels = None if options.channels is None else matching(scene, options.channels)
-    return Sampling(options.samples, options.turns, channels=channels)
-
-
 def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
     """Raise InputError for arguments that do not fit the scenes."""
     names = [scene.name for scene in scenes]
@@ -83,10 +73,6 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         if names.count(scene.name) > 1:
             target = options.out / scene.name
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
-        if options.turns > 1 and not scene.drive.repeats:
-            raise InputError(
-                f"arguments: --turns {options.turns}: expected 1, since {scene.name} runs once from start to end"
-            )
         numbers_in(scene.file, [variation.path for variation in options.vary])
     for name, why in (
         ("full", "a family takes no ladders"),
@@ -97,7 +83,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
 
 
-def _report(scene: Scene, sampling: Sampling, options: argparse.Namespace, status: Status) -> bool:
+def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status: Status) -> bool:
     """Write one scene's report, and return whether it misses a tolerance.
 
     Raises:
@@ -118,7 +104,7 @@ def _report(scene: Scene, sampling: Sampling, options: argparse.Namespace, statu
         budget = Budget(rounds=100, seconds=60.0, long_ladders=True, point_s=10.0)
     try:
         with stoppable() as stopping:
-            result = study(scene, options.engines, sampling, budget, progress, options.accuracy or "balanced")
+            result = study(scene, options.engines, request, budget, progress, options.accuracy or "balanced")
             if options.full:
                 result = _in_full(result, options, progress)
             stopped = stopping()
@@ -133,7 +119,7 @@ def _report(scene: Scene, sampling: Sampling, options: argparse.Namespace, statu
     print(f"report: {page}")
     if stopped:
         raise KeyboardInterrupt(f"stopped; {page} has what was done")
-    return bool(options.check) and _missed(scene, {scene.name: result.gates})
+    return bool(options.check) and _stops(scene, {scene.name: (result.measurements, result.held)})
 
 
 def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":
@@ -147,7 +133,7 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     return replace(result, maps=maps, hard=hard_cases(catalogue(), able, options.out, progress))
 
 
-def _family(scene: Scene, sampling: Sampling, options: argparse.Namespace, status: Status) -> bool:
+def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status: Status) -> bool:
     """Write one scene's family, and return whether a member misses a tolerance, or none runs.
 
     Raises:
@@ -164,7 +150,7 @@ def _family(scene: Scene, sampling: Sampling, options: argparse.Namespace, statu
     family = Family(scene, options.vary, options.engines)
     stopped = False
     try:
-        for member in members(scene.file, changes, options.engines, sampling, progress):
+        for member in members(scene.file, changes, options.engines, request, progress):
             family.members.append(member)
             print(f"{scene.name}  {on_a_line(family, member)}")
     except KeyboardInterrupt:
@@ -178,11 +164,13 @@ def _family(scene: Scene, sampling: Sampling, options: argparse.Namespace, statu
         raise KeyboardInterrupt(
             f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
         )
-    able = {f"{scene.name}  {label(family, m)}": m.gates for m in family.members if m.cycle is not None}
+    able = {
+        f"{scene.name}  {label(family, m)}": (m.measurements, m.gates) for m in family.members if m.cycle is not None
+    }
     if options.check and not able:
         print(f"{scene.name}  missed: every tolerance, since no member runs")
         return True
-    return bool(options.check) and _missed(scene, able)
+    return bool(options.check) and _stops(scene, able)
 
 
 def _tell(result: "Study") -> None:
@@ -200,14 +188,16 @@ def _tell(result: "Study") -> None:
         print(f"{result.scene.name}  {said}")
 
 
-def _missed(scene: Scene, gates: Mapping[str, Sequence["Gate"]]) -> bool:
-    """Name every tolerance that was missed, given the gates by what they are about."""
-    if not any(gates.values()):
+def _stops(scene: Scene, judged: Mapping[str, tuple[Sequence["Measurement"], Sequence["Gate"]]]) -> bool:
+    """Name every tolerance that was missed and every engine that failed, given both by what they are about."""
+    from .judge.gates import missed
+
+    if not any(held for _, held in judged.values()):
         print(f"{scene.name}  no tolerance is declared for these engines")
-    missed = [(name, gate) for name, of in gates.items() for gate in of if gate.missed]
-    for name, gate in missed:
-        print(f"{name}  missed: {gate}")
-    return bool(missed)
+    lines = [f"{name}  missed: {line}" for name, both in judged.items() for line in missed(*both)]
+    for line in lines:
+        print(line)
+    return bool(lines)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import pandas as pd
+
 from scenes import Scene, Status
 from scenes.motion import quantity
 
@@ -49,3 +51,28 @@ def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[s
                 continue
             worst = int(rows["unexplained"].to_numpy().argmax())  # a NaN counts as the largest
             yield Gate(run.engine, group, tolerance, rows["unexplained"].iloc[worst], rows["channel"].iloc[worst])
+
+
+def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[str]:
+    """Return what stops a CI run, a line each: every tolerance missed, and engines that are not ok and have none."""
+    gated = list(held)
+    named = {gate.engine for gate in gated}
+    runs = [m.run for m in measurements if m.run.status is not Status.ok and m.run.engine not in named]
+    return [str(gate) for gate in gated if gate.missed] + [f"{r.engine}: {r.status.name}: {r.reason}" for r in runs]
+
+
+def gate_table(held: Iterable[Gate]) -> pd.DataFrame:
+    """Return one row a tolerance: the error measured, and whether it was met."""
+    return pd.DataFrame(
+        [
+            {
+                "engine": gate.engine,
+                "group": gate.group,
+                "tolerance": gate.tolerance,
+                "error": gate.error,
+                "met": "missed" if gate.missed else "met",
+                "worst": gate.worst,
+            }
+            for gate in held
+        ]
+    )

@@ -22,7 +22,6 @@ from ..engines.registry import route
 from ..judge.errors import group_floors
 from ..speed import work_precision
 from ..study import Study
-from . import tables
 from .hard import tables as hard_tables
 from .page import page
 
@@ -113,7 +112,7 @@ def _summary(study: Study) -> dict[str, Any]:
             for m in study.measurements
         },
         "errors": study.errors.to_dict("records"),
-        "gates": tables.gates(study).to_dict("records"),
+        "gates": study.gates.to_dict("records"),
         "cheapest": work_precision.choices(study.speed).to_dict("records"),
         "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
         "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],

@@ -56,7 +56,7 @@ def page(study: Study) -> str:
         verdict=escape(tables.verdict(study)),
         notes="".join(f"<li>{escape(note)}</li>" for note in tables.notes(study)),
         overview=table_html(tables.overview(study)),
-        gates=table_html(tables.gates(study)),
+        gates=table_html(study.gates),
         linkage=figure_html(linkage(study)),
         axis=escape(axis(scene).quantity),
         position=escape(position_name(scene)),

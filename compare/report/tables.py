@@ -75,22 +75,6 @@ def residuals(study: Study) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def gates(study: Study) -> pd.DataFrame:
-    """Return every tolerance of the scene, the error measured, and whether it was met."""
-    rows = [
-        {
-            "engine": g.engine,
-            "group": g.group,
-            "tolerance": g.tolerance,
-            "error": g.error,
-            "met": "missed" if g.missed else "met",
-            "worst": g.worst,
-        }
-        for g in study.gates
-    ]
-    return pd.DataFrame(rows)
-
-
 def notes(study: Study) -> list[str]:
     """Return what a reader must know: why runs failed, which channels are missing and why, how the floor was found."""
     floor = study.reference.floor

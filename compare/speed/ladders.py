@@ -17,7 +17,7 @@ from ..engines.runner import Run
 from ..engines.settings import settings_of, tiers
 from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
-from .timing import Budget, Times, take_turns
+from .timing import NO_CLOCK, Budget, Times, take_turns
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
 
@@ -57,7 +57,8 @@ def speed_table(
     sampling = replace(SAMPLING, channels=channels)
     runs = (_error_runs(reference, engine, sampling, budget, progress) for engine in engines)
     points = list(kept(chain.from_iterable(runs)))
-    timed = [point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s]
+    able = (point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s)
+    timed = [] if budget == NO_CLOCK else list(able)
     scene = reference.scene
     builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
     times = dict(zip(map(id, timed), take_turns(builds, budget, progress), strict=True))

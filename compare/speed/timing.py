@@ -26,6 +26,9 @@ class Budget:
     point_s: float = 1.0  # one run of one setting; what takes longer is not repeated
 
 
+NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
+
+
 @dataclass
 class Times:
     """What the clock said about one setting, s, one entry a round."""

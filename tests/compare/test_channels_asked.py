@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare.asked import accuracy, matching
+from compare.arguments import accuracy, matching
 from compare.engines.reference import Reference, establish
 from compare.engines.runner import Run
 from compare.judge.checks import checks
@@ -188,7 +188,7 @@ def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
     scene = replace(scene, tolerances={"analytic": {"position": 1e-9, "reaction": 1e-9, "torque": 0.0}})
     few = Sampling(72, channels=frozenset({"P5.y", "drive.torque"}))
     result = study(scene, ["analytic"], few, Budget(1, 0.0), lambda _: None)
-    assert [(gate.group, gate.missed) for gate in result.gates] == [("position", False), ("torque", True)]
+    assert [(gate.group, gate.missed) for gate in result.held] == [("position", False), ("torque", True)]
     assert "P5.y, drive.torque" in tables.notes(result)[1]
 
 

@@ -125,7 +125,7 @@ def test_channels_narrow_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str
     table = pd.read_csv(tmp_path / "toggle_press" / "motion.analytic.csv")
     assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.y [m]", "P3.fx [N]", "P3.fy [N]"]
     summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
-    assert summary["scene"]["asked"] == ["P3.fx", "P3.fy", "P5.y"]
+    assert summary["sampling"]["channels"] == ["P3.fx", "P3.fy", "P5.y"]
 
 
 def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

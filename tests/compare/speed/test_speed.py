@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from compare.asked import TIERS
 from compare.engines import registry
 from compare.engines.reference import Reference
+from compare.engines.settings import TIERS
 from compare.judge.round_off import explain
 from compare.report.page import page
 from compare.report.speed import tables as speed_tables
@@ -164,7 +164,7 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
 def study_of(reference: Reference, speed: pd.DataFrame) -> Study:
     sampling = Sampling(72)
     motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
-    return Study(reference.scene, sampling, reference, explain(reference, sampling), motion, [], [], speed, [])
+    return Study(reference.scene, sampling, reference, explain(reference, sampling), [], [], [], motion, speed)
 
 
 def test_the_sentence(reference: Reference) -> None:

@@ -1,0 +1,75 @@
+"""`compare.check`: what the command line judges, as one call without files and clocks."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import compare
+import scenes
+from compare.run import main
+from scenes import Failure, InputError, Motion, Status
+from tests.comparisons import Plug
+
+
+def test_a_shipped_scene_is_judged_as_by_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = compare.check("four_bar", engines=("analytic", "exudyn"), samples=72)
+    assert result.ok
+    assert result.verdicts == {"analytic": ("ok", ""), "exudyn": ("ok", "")}
+    assert result.motions["exudyn"]["T.x"].shape == (73,)
+    assert set(result.errors["engine"]) == {"analytic", "exudyn"}
+    assert set(result.gates["met"]) == {"met"}
+    assert not list(tmp_path.iterdir()), "a file was written"
+    assert main(["four_bar", "--engines", "analytic,exudyn", "--samples", "72", "--check", "--out", "out"]) == 0
+    written = np.genfromtxt("out/four_bar/motion.exudyn.csv", delimiter=",", names=True, deletechars="")
+    assert (written["T.x_[m]"] == result.motions["exudyn"]["T.x"]).all()
+    assert capsys.readouterr().err == ""
+
+
+def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("compare.speed.timing._time", None)
+    result = compare.check("four_bar", engines=("analytic",), samples=72, accuracy=1e-4)
+    assert result.ok
+    assert "cheapest measured to be within 0.0001" in result.reasons[0]
+
+
+def test_a_missed_tolerance_is_not_ok() -> None:
+    scene = replace(scenes.load("four_bar"), tolerances={"pymunk": {"position": 1e-15}})
+    result = compare.check(scene, engines=("pymunk",), samples=72)
+    assert result.verdicts["pymunk"][0] == "ok"
+    assert not result.ok
+    assert result.gates["met"].tolist() == ["missed"]
+
+
+@pytest.mark.parametrize("outcome", [Failure(Status.diverged, "it ran away"), Motion({})])
+def test_an_engine_that_fails_is_not_ok_though_no_tolerance_is_declared(plug: Plug, outcome: Motion | Failure) -> None:
+    plug(outcome)
+    result = compare.check("four_bar", engines=("analytic", "stub"), samples=72)
+    assert result.verdicts["analytic"][0] == "ok"
+    assert result.verdicts["stub"][0] != "ok"
+    assert not result.ok
+    assert result.gates.empty
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ({"engines": ("exudin",)}, "no engine 'exudin'; did you mean 'exudyn'?"),
+        ({"samples": 3}, "samples: expected a whole number from 8 to 100000, found '3'"),
+        ({"turns": 0}, "turns: expected a whole number from 1 to 10000, found '0'"),
+        ({"accuracy": "best"}, "accuracy: expected fast, balanced, exact or a relative error"),
+        ({"accuracy": 2.0}, "accuracy: expected fast, balanced, exact or a relative error"),
+    ],
+)
+def test_bad_arguments_are_named(arguments: dict[str, object], text: str) -> None:
+    with pytest.raises(InputError, match=".*".join(map(str, text.split("?")[:1]))):
+        compare.check("four_bar", **arguments)  # type: ignore[arg-type]
+
+
+def test_a_run_that_ends_has_one_cycle() -> None:
+    with pytest.raises(InputError, match="runs once from start to end"):
+        compare.check("double_toggle_clamp", turns=2)
