@@ -10,26 +10,29 @@ from scenes import Failure, Scene, Status
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Decomposition, decompose, inner_joint
-from .kinematics import followed, kinematics
+from .decomposition import inner_joint
+from .kinematics import Linkage, kinematics
 from .motion_range import in_line
 from .newton_group import Group
+from .solve import Solver
 
 SAMPLES = 720  # a cycle, to find where a dyad comes near its lock
 POINTS, ROUNDS = 17, 16  # of each look closer: 8 times closer, down to the last place
 MEET = 64 * np.finfo(float).eps  # of the largest coordinate: what doubles cannot tell from a lock
 
 
-def check_way(scene: Scene) -> None:
+def check_way(solver: Solver) -> None:
     """Look for such poses over the drive's range; larger groups are watched while they are followed.
 
+    Args:
+        solver: of the scene, and of the channels whose groups are looked at.
+
     Raises:
-        Failure: `unsupported` when the sketch leaves a branch open, `cannot_assemble` at such a pose.
+        Failure: `cannot_assemble` at such a pose.
     """
-    linkage = decompose(scene)
+    scene, linkage = solver.scene, solver.linkage
     if all(isinstance(group, Group) for group in linkage.groups):
         return
-    linkage = followed(scene, linkage)
     least, most = scene.drive.extent
     way = np.linspace(least, most, SAMPLES + 1)
     distances = _to_lock(scene, linkage, way)
@@ -47,7 +50,7 @@ def check_way(scene: Scene) -> None:
                 raise Failure(Status.cannot_assemble, reason)
 
 
-def _closest(scene: Scene, linkage: Decomposition, joint: str, least: float, most: float) -> float | None:
+def _closest(scene: Scene, linkage: Linkage, joint: str, least: float, most: float) -> float | None:
     """Return where between two positions a dyad is as close to its lock as doubles can tell, or None."""
     for _ in range(ROUNDS):
         way = np.linspace(least, most, POINTS)
@@ -58,7 +61,7 @@ def _closest(scene: Scene, linkage: Decomposition, joint: str, least: float, mos
     return float(way[i]) if distance[i] <= MEET * size else None
 
 
-def _to_lock(scene: Scene, linkage: Decomposition, position: Samples) -> dict[str, Samples]:
+def _to_lock(scene: Scene, linkage: Linkage, position: Samples) -> dict[str, Samples]:
     """Return by how much each dyad is away from its lock, m, shape (n,); NaN where it does not reach."""
     with np.errstate(invalid="ignore", divide="ignore"):
         k = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=False)

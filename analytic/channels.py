@@ -9,8 +9,9 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import Pin
 
-from .decomposition import Decomposition, Dyad, inner_joint, kind
+from .decomposition import Dyad, inner_joint, kind
 from .dyads import Vectors, dot
+from .kinematics import Linkage
 from .kinetostatics import Reactions
 from .newton_group import Group, to_lock
 from .placing import Kinematics
@@ -28,7 +29,7 @@ def vector_channels(scene: Scene) -> Iterator[Channels]:
             yield _of_pin(pin)
 
 
-def scalar_channels(scene: Scene, linkage: Decomposition) -> Iterator[Channels]:
+def scalar_channels(scene: Scene, linkage: Linkage) -> Iterator[Channels]:
     """Yield the other channels, and those that only this model has."""
     for body in scene.turning:
         yield from _of_turning(body)
@@ -61,7 +62,7 @@ def _of_slider(body: str) -> Iterator[Channels]:
     yield (f"{body}.guide_moment",), lambda _, on: on.guide[body][1]
 
 
-def _lock_channels(linkage: Decomposition, group: Dyad | Group) -> Iterator[Channels]:
+def _lock_channels(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
     """Yield how near a group is to a lock; two crossing guides lock at no length."""
     joint = inner_joint(group)
     if isinstance(group, Group):

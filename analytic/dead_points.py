@@ -10,10 +10,9 @@ from scenes.drive import Driven
 from scenes.motion import Samples
 from scenes.scene import PressForce
 
-from .decomposition import Decomposition
 from .dyads import Vectors, dot
 from .geometry import as_complex
-from .kinematics import kinematics
+from .kinematics import Linkage, kinematics
 
 SAMPLES = 3600  # over the drive's way: two dead points closer together than this grid are not seen
 BISECTIONS = 60  # from the whole way down to the last place
@@ -21,7 +20,7 @@ BISECTIONS = 60  # from the whole way down to the last place
 Displaced: TypeAlias = Callable[[Samples], tuple[Samples, Samples, Samples]]  # position of the drive -> s, s', s''
 
 
-def displacement(scene: Scene, linkage: Decomposition, point: str) -> Displaced:
+def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     """Return the displacement of a slider's point along its guide from `through`, with its derivatives by the drive.
 
     Raises:
@@ -60,7 +59,7 @@ def dead_points(displaced: Displaced, least: float, most: float) -> Samples:
     return bisected(lambda position: displaced(position)[1], way[before], way[before + 1])
 
 
-def stroke_end(scene: Scene, linkage: Decomposition, load: PressForce) -> float:
+def stroke_end(scene: Scene, linkage: Linkage, load: PressForce) -> float:
     """Return how far a cycle of the drive takes the slider in its closing direction: the displacement there, m."""
     displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
     least, most = scene.drive.extent

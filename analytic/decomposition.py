@@ -7,14 +7,13 @@ one larger group.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 from typing import TypeAlias
 
 from scenes import Failure, Scene, Status
-from scenes.scene import GROUND, PressForce
+from scenes.scene import GROUND
 
-from .continuation import Track
 from .geometry import RigidBody, as_complex, cross, rigid_body, sketched, sketched_attitude
 from .newton_group import Group, PinJoint, SlideJoint
 
@@ -78,8 +77,6 @@ class Decomposition:
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
-    tracks: Mapping[Group, Track] = field(default_factory=dict)  # of larger groups, by `kinematics.followed`
-    stroke_ends: Mapping[PressForce, float] = field(default_factory=dict)  # m, where forces are wanted
 
 
 def decompose(scene: Scene) -> Decomposition:

@@ -84,5 +84,6 @@ def build(scene: Scene, settings: AnalyticSettings, request: Request) -> Analyti
     Raises:
         Failure: the linkage does not decompose, or has no one motion.
     """
-    check_way(scene)
-    return AnalyticSimulation(solver(scene, request.channels), request, settings)
+    prepared = solver(scene, request.channels)
+    check_way(prepared)
+    return AnalyticSimulation(prepared, request, settings)

@@ -1,7 +1,7 @@
 """Position, velocity and acceleration of the whole linkage, group after group, for many positions at once."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
@@ -12,7 +12,7 @@ from scenes.drive import Driven
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .continuation import follow
+from .continuation import Track, follow
 from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
 from .newton_group import Group, Placed, in_plane, rates
@@ -21,33 +21,40 @@ from .placing import Closure, Kinematics, Placing
 RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]
 
 
+@dataclass(frozen=True)
+class Linkage(Decomposition):
+    """A decomposition whose larger groups have been followed: all that the kinematics needs."""
+
+    tracks: Mapping[Group, Track]
+
+
 def kinematics(
-    scene: Scene, linkage: Decomposition, driven: Driven, *, rates: bool = True, rrr: RRRPosition = rrr_position
+    scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool = True, rrr: RRRPosition = rrr_position
 ) -> Kinematics:
     """Solve position and, with `rates`, velocity and acceleration at positions of the drive, shape (n,), rad or m.
 
-    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN. Of a linkage with
-    larger groups the branches have to be known, from `followed`.
+    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN.
     """
     return _Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
 
 
-def followed(scene: Scene, linkage: Decomposition) -> Decomposition:
+def followed(scene: Scene, whole: Decomposition) -> Linkage:
     """Return the linkage with the branch of every larger group, each followed once over the drive's way.
 
     Raises:
-        Failure: a larger group has no branch to follow, as `continuation.follow` says.
+        Failure: a larger group has no branch to follow, see `continuation.follow`.
     """
-    for number, group in enumerate(linkage.groups):
+    linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, tracks={})
+    for group in whole.groups:
         if isinstance(group, Group):
-            placed = partial(_placed, scene, replace(linkage, groups=linkage.groups[:number]), group)
             with np.errstate(invalid="ignore", divide="ignore"):  # next to a lock
-                track = follow(scene, group, linkage.bodies, placed)
+                track = follow(scene, group, whole.bodies, partial(_placed, scene, linkage, group))
             linkage = replace(linkage, tracks={**linkage.tracks, group: track})
+        linkage = replace(linkage, groups=(*linkage.groups, group))
     return linkage
 
 
-def _placed(scene: Scene, before: Decomposition, group: Group, position: Samples) -> Placed:
+def _placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
     """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
     return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, len(position))
@@ -56,9 +63,9 @@ def _placed(scene: Scene, before: Decomposition, group: Group, position: Samples
 class _Pass(Placing):
     """One pass from the driver to the last group."""
 
-    def __init__(self, scene: Scene, linkage: Decomposition, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
+    def __init__(self, scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
         super().__init__(scene, linkage, driven.position, rates=rates)
-        self.driven, self.rrr_position = driven, rrr
+        self.driven, self.rrr_position, self.tracks = driven, rrr, linkage.tracks
 
     def solve(self) -> "_Pass":
         """Place everything."""
@@ -200,7 +207,7 @@ class _Pass(Placing):
     # --- larger groups
 
     def larger(self, group: Group, position: Samples) -> None:
-        k, track = self.k, self.linkage.tracks[group]
+        k, track = self.k, self.tracks[group]
         placed = self.hung(group, len(position))
         pose, J = track.at(position, placed.pose)
         if self.rates:

@@ -4,23 +4,26 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from scenes import Scene
 from scenes.motion import Samples, force_channels
-from scenes.scene import Force, ForceTable, Load
+from scenes.scene import Force, ForceTable, Load, PressForce
 
 from .dead_points import guide_of
-from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
+from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
+from .kinematics import Linkage
 from .newton_group import Group, joint_forces
 from .placing import Kinematics
+
+StrokeEnds: TypeAlias = Mapping[PressForce, float]  # where a slider's closing stroke ends, m
 
 
 class Push(NamedTuple):
@@ -41,10 +44,10 @@ class Reactions:
 
 
 def kinetostatics(
-    scene: Scene, linkage: Decomposition, k: Kinematics, wanted: AbstractSet[str] | None = None
+    scene: Scene, linkage: Linkage, stroke_ends: StrokeEnds, k: Kinematics, wanted: AbstractSet[str] | None = None
 ) -> Reactions:
     """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does."""
-    balance = _Balance(scene, linkage, k)
+    balance = _Balance(scene, linkage, stroke_ends, k)
     for group in reversed(linkage.groups):
         if wanted is not None and balance.has(wanted):
             return balance.found
@@ -63,7 +66,8 @@ class _Balance:
     """One pass from the last group to the driver."""
 
     scene: Scene
-    linkage: Decomposition
+    linkage: Linkage
+    stroke_ends: StrokeEnds
     k: Kinematics
     found: Reactions = field(default_factory=Reactions)
     slid_on: dict[str, list[Push]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
@@ -221,5 +225,5 @@ class _Balance:
         s = dot(t, self.k.z[first] - through)
         if isinstance(load, ForceTable):
             return t * load.along(s)
-        acts = load.acts(s, dot(t, self.k.v[first]), self.linkage.stroke_ends[load])
+        acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[load])
         return np.where(acts, as_complex(load.force), 0)

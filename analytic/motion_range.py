@@ -9,8 +9,8 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Decomposition, Dyad, InnerSlide, inner_joint, kind
-from .kinematics import kinematics
+from .decomposition import Dyad, InnerSlide, inner_joint, kind
+from .kinematics import Linkage, kinematics
 from .newton_group import Group
 
 SAMPLES = 3600  # a turn, or a driven slider's way: a gap or an interval narrower than this grid is missed
@@ -30,7 +30,7 @@ class Interval:
     end_lock: str
 
 
-def motion_range(scene: Scene, linkage: Decomposition) -> list[Interval]:
+def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     """Return the intervals of one turn, or of a driven slider's way, in which the linkage assembles.
 
     None when it never does, or all the way.
@@ -58,7 +58,7 @@ def motion_range(scene: Scene, linkage: Decomposition) -> list[Interval]:
     return [Interval(a, b, at_a, at_b) for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _locked(scene: Scene, linkage: Decomposition, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
+def _locked(scene: Scene, linkage: Linkage, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
     """Return, for each position, the inner joint of the first group that does not reach, or an empty text."""
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0))).reach
@@ -69,7 +69,7 @@ def _locked(scene: Scene, linkage: Decomposition, position: Samples) -> np.ndarr
     return first
 
 
-def describe(scene: Scene, linkage: Decomposition) -> str:
+def describe(scene: Scene, linkage: Linkage) -> str:
     """Return in one sentence how far the drive moves, and what is in line where it stops."""
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)

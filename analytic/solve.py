@@ -17,8 +17,8 @@ from scenes.scene import ConstantSpeed, PressForce
 from .channels import Channels, FromBoth, scalar_channels, vector_channels
 from .dead_points import stroke_end
 from .decomposition import Decomposition, decompose, members
-from .kinematics import followed, kinematics
-from .kinetostatics import Reactions, kinetostatics
+from .kinematics import Linkage, followed, kinematics
+from .kinetostatics import Reactions, StrokeEnds, kinetostatics
 from .motion_range import describe
 from .placing import Kinematics
 
@@ -26,7 +26,7 @@ from .placing import Kinematics
 BLOCK = 8000
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
 
-MotionAt: TypeAlias = Callable[[Scene, Decomposition, Driven], Kinematics]
+MotionAt: TypeAlias = Callable[[Scene, Linkage, Driven], Kinematics]
 
 
 def solve(
@@ -68,14 +68,13 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     return prepared(scene, decompose(scene), channels)
 
 
-def prepared(scene: Scene, linkage: Decomposition, channels: AbstractSet[str] | None = None) -> "Solver":
+def prepared(scene: Scene, whole: Decomposition, channels: AbstractSet[str] | None = None) -> "Solver":
     """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed."""
     request = Request(channels=None if channels is None else frozenset(channels))
-    linkage = followed(scene, _needed(linkage, request.channels, forces=request.wants_forces(scene)))
-    if request.wants_forces(scene):
-        press_forces = (load for load in scene.loads if isinstance(load, PressForce))
-        linkage = replace(linkage, stroke_ends={load: stroke_end(scene, linkage, load) for load in press_forces})
-    return Solver(scene, linkage, request)
+    forces = request.wants_forces(scene)
+    linkage = followed(scene, _needed(whole, request.channels, forces=forces))
+    press_forces = [load for load in scene.loads if isinstance(load, PressForce) and forces]
+    return Solver(scene, linkage, {load: stroke_end(scene, linkage, load) for load in press_forces}, request)
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,8 @@ class Solver:
     """One scene, prepared for many calls."""
 
     scene: Scene
-    linkage: Decomposition  # with all that is found once
+    linkage: Linkage
+    stroke_ends: StrokeEnds  # where forces are wanted
     request: Request
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
@@ -108,7 +108,7 @@ class Solver:
                 block = slice(start, start + BLOCK)
                 k = motion_at(scene, linkage, Driven(*(x[block] if x.ndim else x for x in driven)))
                 _check_reach(scene, linkage, k, position[block])
-                on = kinetostatics(scene, linkage, k, wanted) if forces else Reactions()
+                on = kinetostatics(scene, linkage, self.stroke_ends, k, wanted) if forces else Reactions()
                 for rows, takes in ((planes, vectors.values()), (lines, scalars.values())):
                     for row, take in zip(rows, takes, strict=True):
                         row[block] = take(k, on)
@@ -135,18 +135,18 @@ def _chosen(known: Iterator[Channels], wanted: AbstractSet[str] | None) -> dict[
     return {names: take for names, take in known if wanted is None or not wanted.isdisjoint(names)}
 
 
-def _needed(linkage: Decomposition, wanted: AbstractSet[str] | None, *, forces: bool) -> Decomposition:
-    """Return the linkage without the last groups, unless a force, or a point or body of theirs, is wanted."""
+def _needed(whole: Decomposition, wanted: AbstractSet[str] | None, *, forces: bool) -> Decomposition:
+    """Return a decomposition without the last groups, unless a force, or a point or body of theirs, is wanted."""
     if wanted is None or forces:
-        return linkage
+        return whole
     names = {channel.rpartition(".")[0] for channel in wanted}
-    count = len(linkage.groups)
-    while count and not any({body, *linkage.carries[body]} & names for body in members(linkage.groups[count - 1])):
+    count = len(whole.groups)
+    while count and not any({body, *whole.carries[body]} & names for body in members(whole.groups[count - 1])):
         count -= 1
-    return replace(linkage, groups=linkage.groups[:count])
+    return replace(whole, groups=whole.groups[:count])
 
 
-def _check_reach(scene: Scene, linkage: Decomposition, k: Kinematics, position: Samples) -> None:
+def _check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples) -> None:
     for joint, reach in k.reach.items():  # in solving order: the first that fails is negative, what hangs on it is NaN
         if (reach < 0).any():
             first = position[int(np.argmax(np.broadcast_to(reach, position.shape) < 0))]

@@ -10,9 +10,8 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Decomposition
 from .dyads import Vectors, cross, turned
-from .kinematics import kinematics
+from .kinematics import Linkage, kinematics
 from .placing import Kinematics
 
 
@@ -36,7 +35,7 @@ def half_angle_position(
     return p, q, cross(p, q)
 
 
-def differenced(scene: Scene, linkage: Decomposition, driven: Driven, *, step: float) -> Kinematics:
+def differenced(scene: Scene, linkage: Linkage, driven: Driven, *, step: float) -> Kinematics:
     """Return the kinematics, all rates by central differences of positions `step` apart, s.
 
     The error is of order step^2, and roundings grow with 1 / step^2.

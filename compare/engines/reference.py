@@ -81,8 +81,7 @@ def found(scene: Scene) -> Reference:
         InputError: the output does not move, so that there is no scale.
     """
     sampling = Sampling(SCALE_SAMPLES)
-    registry.check_reference(scene)
-    solve = registry.reference(scene)
+    solve = registry.checked_reference(scene)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
     stroke = float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
     if not stroke > 0:

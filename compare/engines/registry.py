@@ -85,11 +85,6 @@ def engine(name: str) -> Engine[Any]:
     return cast("Engine[Any]", import_module(ENTRIES[name].module))
 
 
-def check_reference(scene: Scene) -> None:
-    """Raise Failure where the analytic core finds a pose on the drive's way that no one motion leads through."""
-    import_module("analytic").check_way(scene)
-
-
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
     """Return the analytic core's solver of a scene for some channels or all, against which every engine is measured.
 
@@ -99,6 +94,17 @@ def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
         Failure: the core cannot take the scene apart.
     """
     return cast("Solve", import_module("analytic").solver(scene, channels))
+
+
+def checked_reference(scene: Scene) -> Solve:
+    """Return `reference` of a scene for all channels, whose drive leads it nowhere from one branch into another.
+
+    Raises:
+        Failure: the core cannot take the scene apart, or two branches meet at a position of the drive.
+    """
+    solve = reference(scene)
+    import_module("analytic").check_way(solve)
+    return solve
 
 
 def route(scene: Scene) -> str:

@@ -10,6 +10,7 @@ import scenes
 from analytic.dead_points import displacement
 from analytic.decomposition import decompose
 from analytic.inverse import Stroke
+from analytic.kinematics import followed
 from scenes import Failure, Scene, Status
 from tests.conftest import SceneFrom
 from tests.mechanisms import MECHANISMS
@@ -36,7 +37,7 @@ def test_there_and_back(toggle_press: Scene) -> None:
     assert len(strokes) == 2
     assert np.degrees([stroke.start for stroke in strokes]) == pytest.approx([12.8, 208.6], abs=0.05)
     up = strokes[0]
-    displaced = displacement(toggle_press, decompose(toggle_press), "P5")
+    displaced = displacement(toggle_press, followed(toggle_press, decompose(toggle_press)), "P5")
     slope = np.abs(displaced(angle)[1]).min()  # m a radian: a rounding of s is this much angle
     assert np.abs(up.position - angle).max() <= 4 * 2.3e-16 / slope
     assert np.abs(up.rate - 2 * np.pi).max() <= 1e-10  # that angle error, times s'' / s'
@@ -46,7 +47,7 @@ def test_there_and_back(toggle_press: Scene) -> None:
 
 
 def test_strokes_end_at_dead_points(toggle_press: Scene) -> None:
-    displaced = displacement(toggle_press, decompose(toggle_press), "P5")
+    displaced = displacement(toggle_press, followed(toggle_press, decompose(toggle_press)), "P5")
     for stroke in analytic.inverse(toggle_press, -1.0):
         assert np.abs(displaced(np.array([stroke.start, stroke.end]))[1]).max() <= 1e-14
 
@@ -91,7 +92,7 @@ def driven_as_told(scene: Scene, stroke: Stroke, moved: np.ndarray[tuple[int], n
 
     Position, velocity and acceleration follow from displacements by chain rule: s, s' x', s' x'' + s'' x'^2.
     """
-    s, ds, dds = displacement(scene, decompose(scene), scene.output)(stroke.position)
+    s, ds, dds = displacement(scene, followed(scene, decompose(scene)), scene.output)(stroke.position)
     told = np.array([s, ds * stroke.rate, ds * stroke.acceleration + dds * stroke.rate**2])
     return float((np.abs(told - moved).max(axis=1) / np.abs(moved).max(axis=1)).max())
 

@@ -8,6 +8,7 @@ import pytest
 
 import analytic
 from analytic.decomposition import decompose
+from analytic.kinematics import followed
 from analytic.motion_range import Interval, motion_range
 from scenes import Failure, Scene, Status
 from scenes.scene import ConstantSpeed
@@ -69,7 +70,7 @@ output = { slider = "Y" }
 
 
 def intervals(scene: Scene) -> list[Interval]:
-    return motion_range(scene, decompose(scene))
+    return motion_range(scene, followed(scene, decompose(scene)))
 
 
 def reason(scene: Scene) -> str:

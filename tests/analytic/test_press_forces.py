@@ -9,6 +9,7 @@ import analytic
 import scenes
 from analytic.dead_points import dead_points, displacement, guide_of, stroke_end
 from analytic.decomposition import decompose
+from analytic.kinematics import followed
 from scenes import Scene
 from scenes.scene import PressForce
 from tests.conftest import SceneFrom
@@ -25,7 +26,7 @@ def pressed(text: str, force: float = -50.0, last: float = 0.3) -> str:
 
 def end_of_stroke(scene: Scene) -> float:
     (load,) = (load for load in scene.loads if isinstance(load, PressForce))
-    return stroke_end(scene, decompose(scene), load)
+    return stroke_end(scene, followed(scene, decompose(scene)), load)
 
 
 # --- by hand ----------------------------------------------------------------------------------------------------------
@@ -34,7 +35,7 @@ def end_of_stroke(scene: Scene) -> float:
 def test_dead_points_of_an_offset_slider_crank(scene_from: SceneFrom) -> None:
     """Crank and rod are in line there: the rod's end is 3 + 1, or 3 - 1, from the crank's pivot, and 0.8 above it."""
     scene = scene_from(OFFSET)
-    displaced = displacement(scene, decompose(scene), "B")
+    displaced = displacement(scene, followed(scene, decompose(scene)), "B")
     outer, inner = dead_points(displaced, 0.0, 2 * pi)
     assert outer == pytest.approx(asin(0.8 / 4), abs=1e-14)  # roundings of a slope that s'' = 1 turns into an angle
     assert inner == pytest.approx(pi + asin(0.8 / 2), abs=1e-14)
@@ -46,7 +47,7 @@ def test_dead_points_of_an_offset_slider_crank(scene_from: SceneFrom) -> None:
 def test_displacements_have_their_derivatives(scene_from: SceneFrom) -> None:
     """Sixth-order differences, h^6 f^(7) / 140, and roundings over h."""
     scene = scene_from(OFFSET)
-    displaced = displacement(scene, decompose(scene), "B")
+    displaced = displacement(scene, followed(scene, decompose(scene)), "B")
     x, h = np.linspace(0, 6, 40), 1e-2
     weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
     for order in (0, 1):
@@ -92,7 +93,7 @@ def test_a_stroke_ends_where_a_law_turns_back(scene_from: SceneFrom) -> None:
 def test_the_end_of_a_driven_platen_is_its_lock() -> None:
     """The toggle goes through its lock: the platen is furthest where A, B and C are in line, hypot by hand."""
     text = scenes.load("double_toggle_clamp", {"drive.end": 260})
-    displaced = displacement(text, decompose(text), "C")
+    displaced = displacement(text, followed(text, decompose(text)), "C")
     (dead,) = dead_points(displaced, *text.drive.extent)
     furthest = sqrt((0.352 + 0.457) ** 2 - 0.06347340844382656**2)
     assert displaced(np.array([dead]))[0] == pytest.approx(furthest, abs=1e-15)
@@ -179,11 +180,11 @@ output = { slider = "B" }
     assert through == 0
     angle = np.linspace(0, 6, 31)
     motion = analytic.solve(scene, angle)
-    s, _, _ = displacement(scene, decompose(scene), "B")(angle)
+    s, _, _ = displacement(scene, followed(scene, decompose(scene)), "B")(angle)
     assert s == pytest.approx(motion["B.x"], abs=1e-15)
     # The carriage keeps above the block: its guide y = 2 + (x - 5) / 2, its own x that of B.
     along = hypot(1, 0.5)
-    carried, _, _ = displacement(scene, decompose(scene), "E")(angle)
+    carried, _, _ = displacement(scene, followed(scene, decompose(scene)), "E")(angle)
     assert carried == pytest.approx((motion["B.x"] - 5) * along, abs=1e-14)
     with pytest.raises(ValueError, match="A is on no body that slides on the ground"):
-        displacement(scene, decompose(scene), "A")
+        displacement(scene, followed(scene, decompose(scene)), "A")
