@@ -17,15 +17,15 @@ from .geometry import RigidBody, sketched, sketched_attitude
 from .newton_group import (
     ROUGHLY,
     Group,
+    GroupEquations,
     Placed,
     Pose,
-    System,
     assemble,
     coordinates,
+    equations_of,
     own_jacobian,
     rates,
     refine,
-    system,
 )
 
 STEPS = 360  # over a turn, or over the way of a driven slider
@@ -41,7 +41,7 @@ PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> wh
 class Track:
     """N poses by the drive's position, within one turn of a crank, and how they change with the position."""
 
-    equations: System
+    equations: GroupEquations
     step: float  # rad or m, between poses
     turn: float  # the period of positions, 2 pi; infinite for a driven slider
     position: Samples  # (N,), increasing
@@ -88,7 +88,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     Raises:
         Failure: `cannot_assemble` at the sketch; `unsupported` when a crank turns all the way and ends in another pose.
     """
-    equations = system(scene, bodies, group)
+    equations = equations_of(scene, bodies, group)
     start = scene.sketch.drive
     least, most = scene.drive.extent
     turn = 2 * pi if scene.driven_slide is None else inf
@@ -137,7 +137,9 @@ def _march(first: Track, placed: PlacedAt, way: float) -> list[Track]:
     return poses
 
 
-def _pose(equations: System, step: float, turn: float, position: Samples, q: Samples, placed: PlacedAt) -> Track:
+def _pose(
+    equations: GroupEquations, step: float, turn: float, position: Samples, q: Samples, placed: PlacedAt
+) -> Track:
     """Return the track of one pose, q of shape (1, m)."""
     hung = placed(position)
     pose = equations.pose(q, hung.pose)

@@ -26,7 +26,7 @@ from .placing import Kinematics
 StrokeEnds: TypeAlias = Mapping[PressForce, float]  # where a slider's closing stroke ends, m
 
 
-class Push(NamedTuple):
+class Wrench(NamedTuple):
     """A force on a body, N, the point where it acts, m, and a moment with it, N m."""
 
     force: Vectors
@@ -70,7 +70,7 @@ class _Balance:
     stroke_ends: StrokeEnds
     k: Kinematics
     found: Reactions = field(default_factory=Reactions)
-    slid_on: dict[str, list[Push]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
+    slid_on: dict[str, list[Wrench]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
 
     def has(self, wanted: AbstractSet[str]) -> bool:
         """Return whether all reactions wanted were found; what was, is final."""
@@ -84,7 +84,7 @@ class _Balance:
         one, two = dyad.legs
         closure = self.k.closure[dyad.P]
         applied = [self.applied(leg.body, self.foot(leg)) for leg in dyad.legs]
-        Q1, Q2 = (self.on_freedom(leg, *wrench) for leg, wrench in zip(dyad.legs, applied, strict=True))
+        Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
         R = inner_force(Q1, Q2, *closure)
         self.hold(one.body, dyad.P, R)
         self.hold(two.body, dyad.P, -R)
@@ -131,12 +131,12 @@ class _Balance:
         t = self.k.direction(leg)
         N = -cross(t, force)
         at = self.k.z[self.scene.bodies[leg.slider].points[0]]
-        push = 1j * t * N
+        reaction = 1j * t * N
         M = -moment
         if leg.slider != leg.body:
-            M = M - cross(at - self.k.z[self.foot(leg)], push)
+            M = M - cross(at - self.k.z[self.foot(leg)], reaction)
         self.channel(leg, N, M)
-        self.slid_on.setdefault(leg.on, []).append(Push(-push, at, -M))
+        self.slid_on.setdefault(leg.on, []).append(Wrench(-reaction, at, -M))
 
     def channel(self, leg: Guided, N: Samples, M: Samples) -> None:
         """Keep what a guide does on the leg as what it does on the slider, which may be the other body."""
@@ -159,11 +159,11 @@ class _Balance:
             self.found.guide[slide.slider] = N, M
             slider = self.scene.bodies[slide.slider]
             assert slider.slide is not None
-            push = N * (1j * self.k.u[slide.on] * as_complex(slider.slide.along))
+            reaction = N * (1j * self.k.u[slide.on] * as_complex(slider.slide.along))
             at = self.k.z[slider.points[0]]
             for placed, sign in ((slide.on, -1), (slide.slider, 1)):
                 if placed not in group.bodies:
-                    self.slid_on.setdefault(placed, []).append(Push(sign * push, at, sign * M))
+                    self.slid_on.setdefault(placed, []).append(Wrench(sign * reaction, at, sign * M))
 
     def driver(self) -> None:
         leg = self.linkage.driver
@@ -192,28 +192,28 @@ class _Balance:
         if self.scene.gravity is not None:
             weight = np.array(rigid.mass * as_complex(self.scene.gravity))
             force, moment = force + weight, moment + cross(r, weight)
-        for push in self.pushes(body):
-            force = force + push.force
-            moment = moment + cross(push.at - k.z[foot], push.force) + push.moment
+        for wrench in self.wrenches(body):
+            force = force + wrench.force
+            moment = moment + cross(wrench.at - k.z[foot], wrench.force) + wrench.moment
         return force, moment
 
-    def pushes(self, body: str) -> Iterator[Push]:
+    def wrenches(self, body: str) -> Iterator[Wrench]:
         """Yield loads, springs, the pull at the pins that the body carries, and what slides on it."""
         z, pin = self.k.z, self.found.pin
         for load in self.scene.loads:
             if load.body == body:
-                yield Push(self.load(load), z[load.at])
+                yield Wrench(self.load(load), z[load.at])
         for spring in self.scene.springs:
             for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if mine == body:
                     d = z[other] - z[at]
                     length = np.abs(d)
-                    yield Push(spring.stiffness * (length - spring.length) * (d / length), z[at])
+                    yield Wrench(spring.stiffness * (length - spring.length) * (d / length), z[at])
         for point in self.linkage.carries[body]:
             solved = [pin[point, other] for other in self.scene.owners[point] if (point, other) in pin]
             if solved:
                 pin[point, body] = -sum(solved[1:], start=solved[0])
-                yield Push(pin[point, body], z[point])
+                yield Wrench(pin[point, body], z[point])
         yield from self.slid_on.get(body, ())
 
     def load(self, load: Load) -> Vectors:

@@ -96,7 +96,7 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class System:
+class GroupEquations:
     """The constants of the joints, between the frames of the group's b bodies and, after them, of what they hang on.
 
     S and T say which frames a joint is between: -1 for the one that a pin hangs on or that a slider slides on, 1 for
@@ -173,7 +173,7 @@ class System:
         return self.along * pose.u[:, self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
 
 
-def system(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> System:
+def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> GroupEquations:
     """Return the joints of a group; the foot of each body is its first point."""
     index = {name: number for number, name in enumerate((*group.bodies, *group.hangs_on))}
 
@@ -196,10 +196,10 @@ def system(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> Syste
     locals_ = [bodies[name].local.values() for name in group.bodies]
     size = max(abs(a - b) for local in locals_ for a in local for b in local) or 1.0  # bodies of one point have no arm
     on = np.array([index[joint.on] for joint in group.slides], np.intp)
-    return System(len(group.bodies), S, R, T, E, on, np.array(along, complex), size)
+    return GroupEquations(len(group.bodies), S, R, T, E, on, np.array(along, complex), size)
 
 
-def assemble(equations: System, q: Samples, placed: Pose) -> Samples:
+def assemble(equations: GroupEquations, q: Samples, placed: Pose) -> Samples:
     """Return the coordinates near a rough guess q, shape (1, m), where the joints close, if there are any."""
     for _ in range(ITERATIONS):
         correction = _correction(equations, q, placed)
@@ -210,7 +210,7 @@ def assemble(equations: System, q: Samples, placed: Pose) -> Samples:
     return q
 
 
-def refine(equations: System, q: Samples, placed: Pose) -> tuple[Samples, NDArray[np.bool_]]:
+def refine(equations: GroupEquations, q: Samples, placed: Pose) -> tuple[Samples, NDArray[np.bool_]]:
     """Return the coordinates where the joints close, from a near guess q, shape (n, m), and whether they were found.
 
     Each position is on its own: it is corrected as long as the corrections at least halve, which ends in their
@@ -227,7 +227,7 @@ def refine(equations: System, q: Samples, placed: Pose) -> tuple[Samples, NDArra
         last = np.where(halved, length, last)
 
 
-def rates(equations: System, pose: Pose, placed: Placed) -> tuple[Samples, Samples]:
+def rates(equations: GroupEquations, pose: Pose, placed: Placed) -> tuple[Samples, Samples]:
     """Return q' and q'', shape (n, m)."""
     b = equations.bodies
     everywhere = equations.jacobian(pose)
@@ -238,12 +238,14 @@ def rates(equations: System, pose: Pose, placed: Placed) -> tuple[Samples, Sampl
     return dq, solved(J, -driving - equations.quadratic(pose, v, omega))
 
 
-def own_jacobian(equations: System, pose: Pose) -> Samples:
+def own_jacobian(equations: GroupEquations, pose: Pose) -> Samples:
     """Return dC / dq, shape (n, m, m)."""
     return equations.jacobian(pose)[:, :, : 3 * equations.bodies]
 
 
-def joint_forces(equations: System, J: Samples, force: Complex, moment: Samples) -> tuple[Complex, Samples, Samples]:
+def joint_forces(
+    equations: GroupEquations, J: Samples, force: Complex, moment: Samples
+) -> tuple[Complex, Samples, Samples]:
     """Return what each pin does on the body pinned, N, shape (n, p), each guide on the slider, N and N m, shape (n, s).
 
     By J^T forces + Q = 0 (virtual work); `force` and `moment` about the first point, shape (n, b), are what the bodies
@@ -255,7 +257,7 @@ def joint_forces(equations: System, J: Samples, force: Complex, moment: Samples)
     return x + 1j * y, guide_force, guide_moment
 
 
-def to_lock(equations: System, J: Samples) -> Samples:
+def to_lock(equations: GroupEquations, J: Samples) -> Samples:
     """Return how much arms would have to be off for J to be singular, shape (n,), m: its least singular value.
 
     So it is by Eckart and Young's theorem when all its entries are arms: moves and differences of angles count as those
@@ -290,7 +292,7 @@ def coordinates(plane: Complex, turn: Samples) -> Samples:
     return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(len(plane), 3 * plane.shape[1])
 
 
-def _correction(equations: System, q: Samples, placed: Pose) -> Samples:
+def _correction(equations: GroupEquations, q: Samples, placed: Pose) -> Samples:
     pose = equations.pose(q, placed)
     return solved(own_jacobian(equations, pose), equations.open(pose))
 
