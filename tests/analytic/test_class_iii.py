@@ -22,14 +22,11 @@ from compare.judge.errors import GROUPS
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.motion import channels, quantity
 from scenes.scene import ConstantSpeed
-from tests import absolute_coordinates
-from tests.conftest import TOGGLE_PRESS, SceneFrom, busy_scene
-from tests.mechanisms import MECHANISMS
+from tests import absolute_coordinates, scene_files
 
-from .test_mechanisms import FLIPPED, TEXTS, flipped
+from .test_mechanisms import FLIPPED, flipped
 
 TURN = np.radians(np.arange(720) / 2)  # half-degree steps, without the end
-CLASS_III = (scenes.LIBRARY / "class_iii.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -65,21 +62,21 @@ def test_power_balance(class_iii: Scene) -> None:
 
 
 CLOSED_FORMS = {
-    "RRR, RRP": TOGGLE_PRESS,
-    "RRR, RRP in a busy scene": busy_scene(),
-    "RPR, RRP": MECHANISMS["quick_return"],
-    "RPR": MECHANISMS["swinging_block"],
-    "RPP": MECHANISMS["scotch_yoke"],
-    "PRP": MECHANISMS["tangent"],
-    "RRR, RRP on a moving guide": MECHANISMS["carried_block"],
-    "a driven slider": MECHANISMS["driven_toggle"],
+    "RRR, RRP": "toggle_press",
+    "RRR, RRP in a busy scene": "busy",
+    "RPR, RRP": "shaper",
+    "RPR": "swinging_block",
+    "RPP": "scotch_yoke",
+    "PRP": "tangent",
+    "RRR, RRP on a moving guide": "carried_block",
+    "a driven slider": "driven_toggle",
 }
 
 
-@pytest.mark.parametrize("text", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
-def test_dyads_as_one_group(scene_from: SceneFrom, text: str) -> None:
+@pytest.mark.parametrize("name", CLOSED_FORMS.values(), ids=CLOSED_FORMS)
+def test_dyads_as_one_group(name: str) -> None:
     """The closed form against Newton's method on all after the driver: no formula in common but the bodies' own."""
-    scene = scene_from(text)
+    scene = scene_files.load(name)
     by_dyads = decompose(scene)
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
     by_newton = prepared(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)))(position)
@@ -90,9 +87,9 @@ def test_dyads_as_one_group(scene_from: SceneFrom, text: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["carried_block", "carried_yoke"])
-def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(scene_from: SceneFrom, name: str) -> None:
+def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(name: str) -> None:
     """The coupler slides on the block or the yoke, which is of the group, and takes what the guide does to it."""
-    scene = flipped(scene_from(TEXTS[name]), *FLIPPED[name])
+    scene = flipped(scene_files.load(name), *FLIPPED[name])
     by_dyads = decompose(scene)
     *before, last = by_dyads.groups
     placed = _Placed(scene, by_dyads.bodies)
@@ -116,31 +113,11 @@ def all_but_the_driver(scene: Scene, linkage: Decomposition) -> Group:
 
 # --- among dyads ------------------------------------------------------------------------------------------------------
 
-_HEAD = CLASS_III[: CLASS_III.index("[bodies.crank]")].replace("O = [0, 0]", "O = [0, 0]\nQ = [-200, 0]")
-_BODIES = {
-    "crank": 'lengths = { "Q-H" = 30 }\nmass = 0.2',
-    "link": 'lengths = { "H-A" = 190 }\nmass = 0.4',
-    "rocker": 'lengths = { "O-A" = 60 }\nmass = 0.5',
-    "coupler": 'lengths = { "A-B" = 255 }\nmass = 1',
-    "plate": 'lengths = { "B-C" = 145, "C-D" = 145, "B-D" = 120 }\nmass = 4',
-    "upper": 'lengths = { "E-C" = 205 }\nmass = 1',
-    "lower": 'lengths = { "F-D" = 230 }\nmass = 1',
-    "rod": 'lengths = { "D-G" = 200 }\nmass = 0.5',
-    "slider": "points = { G = [0, 0] }\nslides = { through = [200, 0], along = [0, 1] }\nmass = 2",
-}
-_TAIL = (
-    CLASS_III[CLASS_III.index("[drive]") : CLASS_III.index("# Largest")].replace(
-        "angle = 60", "angle = 60\nH = [-185, 26]"
-    )
-    + '[[loads]]\nbody = "slider"\nat = "G"\nforce = [0, 300]\n'
-).replace("D = [190, 90]", "D = [190, 90]\nG = [200, -110]")
-
 
 @pytest.mark.parametrize("order", [range(9), range(8, -1, -1), (3, 7, 1, 8, 5, 0, 4, 2, 6)])
-def test_between_dyads_in_any_order(scene_from: SceneFrom, order: Sequence[int]) -> None:
+def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
     """A dyad drives the group, and one hangs on it, at a pin of three bodies, whichever comes first."""
-    names = list(_BODIES)
-    scene = scene_from("\n".join([_HEAD, *(f"[bodies.{names[i]}]\n{_BODIES[names[i]]}" for i in order), _TAIL]))
+    scene = scene_files.in_order("class_iii_among_dyads", order)
     dyad, newton, last = analytic.route(scene).removeprefix("crank, ").split(", ")
     assert (dyad, last) == ("RRR", "RRP")
     assert set(newton.removeprefix("Newton on ").split("-")) == {"coupler", "plate", "upper", "lower"}
@@ -191,9 +168,12 @@ def test_the_scene_is_as_it_says(class_iii: Scene) -> None:
     assert abs(np.degrees(np.ptp(np.unwrap(motion["plate.angle"]))) - 30) <= 0.5  # deg; likewise
 
 
-def test_a_lock_is_told_where(scene_from: SceneFrom) -> None:
+LONG_CRANK = {"bodies.crank.lengths.O-A": 200, "sketch.A": [100, 173]}
+
+
+def test_a_lock_is_told_where() -> None:
     """With a longer crank, the lines of the three bars meet in one point at both ends of the range."""
-    scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
+    scene = scene_files.load("class_iii", LONG_CRANK)
     (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     assert interval.start_lock == interval.end_lock == "B"
     assert interval.end - interval.start < 2 * np.pi
@@ -208,58 +188,26 @@ def test_a_lock_is_told_where(scene_from: SceneFrom) -> None:
     assert "(coupler, plate, upper, lower locked)" in caught.value.reason
 
 
-def test_a_sketch_that_cannot_close_is_refused(scene_from: SceneFrom) -> None:
-    scene = scene_from(CLASS_III.replace('"F-D" = 230', '"F-D" = 23'))
+def test_a_sketch_that_cannot_close_is_refused() -> None:
+    scene = scene_files.load("class_iii", {"bodies.lower.lengths.F-D": 23})
     why = "coupler, plate, upper, lower do not close near the sketch, at crank angle 60.0000 deg"
     with pytest.raises(Failure, match=why) as caught:
         analytic.solve(scene, TURN)
     assert caught.value.status is Status.cannot_assemble
 
 
-def test_a_lock_in_the_sketch_is_refused(scene_from: SceneFrom) -> None:
-    """Three parallel bars of one length under a plate: it can shift without the crank."""
-    scene = scene_from(
-        """
-format = 1
-name = "parallel"
-ground.points = { O = [0, 0], E = [2, 0], F = [3, 0] }
-bodies.crank.points = { O = [0, 0], A = [1, 0] }
-bodies.one.lengths = { "A-B" = 3 }
-bodies.plate.points = { B = [0, 0], C = [1, 0], D = [2, 0] }
-bodies.two.lengths = { "E-C" = 3 }
-bodies.three.lengths = { "F-D" = 3 }
-drive = { body = "crank", speed = 1 }
-sketch = { A = [1, 0], B = [1, 3], C = [2, 3], D = [3, 3] }
-output = { point = "B" }
-"""
-    )
+def test_a_lock_in_the_sketch_is_refused() -> None:
     with pytest.raises(Failure) as caught:
-        analytic.solve(scene, TURN)
+        analytic.solve(scene_files.load("parallel_bars"), TURN)
     assert caught.value.status is Status.cannot_assemble
 
 
-JUMPS = """
-format = 1
-name = "jumps"
-units = { length = "mm", angle = "deg" }
-ground.points = { O = [0, 0], E = [360, -50], F = [350, -230] }
-bodies.crank.lengths = { "O-A" = 60 }
-bodies.one.lengths = { "A-B" = 375 }
-bodies.plate.lengths = { "B-C" = 160, "C-D" = 110, "B-D" = 175 }
-bodies.two.lengths = { "E-C" = 140 }
-bodies.three.lengths = { "F-D" = 200 }
-drive = { body = "crank", speed = 1 }
-sketch = { angle = 60, A = [30, 52], B = [400, -20], C = [250, 40], D = [230, -70] }
-output = { point = "D" }
-"""
-
-
-def test_newton_does_not_jump_over_a_lock(scene_from: SceneFrom) -> None:
+def test_newton_does_not_jump_over_a_lock() -> None:
     """Found by chance: just beyond the lock at 72 degrees Newton's method converges, to a pose of another branch.
 
     Steps of 0.01 degrees in other coordinates lose the branch at 72.007 and at -109.09 degrees.
     """
-    scene = scene_from(JUMPS)
+    scene = scene_files.load("jumps")
     (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     assert np.degrees([interval.start, interval.end]) == pytest.approx([360 - 109.09, 360 + 72.007], abs=0.005)
     inside = np.linspace(interval.start, interval.end, 50)[1:-1]

@@ -7,13 +7,10 @@ import analytic
 import scenes
 from scenes import Failure, Status
 from scenes.errors import InputError
-from tests.conftest import TOGGLE_PRESS, SceneFrom
-from tests.mechanisms import MECHANISMS
-
-from .test_motion_range import SCOTCH_YOKE, SLOTTED_CRANK, SLOTTED_LEVER
+from tests import scene_files
 
 ROUTES = {
-    "quick_return": "closed form: crank, RPR, RRP",
+    "shaper": "closed form: crank, RPR, RRP",
     "swinging_block": "closed form: crank, RPR",
     "scotch_yoke": "closed form: crank, RPP",
     "tangent": "closed form: crank, PRP",
@@ -24,8 +21,8 @@ ROUTES = {
 
 
 @pytest.mark.parametrize("name", ROUTES)
-def test_route(scene_from: SceneFrom, name: str) -> None:
-    assert analytic.route(scene_from(MECHANISMS[name])) == ROUTES[name]
+def test_route(name: str) -> None:
+    assert analytic.route(scene_files.load(name)) == ROUTES[name]
 
 
 def test_route_of_shipped_scenes() -> None:
@@ -35,81 +32,54 @@ def test_route_of_shipped_scenes() -> None:
 
 # --- an open branch ---------------------------------------------------------------------------------------------------
 
-YOKE_ON_A_SKEW_GUIDE = SCOTCH_YOKE.replace("along = [1, 0] }", "along = [0.1, 1] }")
-OPEN = {
-    "RRR": (TOGGLE_PRESS.replace("P3 = [0, -300]", "P3 = [240, -101]"), "P3 lies on the line O-P2"),
-    "RRP": (TOGGLE_PRESS.replace("P5 = [0, -1090]", "P5 = [50, -790]"), "P4-P5 is square to the guide of slider"),
-    "RPR": (SLOTTED_LEVER.replace("T = [-0.3, 0.8]", "T = [1.5, 3]"), "A-C is square to the guide of block"),
-    "PRP": (
-        SLOTTED_CRANK.replace("angle = 1.5", "angle = 0.197395559849881"),
-        "guides of block and slider are parallel",
-    ),
-    "RPP": (YOKE_ON_A_SKEW_GUIDE, "the guides of yoke and block are parallel"),
+OPEN: dict[str, tuple[str, scene_files.Changes, str]] = {
+    "RRR": ("toggle_press", {"sketch.P3": [240, -101]}, "P3 lies on the line O-P2"),
+    "RRP": ("toggle_press", {"sketch.P5": [50, -790]}, "P4-P5 is square to the guide of slider"),
+    "RPR": ("slotted_lever", {"sketch.T": [1.5, 3]}, "A-C is square to the guide of block"),
+    "PRP": ("slotted_crank", {"sketch.angle": 0.197395559849881}, "guides of block and slider are parallel"),
+    "RPP": ("scotch_yoke", {"bodies.yoke.slides.along": [0.2, 1]}, "the guides of yoke and block are parallel"),
 }
 
 
 @pytest.mark.parametrize("kind", OPEN)
-def test_a_sketch_that_leaves_the_branch_open_is_refused(scene_from: SceneFrom, kind: str) -> None:
-    text, why = OPEN[kind]
-    scene = scene_from(text)
+def test_a_sketch_that_leaves_the_branch_open_is_refused(kind: str) -> None:
+    name, changes, why = OPEN[kind]
     with pytest.raises(Failure, match="the sketch leaves the assembly branch open: ") as caught:
-        analytic.solve(scene, [0.0])
+        analytic.solve(scene_files.load(name, changes), [0.0])
     assert caught.value.status is Status.unsupported
     assert why in caught.value.reason
 
 
-def test_parallel_guides_are_parallel_whichever_way_they_are_rounded(scene_from: SceneFrom) -> None:
+@pytest.mark.parametrize("along", [[0.6, 3], [-1.4, -7], [2e-3, 1e-2]])
+def test_parallel_guides_are_parallel_whichever_way_they_are_rounded(along: list[float]) -> None:
     """The same direction in other words differs by a rounding, which must not pick a branch."""
-    for along in ("[0.3, 3]", "[-0.7, -7]", "[1e-3, 1e-2]"):
-        scene = scene_from(SCOTCH_YOKE.replace("along = [1, 0] }", f"along = {along} }}"))
-        with pytest.raises(Failure, match="guides of yoke and block are parallel"):
-            analytic.route(scene)
+    with pytest.raises(Failure, match="guides of yoke and block are parallel"):
+        analytic.route(scene_files.load("scotch_yoke", {"bodies.yoke.slides.along": along}))
 
 
 # --- joints -----------------------------------------------------------------------------------------------------------
 
-TWICE = """
-format = 1
-name = "twice"
-ground.points = { O = [0, 0], C = [3, 0], D = [4, 0] }
-bodies.crank.lengths = { "O-A" = 1 }
-bodies.rod.lengths = { "A-B" = 3 }
-bodies.bar.lengths = { "C-E" = 1 }
-bodies.strut.lengths = { "D-E" = 1 }
-bodies.stay.points = { C = [0, 0], D = [1, 0] }
-drive = { body = "crank", speed = 1 }
-sketch = { A = [1, 0], B = [4, 0], E = [3.5, 1] }
-output = { point = "B" }
-"""
 
-
-def test_bodies_held_twice_over_are_refused(scene_from: SceneFrom) -> None:
+def test_bodies_held_twice_over_are_refused() -> None:
     """The count is right as a whole: the rod dangles, but the stay is held by two pins."""
     with pytest.raises(Failure, match="stay are held by more joints than they have freedoms") as caught:
-        analytic.solve(scene_from(TWICE), [0.0])
+        analytic.solve(scene_files.load("held_twice"), [0.0])
     assert caught.value.status is Status.unsupported
 
 
+STAY = {"lengths": {"P3-P1": 500}, "mass": 1}
+
+
 @pytest.mark.parametrize(
-    ("old", "new", "kind"),
-    [
-        ('[bodies.rod]\nlengths = { "P4-P5" = 300 }\nmass = 60\n', "", "under-constrained"),
-        (
-            "[drive]",
-            '[bodies.stay]\nlengths = { "P3-P1" = 500 }\nmass = 1\n[drive]',
-            "over-constrained",
-        ),
-    ],
+    ("body", "instead", "kind"), [("rod", None, "under-constrained"), ("stay", STAY, "over-constrained")]
 )
-def test_too_many_or_too_few_joints_as_a_whole(scene_from: SceneFrom, old: str, new: str, kind: str) -> None:
-    assert old in TOGGLE_PRESS
-    text = TOGGLE_PRESS.replace(old, new)
+def test_too_many_or_too_few_joints_as_a_whole(body: str, instead: object, kind: str) -> None:
     with pytest.raises(InputError, match=kind):
-        scene_from(text)
+        scene_files.load("toggle_press", {f"bodies.{body}": instead})
 
 
-def test_no_positions_at_all(scene_from: SceneFrom) -> None:
+def test_no_positions_at_all() -> None:
     """Nothing asked, nothing answered: every channel is there and empty, of dyads and of larger groups."""
-    for text in (MECHANISMS["quick_return"], MECHANISMS["slotted_class_iii"]):
-        motion = analytic.solve(scene_from(text), np.array([]))
+    for name in ("shaper", "slotted_class_iii"):
+        motion = analytic.solve(scene_files.load(name), np.array([]))
         assert {len(samples) for samples in motion.samples.values()} == {0}

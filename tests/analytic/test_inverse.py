@@ -12,15 +12,12 @@ from analytic.decomposition import decompose
 from analytic.inverse import Stroke
 from analytic.kinematics import followed
 from scenes import Failure, Scene, Status
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
-
-from .test_solve import SLIDER_CRANK
+from tests import scene_files
 
 
-def test_slider_crank_by_hand(scene_from: SceneFrom) -> None:
+def test_slider_crank_by_hand() -> None:
     """With x = r cos + sqrt(l^2 - r^2 sin^2), cos(theta) = (x^2 + r^2 - l^2) / (2 r x): one angle up, one down."""
-    scene = scene_from(SLIDER_CRANK)
+    scene = scene_files.load("slider_crank")
     x = np.array([2.1, 2.5, 3.0, 3.9])
     by_hand = np.arccos((x**2 + 1 - 9) / (2 * x))
     out, back = sorted(analytic.inverse(scene, x), key=lambda stroke: stroke.start % (2 * np.pi))
@@ -58,30 +55,27 @@ def test_out_of_reach_is_not_a_number(toggle_press: Scene) -> None:
         assert np.isnan(stroke.rate).tolist() == [True, False, True]
 
 
-def test_a_point_that_does_not_slide(scene_from: SceneFrom) -> None:
-    scene = scene_from(SLIDER_CRANK.replace('slider = "B"', 'point = "A"'))
+def test_a_point_that_does_not_slide() -> None:
+    scene = scene_files.load("slider_crank", {"output": {"point": "A"}})
     with pytest.raises(ValueError, match="A is on no body that slides"):
         analytic.inverse(scene, 1.0)
 
 
-IDLE = """
-[bodies.stay]
-lengths = { "Q-S" = 0.5 }
-mass = 1
-[bodies.stopped]
-points = { S = [0, 0] }
-slides = { through = [0.3, 0.1], along = [0, 1] }
-mass = 1
-"""
+SHORT_ROD = {"bodies.rod.lengths.A-B": 0.5}
+IDLE = {
+    "ground.points.Q": [0, 1],
+    "bodies.stay": {"lengths": {"Q-S": 0.5}, "mass": 1},
+    "bodies.stopped": {"points": {"S": [0, 0]}, "slides": {"through": [0.3, 0.1], "along": [0, 1]}, "mass": 1},
+    "sketch.S": [0.3, 1.4],
+    "output.slider": "S",
+}
 
 
-@pytest.mark.parametrize("drive", ["", "\nstart = 0.5\nend = 1.5"])
-def test_a_slider_that_never_moves(scene_from: SceneFrom, drive: str) -> None:
+@pytest.mark.parametrize("ends", [{}, {"drive.start": 0.5, "drive.end": 1.5}])
+def test_a_slider_that_never_moves(ends: scene_files.Changes) -> None:
     """A bar from the ground to a slider of its own: neither tells where the crank is."""
-    text = SLIDER_CRANK.replace("O = [0, 0]\n", "O = [0, 0]\nQ = [0, 1]\n").replace("[drive]", f"{IDLE}[drive]")
-    text = text.replace("B = [3.8, 0]", "B = [3.8, 0]\nS = [0.3, 1.4]").replace('slider = "B"', 'slider = "S"')
     with pytest.raises(ValueError, match="S stands still wherever the drive is"):
-        analytic.inverse(scene_from(text.replace("speed = 10", f"speed = 10{drive}")), 1.4)
+        analytic.inverse(scene_files.load("slider_crank", IDLE | ends), 1.4)
 
 
 # --- not round the turn -----------------------------------------------------------------------------------------------
@@ -97,9 +91,9 @@ def driven_as_told(scene: Scene, stroke: Stroke, moved: np.ndarray[tuple[int], n
     return float((np.abs(told - moved).max(axis=1) / np.abs(moved).max(axis=1)).max())
 
 
-def test_there_and_back_with_a_driven_slider(scene_from: SceneFrom) -> None:
+def test_there_and_back_with_a_driven_slider() -> None:
     """The platen's own motion at a constant speed of the crosshead gives back that speed and where it was."""
-    scene = scene_from(MECHANISMS["driven_toggle"])
+    scene = scene_files.load("driven_toggle")
     position = np.linspace(*scene.drive.extent, 41)[1:-1]
     motion = analytic.solve(scene, position)
     moved = np.array([motion["C.x"], motion["C.vx"], motion["C.ax"]])
@@ -124,22 +118,22 @@ def test_the_lock_of_a_driven_toggle_is_a_dead_point() -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(-20, 150), (150, -20), (190, 200)])
-def test_part_of_a_turn(scene_from: SceneFrom, start: float, end: float) -> None:
+def test_part_of_a_turn(start: float, end: float) -> None:
     """Strokes end where the drive does, too; the crank passes a dead point at 0 deg, or none."""
-    drive = f"speed = {10 if end > start else -10}\nstart = {np.radians(start)}\nend = {np.radians(end)}"
-    scene = scene_from(SLIDER_CRANK.replace("speed = 10", drive))
+    ends = {"drive.start": float(np.radians(start)), "drive.end": float(np.radians(end))}
+    scene = scene_files.load("slider_crank", {"drive.speed": 10 if end > start else -10} | ends)
     strokes = analytic.inverse(scene, 3.98 if start != 190 else 2.04)
-    ends = np.degrees([strokes[0].start, *(stroke.end for stroke in strokes)])
+    found = np.degrees([strokes[0].start, *(stroke.end for stroke in strokes)])
     expected = [190, 200] if start == 190 else [-20, 0, 150]
-    assert ends == pytest.approx(expected, abs=1e-12)  # a rounding in radians
+    assert found == pytest.approx(expected, abs=1e-12)  # a rounding in radians
     for stroke in strokes:
         x = analytic.solve(scene, stroke.position)["B.x"]
         assert x == pytest.approx(3.98 if start != 190 else 2.04, abs=1e-15)
 
 
-def test_a_law_that_turns_on_is_a_whole_turn(scene_from: SceneFrom) -> None:
+def test_a_law_that_turns_on_is_a_whole_turn() -> None:
     """The quick-return mechanism has two strokes a turn, whatever law drives it; on part of a turn they end with it."""
-    turning, swinging = (scene_from(MECHANISMS[name]) for name in ("turning_law", "swinging_law"))
+    turning, swinging = (scene_files.load(name) for name in ("turning_law", "swinging_law"))
     forth, back = analytic.inverse(turning, 0.3)
     assert forth.end == back.start
     assert back.end == pytest.approx(forth.start + 2 * pi, abs=1e-13)  # a rounding of the angle
@@ -148,11 +142,11 @@ def test_a_law_that_turns_on_is_a_whole_turn(scene_from: SceneFrom) -> None:
         assert least <= stroke.start <= stroke.end <= most
 
 
-def test_what_does_not_assemble_all_the_way_is_refused(scene_from: SceneFrom) -> None:
-    scene = scene_from(SLIDER_CRANK.replace('"A-B" = 3', '"A-B" = 0.5'))
+def test_what_does_not_assemble_all_the_way_is_refused() -> None:
+    scene = scene_files.load("slider_crank", SHORT_ROD)
     with pytest.raises(Failure, match="the crank turns only from") as caught:
         analytic.inverse(scene, 1.0)
     assert caught.value.status is Status.cannot_assemble
-    part = SLIDER_CRANK.replace('"A-B" = 3', '"A-B" = 0.5').replace("speed = 10", "speed = 10\nstart = -0.4\nend = 0.3")
-    (forth, back) = analytic.inverse(scene_from(part), 1.45)
+    part = scene_files.load("slider_crank", {**SHORT_ROD, "drive.start": -0.4, "drive.end": 0.3})
+    (forth, back) = analytic.inverse(part, 1.45)
     assert forth.position[0] == pytest.approx(-back.position[0], abs=1e-13)  # s' is 0.8 there

@@ -1,6 +1,7 @@
 """Dead points and the ends of strokes by hand, and a press force that acts there and nowhere else."""
 
 from math import asin, cos, hypot, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,16 +13,15 @@ from analytic.decomposition import decompose
 from analytic.kinematics import followed
 from scenes import Scene
 from scenes.scene import PressForce
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS, with_drive
+from tests import scene_files
 
-from .test_solve import SLIDER_CRANK
-
-OFFSET = SLIDER_CRANK.replace("through = [0, 0]", "through = [0.5, 0.8]").replace("B = [3.8, 0]", "B = [3.7, 0.8]")
+OFFSET = {"bodies.slider.slides.through": [0.5, 0.8], "sketch.B": [3.7, 0.8]}
 
 
-def pressed(text: str, force: float = -50.0, last: float = 0.3) -> str:
-    return text.replace("force = [-50, 0]", f"force = [{force}, 7]\nlast = {last}")
+def pressed(force: float = -50.0, **drive: Any) -> scene_files.Changes:
+    """Return what makes the slider-crank's load a press force, and changes its drive."""
+    load = {"body": "slider", "at": "B", "force": [force, 7], "last": 0.3}
+    return {"loads": [load]} | {f"drive.{key}": value for key, value in drive.items()}
 
 
 def end_of_stroke(scene: Scene) -> float:
@@ -32,9 +32,9 @@ def end_of_stroke(scene: Scene) -> float:
 # --- by hand ----------------------------------------------------------------------------------------------------------
 
 
-def test_dead_points_of_an_offset_slider_crank(scene_from: SceneFrom) -> None:
+def test_dead_points_of_an_offset_slider_crank() -> None:
     """Crank and rod are in line there: the rod's end is 3 + 1, or 3 - 1, from the crank's pivot, and 0.8 above it."""
-    scene = scene_from(OFFSET)
+    scene = scene_files.load("slider_crank", OFFSET)
     displaced = displacement(scene, followed(scene, decompose(scene)), "B")
     outer, inner = dead_points(displaced, 0.0, 2 * pi)
     assert outer == pytest.approx(asin(0.8 / 4), abs=1e-14)  # roundings of a slope that s'' = 1 turns into an angle
@@ -44,9 +44,9 @@ def test_dead_points_of_an_offset_slider_crank(scene_from: SceneFrom) -> None:
     assert np.abs(ds).max() <= 1e-14
 
 
-def test_displacements_have_their_derivatives(scene_from: SceneFrom) -> None:
+def test_displacements_have_their_derivatives() -> None:
     """Sixth-order differences, h^6 f^(7) / 140, and roundings over h."""
-    scene = scene_from(OFFSET)
+    scene = scene_files.load("slider_crank", OFFSET)
     displaced = displacement(scene, followed(scene, decompose(scene)), "B")
     x, h = np.linspace(0, 6, 40), 1e-2
     weights = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
@@ -56,11 +56,9 @@ def test_displacements_have_their_derivatives(scene_from: SceneFrom) -> None:
 
 
 @pytest.mark.parametrize(("force", "reach"), [(-50.0, 4), (50.0, 2)])
-def test_a_stroke_ends_at_the_dead_point_that_the_force_looks_at(
-    scene_from: SceneFrom, force: float, reach: float
-) -> None:
+def test_a_stroke_ends_at_the_dead_point_that_the_force_looks_at(force: float, reach: float) -> None:
     """A force against the guide's direction is met by a slider that moves along it, and the other way round."""
-    scene = scene_from(pressed(OFFSET, force))
+    scene = scene_files.load("slider_crank", OFFSET | pressed(force))
     assert end_of_stroke(scene) == pytest.approx(sqrt(reach**2 - 0.8**2) - 0.5, abs=1e-15)
 
 
@@ -72,17 +70,17 @@ def x_of(angle: float) -> float:
     ("start", "end", "furthest"),
     [(0.3, 1.2, x_of(0.3)), (1.2, 0.3, x_of(0.3)), (-0.4, 1.2, 4.0), (6.0, 6.2, x_of(6.2))],
 )
-def test_a_stroke_ends_with_the_drive(scene_from: SceneFrom, start: float, end: float, furthest: float) -> None:
+def test_a_stroke_ends_with_the_drive(start: float, end: float, furthest: float) -> None:
     """A cycle that never comes to the dead point ends its stroke at one of its own ends."""
     speed = 10 if end > start else -10
-    scene = scene_from(pressed(SLIDER_CRANK).replace("speed = 10", f"speed = {speed}\nstart = {start}\nend = {end}"))
+    scene = scene_files.load("slider_crank", pressed(speed=speed, start=start, end=end))
     assert end_of_stroke(scene) == pytest.approx(furthest, abs=1e-15)
 
 
-def test_a_stroke_ends_where_a_law_turns_back(scene_from: SceneFrom) -> None:
+def test_a_stroke_ends_where_a_law_turns_back() -> None:
     """A law that swings between its knots goes a little beyond them; at its furthest its rate is zero."""
-    law = "law = [[0, 0.5], [0.3, 0.9], [0.7, 1.4], [1, 1.1]]\n"
-    scene = scene_from(pressed(SLIDER_CRANK, 50.0).replace("speed = 10\n", law))
+    law = [[0, 0.5], [0.3, 0.9], [0.7, 1.4], [1, 1.1]]
+    scene = scene_files.load("slider_crank", pressed(50.0, law=law, speed=None))
     time = np.linspace(0, 1, 200_001)
     furthest = scene.drive.at(time).position.max()
     assert furthest > 1.4
@@ -103,13 +101,12 @@ def test_the_end_of_a_driven_platen_is_its_lock() -> None:
 
 
 @pytest.mark.parametrize("speed", [10, -10])
-def test_it_acts_in_the_last_of_the_closing_stroke_alone(scene_from: SceneFrom, speed: int) -> None:
+def test_it_acts_in_the_last_of_the_closing_stroke_alone(speed: int) -> None:
     """Between the two, channel by channel to the bit: with the force all the time, and without any."""
-    text = SLIDER_CRANK.replace("speed = 10", f"speed = {speed}")
     angle = np.linspace(0.01, 6.27, 501)
     never, always, press = (
-        analytic.solve(scene_from(of), angle)
-        for of in (text.replace("[-50, 0]", "[0, 0]"), text.replace("[-50, 0]", "[-50, 7]"), pressed(text))
+        analytic.solve(scene_files.load("slider_crank", {"drive.speed": speed, **load}), angle)
+        for load in ({"loads.0.force": [0, 0]}, {"loads.0.force": [-50, 7]}, pressed())
     )
     acts = (np.array([x_of(a) for a in angle]) > 4 - 0.3) & (-speed * np.sin(angle) > 0)
     assert 0 < acts.sum() < 0.2 * len(angle)
@@ -117,13 +114,11 @@ def test_it_acts_in_the_last_of_the_closing_stroke_alone(scene_from: SceneFrom, 
         assert np.array_equal(press[channel], np.where(acts, always[channel], never[channel])), channel
 
 
-def test_it_acts_on_the_platen_of_a_driven_slider(scene_from: SceneFrom) -> None:
+def test_it_acts_on_the_platen_of_a_driven_slider() -> None:
     """Here the toggle opens; by virtual power the crosshead's force is larger by 900 N against dx / dq."""
-    table = "table = [[500, 0], [700, 2000]]"
-    assert table in MECHANISMS["driven_toggle"]
     press, free = (
-        scene_from(MECHANISMS["driven_toggle"].replace(table, load))
-        for load in ("force = [900, 0]\nlast = 20", "force = [0, 0]")
+        scene_files.load("driven_toggle", {"loads": [{"body": "platen", "at": "C", **load}]})
+        for load in ({"force": [900, 0], "last": 20}, {"force": [0, 0]})
     )
     q = np.linspace(*press.drive.extent, 301)[1:-1]
     pressing, freely = analytic.solve(press, q), analytic.solve(free, q)
@@ -136,44 +131,30 @@ def test_it_acts_on_the_platen_of_a_driven_slider(scene_from: SceneFrom) -> None
     assert np.abs(more[inside] + 900 * slope[inside]).max() <= 1e-9  # some thousand newtons, rounded
 
 
-def test_a_stroke_of_nothing_but_a_larger_group(scene_from: SceneFrom) -> None:
+@pytest.mark.parametrize(("start", "end"), [(-60, 60), (25, 35)])
+def test_a_stroke_of_nothing_but_a_larger_group(start: float, end: float) -> None:
     """Part of a turn without a dead point, behind a group that Newton's method solves."""
-    text = MECHANISMS["slotted_class_iii"].replace(
-        "[drive]",
-        '[bodies.rod]\nlengths = { "P1-E" = 300 }\nmass = 1\n'
-        "[bodies.ram]\npoints = { E = [0, 0] }\nmass = 3\nslides = { through = [0, 200], along = [1, 0] }\n[drive]",
-    )
-    text = text.replace("[sketch]", '[[loads]]\nbody = "ram"\nat = "E"\nforce = [-100, 0]\nlast = 5\n[sketch]')
-    text = text.replace("P1 = [440, 240]", "P1 = [440, 240]\nE = [737, 200]")
-    for drive in ("speed = 60\nstart = -60\nend = 60", "speed = 60\nstart = 25\nend = 35"):
-        scene = scene_from(with_drive(text, f'[drive]\nbody = "crank"\n{drive}\n'))
-        angle = np.linspace(*scene.drive.extent, 801)
-        furthest = analytic.solve(scene, angle)["E.x"].max()
-        assert 0 <= end_of_stroke(scene) - furthest <= 1e-7  # a dead point between two angles: s'' h^2 / 8
+    ram = {"points": {"E": [0, 0]}, "mass": 3, "slides": {"through": [0, 200], "along": [1, 0]}}
+    changes = {
+        "bodies.rod": {"lengths": {"P1-E": 300}, "mass": 1},
+        "bodies.ram": ram,
+        "loads": [{"body": "ram", "at": "E", "force": [-100, 0], "last": 5}],
+        "sketch.E": [737, 200],
+        "drive.start": start,
+        "drive.end": end,
+    }
+    scene = scene_files.load("slotted_class_iii", changes)
+    angle = np.linspace(*scene.drive.extent, 801)
+    furthest = analytic.solve(scene, angle)["E.x"].max()
+    assert 0 <= end_of_stroke(scene) - furthest <= 1e-7  # a dead point between two angles: s'' h^2 / 8
 
 
 # --- whose guide ------------------------------------------------------------------------------------------------------
 
 
-def test_the_guide_is_that_on_the_ground(scene_from: SceneFrom) -> None:
-    """A block that slides on another slider shares the pin, first in the file; its guide is not the slider's."""
-    text = """
-format = 1
-name = "shared_pin"
-ground.points = { O = [0, 0] }
-bodies.crank.lengths = { "O-A" = 1 }
-bodies.block.points = { B = [0, 0] }
-bodies.block.slides = { on = "carriage", through = [0, 0], along = [0, 1] }
-bodies.rod.lengths = { "A-B" = 3 }
-bodies.slider.points = { B = [0, 0] }
-bodies.slider.slides = { through = [0, 0], along = [1, 0] }
-bodies.carriage.points = { E = [0, 0] }
-bodies.carriage.slides = { through = [5, 2], along = [1, 0.5] }
-drive = { body = "crank", speed = 1 }
-sketch = { A = [1, 0], B = [4, 0] }
-output = { slider = "B" }
-"""
-    scene = scene_from(text)
+def test_the_guide_is_that_on_the_ground() -> None:
+    """The block on the carriage comes first in the file; the guide of the pin that both share is not the block's."""
+    scene = scene_files.load("shared_pin")
     assert analytic.route(scene) == "closed form: crank, RRP, RPP"
     t, through = guide_of(scene, "B")
     assert complex(t) == 1

@@ -16,9 +16,8 @@ from compare.judge.checks import checks
 from compare.judge.errors import GROUPS
 from scenes import Sampling, Scene
 from scenes.motion import channels, quantity
+from tests import scene_files
 from tests.comparisons import CHECKS
-from tests.conftest import TOGGLE_PRESS, SceneFrom, busy_scene
-from tests.mechanisms import MECHANISMS
 
 TURN = np.linspace(0, 2 * pi, 3601)
 
@@ -115,42 +114,12 @@ def test_the_area_keeps_its_digits(r1: float, r2: float, short: float, stretched
 
 # --- worked by hand ---------------------------------------------------------------------------------------------------
 
-SLIDER_CRANK = """
-format = 1
-name = "slider_crank"
-[ground.points]
-O = [0, 0]
-[bodies.crank]
-points = { O = [0, 0], A = [1, 0] }
-mass = 0
-[bodies.rod]
-lengths = { "A-B" = 3 }
-mass = 0
-[bodies.slider]
-points = { B = [0, 0] }
-slides = { through = [0, 0], along = [1, 0] }
-mass = 2
-[drive]
-body = "crank"
-speed = 10
-[[loads]]
-body = "slider"
-at = "B"
-force = [-50, 0]
-[sketch]
-angle = 0.5
-A = [0.9, 0.5]
-B = [3.8, 0]
-[output]
-slider = "B"
-"""
 
-
-def test_slider_crank_by_hand(scene_from: SceneFrom) -> None:
+def test_slider_crank_by_hand() -> None:
     """By hand: x = r cos + sqrt(l^2 - r^2 sin^2); a massless rod is a two-force member; the torque by virtual power."""
     r, rod, w, m, Q = 1.0, 3.0, 10.0, 2.0, -50.0
     theta = np.linspace(0.1, 6.2, 50)
-    motion = analytic.solve(scene_from(SLIDER_CRANK), theta)
+    motion = analytic.solve(scene_files.load("slider_crank"), theta)
     s, c = np.sin(theta), np.cos(theta)
     root = np.sqrt(rod**2 - (r * s) ** 2)
     x = r * c + root
@@ -176,16 +145,12 @@ def test_slider_crank_by_hand(scene_from: SceneFrom) -> None:
         assert np.abs(motion[channel] - by_hand).max() <= 1e-13 * max(1.0, np.abs(by_hand).max()), channel
 
 
-def test_guide_moment_of_an_offset_slider(scene_from: SceneFrom) -> None:
+def test_guide_moment_of_an_offset_slider() -> None:
     """The rod ends 0.5 above the slider's guided point, and the weight hangs beside it: the guide balances both."""
-    text = SLIDER_CRANK.replace(
-        "points = { B = [0, 0] }", "points = { G = [0, 0], B = [0, 0.5] }\ncom = [0.2, 0]\ninertia = 1"
-    )
-    text = text.replace('output]\nslider = "B"', 'output]\nslider = "G"').replace(
-        "name =", "gravity = [0, -9.81]\nname ="
-    )
-    text = text.replace("B = [3.8, 0]", "B = [3.8, 0.5]")
-    scene = scene_from(text)
+    beside = {"points": {"G": [0, 0], "B": [0, 0.5]}, "mass": 2, "com": [0.2, 0], "inertia": 1}
+    slider = beside | {"slides": {"through": [0, 0], "along": [1, 0]}}
+    changes = {"bodies.slider": slider, "gravity": [0, -9.81], "output.slider": "G", "sketch.B": [3.8, 0.5]}
+    scene = scene_files.load("slider_crank", changes)
     motion = analytic.solve(scene, TURN)
     push_x, push_y, m = motion["B.fx"], motion["B.fy"], 2.0
     balance = motion["slider.guide_moment"] - 0.5 * (push_x - 50.0) - 0.2 * m * 9.81
@@ -194,15 +159,10 @@ def test_guide_moment_of_an_offset_slider(scene_from: SceneFrom) -> None:
     assert np.array_equal(motion["G.y"], np.zeros_like(TURN))
 
 
-def test_three_bodies_at_one_pin(scene_from: SceneFrom) -> None:
-    """Two slider cranks on one crank pin, mirrored: the pin forces on crank, rod and rod_2 add up to zero."""
-    text = SLIDER_CRANK.replace(
-        "[drive]",
-        '[bodies.rod_2]\nlengths = { "A-C" = 3 }\nmass = 1\n[bodies.slider_2]\npoints = { C = [0, 0] }\nmass = 3\n'
-        "slides = { through = [0, 0], along = [1, 0] }\n[drive]",
-    ).replace("B = [3.8, 0]", "B = [3.8, 0]\nC = [-2.0, 0]")
-    scene = scene_from(text)
-    assert [pin.channel for pin in scene.pins if pin.point == "A"] == ["A", "A/rod_2"]
+def test_three_bodies_at_one_pin() -> None:
+    """The pin forces on the crank and on both rods add up to zero."""
+    scene = scene_files.load("two_rods")
+    assert [pin.channel for pin in scene.pins if pin.point == "A"] == ["A", "A/left"]
     motion = analytic.solve(scene, TURN)
     for check in checks(scene, motion, 2.0):
         assert check.worst <= 1e-13, check  # Newton's law of the crank sees both pins
@@ -210,12 +170,10 @@ def test_three_bodies_at_one_pin(scene_from: SceneFrom) -> None:
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (4, 3, 2, 1, 0), (3, 1, 0, 4, 2), (2, 3, 4, 0, 1)])
-def test_a_busy_scene_in_any_order(scene_from: SceneFrom, order: tuple[int, ...], mirrored: bool) -> None:
+def test_a_busy_scene_in_any_order(order: tuple[int, ...], mirrored: bool) -> None:
     """Three bodies at one pin, whichever comes first; given inertias, weights, loads; backwards, from 40 degrees."""
-    text = busy_scene(order)
-    if mirrored:  # the triangle B-D-E, given by lengths, lies on the other side of B-D
-        text = text.replace("E = [650, 380]", "E = [560, 500]")
-    scene = scene_from(text)
+    # the triangle B-D-E, given by lengths, lies on the other side of B-D
+    scene = scene_files.in_order("busy", order, {"sketch.E": [560, 500]} if mirrored else {})
     engine = registry.engine("multiprecision")
     run = engine.build(scene, engine.DEFAULT, Sampling(24))
     run.solve()
@@ -226,20 +184,19 @@ def test_a_busy_scene_in_any_order(scene_from: SceneFrom, order: tuple[int, ...]
         assert error.max() <= 1e-12, channel  # a few dozen roundings, transmission angles above 20 degrees
 
 
-def test_kinematic_scene_has_no_forces(scene_from: SceneFrom) -> None:
-    text = "\n".join(line for line in TOGGLE_PRESS.splitlines() if not line.startswith("mass ="))
-    scene = scene_from(text[: text.index("[[loads]]")] + text[text.index("[sketch]") :])
+def test_kinematic_scene_has_no_forces() -> None:
+    scene = scene_files.load("toggle_press", scene_files.without_masses("toggle_press"))
     motion = analytic.solve(scene, TURN)
     assert "drive.torque" not in motion
     assert "P5.y" in motion
 
 
-def test_a_law_needs_the_instants(scene_from: SceneFrom) -> None:
+def test_a_law_needs_the_instants() -> None:
     """A position does not tell how fast a law passes it; at a constant speed it does, whatever the instants."""
-    scene = scene_from(MECHANISMS["turning_law"])
+    scene = scene_files.load("turning_law")
     with pytest.raises(ValueError, match="a drive that follows a law needs the instants"):
         analytic.solve(scene, [0.5])
-    steady = scene_from(SLIDER_CRANK)
+    steady = scene_files.load("slider_crank")
     late, told = analytic.solve(steady, [0.5], [99.0]), analytic.solve(steady, [0.5])
     assert late["time"] == 99.0
     assert all(np.array_equal(late[channel], told[channel]) for channel in channels(steady) if channel != "time")

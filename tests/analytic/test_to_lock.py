@@ -15,12 +15,10 @@ from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from scenes import Failure, Motion, Scene
 from scenes.scene import Slide
+from tests import scene_files
 from tests.agreement import solve, where
-from tests.conftest import TOGGLE_PRESS, SceneFrom
-from tests.mechanisms import MECHANISMS
 
-from .test_class_iii import CLASS_III
-from .test_motion_range import SLOTTED_CRANK, SLOTTED_LEVER, TRIPLE_ROCKER
+from .test_class_iii import LONG_CRANK
 from .test_properties import Change
 
 Vectors = NDArray[np.complex128]
@@ -48,20 +46,20 @@ def normal(slider: str) -> Callable[[Scene, Motion], Vectors]:
 
 # channel: what is in one line where the dyad locks
 LINES = {
-    "RRR": (TOGGLE_PRESS, "P3", bar("P2", "P3"), bar("O", "P3")),
-    "RRP": (TOGGLE_PRESS, "P5", bar("P4", "P5"), normal("slider")),
-    "RPR": (MECHANISMS["swinging_block"], "rod", bar("A", "C"), normal("rod")),
-    "RPR in a quick return": (MECHANISMS["quick_return"], "block", bar("A", "C"), normal("block")),
-    "RPP": (MECHANISMS["scotch_yoke"], "block", guide("yoke"), guide("block")),
-    "PRP": (MECHANISMS["tangent"], "P", guide("block"), guide("slider")),
-    "RRP on a moving guide": (MECHANISMS["carried_block"], "P", bar("F", "P"), normal("block")),
+    "RRR": ("toggle_press", "P3", bar("P2", "P3"), bar("O", "P3")),
+    "RRP": ("toggle_press", "P5", bar("P4", "P5"), normal("slider")),
+    "RPR": ("swinging_block", "rod", bar("A", "C"), normal("rod")),
+    "RPR in a quick return": ("shaper", "block", bar("A", "C"), normal("block")),
+    "RPP": ("scotch_yoke", "block", guide("yoke"), guide("block")),
+    "PRP": ("tangent", "P", guide("block"), guide("slider")),
+    "RRP on a moving guide": ("carried_block", "P", bar("F", "P"), normal("block")),
 }
 
 
 @pytest.mark.parametrize("case", LINES)
-def test_transmission_is_the_angle_of_two_lines(scene_from: SceneFrom, case: str) -> None:
-    text, joint, one, two = LINES[case]
-    scene = scene_from(text)
+def test_transmission_is_the_angle_of_two_lines(case: str) -> None:
+    name, joint, one, two = LINES[case]
+    scene = scene_files.load(name)
     motion = solve(scene)
     a, b = one(scene, motion), two(scene, motion)
     angle = np.arccos(np.abs((a.conj() * b).real) / np.abs(a * b))
@@ -69,9 +67,9 @@ def test_transmission_is_the_angle_of_two_lines(scene_from: SceneFrom, case: str
     assert np.abs(motion[f"{joint}.transmission"] - angle).max() <= 1e-13
 
 
-def test_transmission_is_nothing_in_a_lock_and_whole_where_square(scene_from: SceneFrom) -> None:
+def test_transmission_is_nothing_in_a_lock_and_whole_where_square() -> None:
     """Coupler and rocker are in line at both ends, and square where the crank's tip is hypot(1.5, 1.2) from C."""
-    scene = scene_from(TRIPLE_ROCKER)
+    scene = scene_files.load("triple_rocker")
     (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     square = np.arccos((2**2 + 3**2 - 1.5**2 - 1.2**2) / (2 * 2 * 3))
     found = analytic.solve(scene, [interval.start, interval.end, square])["B.transmission"]
@@ -109,22 +107,23 @@ def moved(slider: str, by: float) -> Callable[[Scene], Scene]:
 
 
 NEAREST = {
-    "RRR stretched": (TRIPLE_ROCKER, "B", 1.0, longer, "coupler"),
-    "RRR folded": (TRIPLE_ROCKER.replace('"A-B" = 1.5', '"A-B" = 2.5'), "B", 0.9, longer, "coupler"),
-    "RRP": (MECHANISMS["quick_return"], "E", 1.0, longer, "link"),
-    "RRP, of the guide": (MECHANISMS["quick_return"], "E", 1.0, moved, "ram"),
-    "RRP on a moving guide": (MECHANISMS["carried_block"], "P", 2.0, longer, "bar"),
-    "RPR": (SLOTTED_LEVER, "block", 2.0, moved, "block"),
-    "RPR in a quick return": (MECHANISMS["quick_return"], "block", 1.0, moved, "block"),
+    "RRR stretched": ("triple_rocker", "B", 1.0, longer, "coupler"),
+    "RRR folded": ("triple_rocker", "B", 0.9, longer, "coupler"),
+    "RRP": ("shaper", "E", 1.0, longer, "link"),
+    "RRP, of the guide": ("shaper", "E", 1.0, moved, "ram"),
+    "RRP on a moving guide": ("carried_block", "P", 2.0, longer, "bar"),
+    "RPR": ("slotted_lever", "block", 2.0, moved, "block"),
+    "RPR in a quick return": ("shaper", "block", 1.0, moved, "block"),
 }
 
 
 @pytest.mark.parametrize("case", NEAREST)
-def test_a_length_changed_by_that_much_locks(scene_from: SceneFrom, case: str) -> None:
+def test_a_length_changed_by_that_much_locks(case: str) -> None:
     """One way by a little more it does not reach, and by less it has just that left; the other way it does."""
-    text, joint, position, change, body = NEAREST[case]
+    name, joint, position, change, body = NEAREST[case]
     channel = f"{joint}.to_lock"
-    scene = scene_from(text)
+    folded = {"bodies.coupler.lengths.A-B": 2.5} if case == "RRR folded" else {}
+    scene = scene_files.load(name, folded)
 
     def left(longer_by: float) -> float | None:
         try:
@@ -143,17 +142,17 @@ def test_a_length_changed_by_that_much_locks(scene_from: SceneFrom, case: str) -
     assert left(locks * by * (1 - 1e-9)) == pytest.approx(1e-9 * by, rel=1e-4)  # a difference of lengths, rounded
 
 
-def test_two_crossing_guides_have_no_length_to_a_lock(scene_from: SceneFrom) -> None:
+def test_two_crossing_guides_have_no_length_to_a_lock() -> None:
     """No guide moved along its normal makes them parallel; only the angle tells."""
-    for text, joint in ((SLOTTED_CRANK, "P"), (MECHANISMS["scotch_yoke"], "block")):
-        motion = analytic.solve(scene_from(text), [1.0])
+    for name, joint in (("slotted_crank", "P"), ("scotch_yoke", "block")):
+        motion = analytic.solve(scene_files.load(name), [1.0])
         assert f"{joint}.transmission" in motion
         assert f"{joint}.to_lock" not in motion
 
 
-def test_a_larger_group_has_a_length_alone(scene_from: SceneFrom) -> None:
+def test_a_larger_group_has_a_length_alone() -> None:
     """It falls to zero at either end of the range, as the root of the angle that is left."""
-    scene = scene_from(CLASS_III.replace('"O-A" = 60', '"O-A" = 200').replace("A = [30, 52]", "A = [100, 173]"))
+    scene = scene_files.load("class_iii", LONG_CRANK)
     (interval,) = motion_range(scene, followed(scene, decompose(scene)))
     left = np.array([1e-5, 4e-5])  # rad; far more than the end is known to, 1e-8
     for angles in (interval.start + left, interval.end - left):

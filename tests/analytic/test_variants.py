@@ -10,10 +10,9 @@ from compare.judge.errors import GROUPS
 from compare.judge.measure import measure
 from scenes import Sampling, Scene
 from scenes.motion import quantity
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
-SCENES = ("quick_return", "driven_toggle", "carried_block", "turning_law")
+SCENES = ("shaper", "driven_toggle", "carried_block", "turning_law")
 
 
 def errors(scene: Scene, settings: AnalyticSettings) -> dict[str, float]:
@@ -33,25 +32,25 @@ def errors(scene: Scene, settings: AnalyticSettings) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_half_angles_are_another_form_of_the_same(scene_from: SceneFrom, name: str) -> None:
+def test_half_angles_are_another_form_of_the_same(name: str) -> None:
     """It loses digits where A + C cancels: thousands of roundings here, and none where there is no RRR dyad."""
-    found = errors(scene_from(MECHANISMS[name]), AnalyticSettings("half angles", half_angles=True))
+    found = errors(scene_files.load(name), AnalyticSettings("half angles", half_angles=True))
     assert max(found.values()) <= 1e-11
     assert (max(found.values()) > 0) == (name in ("driven_toggle", "carried_block"))
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_single_precision_is_single(scene_from: SceneFrom, name: str) -> None:
+def test_single_precision_is_single(name: str) -> None:
     """Roundings of 6e-8, a hundred times larger at most; and not those of doubles."""
-    found = errors(scene_from(MECHANISMS[name]), AnalyticSettings("single", single=True))
+    found = errors(scene_files.load(name), AnalyticSettings("single", single=True))
     assert 1e-9 <= max(found.values()) <= 1e-5
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_differences_are_of_second_order(scene_from: SceneFrom, name: str) -> None:
+def test_differences_are_of_second_order(name: str) -> None:
     """Half the step, a quarter of the error; positions have none."""
     coarse, fine = (
-        errors(scene_from(MECHANISMS[name]), AnalyticSettings("differences", steps=steps)) for steps in (720, 1440)
+        errors(scene_files.load(name), AnalyticSettings("differences", steps=steps)) for steps in (720, 1440)
     )
     for group in ("velocity", "acceleration"):
         assert np.log2(coarse[group] / fine[group]) == pytest.approx(2, abs=0.1)  # the next order is h^2 smaller still

@@ -25,8 +25,8 @@ from compare.speed.timing import Budget
 from compare.study import Study, study
 from scenes import InputError, Motion, Request, Sampling, Status
 from scenes.motion import header
+from tests import scene_files
 from tests.comparisons import CHECKS
-from tests.mechanisms import MECHANISMS
 
 SAMPLING = Sampling(72)
 Studies = Callable[..., Study]
@@ -70,16 +70,12 @@ def test_accuracies_that_are_not(text: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
+def studies() -> Studies:
     """Return a function that studies a scene, with some of its channels, by the analytic core, and only once."""
-    folder = tmp_path_factory.mktemp("mechanisms")
 
     @cache
     def of(name: str, *patterns: str) -> Study:
-        file = folder / f"{name}.toml"
-        if name in MECHANISMS:
-            file.write_text(MECHANISMS[name], encoding="utf-8")
-        scene = scenes.load(file if name in MECHANISMS else name)
+        scene = scene_files.load(name)
         sampling = Sampling(72, channels=matching(scene, patterns) if patterns else None)
         return study(scene, ["analytic"], sampling, Budget(1, 0.0), lambda _: None)
 
@@ -92,7 +88,7 @@ FEW = [
     ("toggle_press", ["P3.f?", "P3.x", "P3.y", "O.fx"]),
     ("crank_press", ["B.fy"]),  # with a press force, whose switches the reference must know
     ("four_bar", ["*.x", "*.y"]),
-    ("quick_return", ["block.*"]),
+    ("shaper", ["block.*"]),
     ("driven_toggle", ["drive.force", "C.v?"]),
     ("swinging_law", ["crank.omega"]),
 ]
@@ -164,7 +160,7 @@ def test_checks_that_have_their_channels(reference: Reference, patterns: list[st
 
 
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:
-    few = studies("quick_return", "block.*")
+    few = studies("shaper", "block.*")
     assert {check.check for check in few.measurements[0].checks} == {"drive"}
     found = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.stroke)
     assert {check.of for check in found if check.check == "closure"} == set(few.scene.bodies)

@@ -12,7 +12,7 @@ from compare.engines import registry
 from compare.run import main
 from scenes import Scene
 from scenes.motion import channels, header
-from tests.conftest import TOGGLE_PRESS
+from tests import scene_files
 
 
 @pytest.fixture(scope="module")
@@ -218,11 +218,10 @@ def test_bad_arguments(
 
 def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The rocker is too short to reach the toggle's pin all the way round."""
-    file = tmp_path / "short.toml"
-    file.write_text(TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 30'), encoding="utf-8")
+    file = scene_files.write(tmp_path, "toggle_press", {"bodies.rocker.lengths.O-P3": 30})
     line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
     for part in (
-        "short.toml",
+        "toggle_press.toml",
         "bodies",
         "cannot_assemble",
         "rocker and toggle in line at P3",
@@ -260,9 +259,7 @@ def test_a_write_that_fails_leaves_the_old_report(tmp_path: Path, monkeypatch: p
 
 
 def test_check_names_what_is_missed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "strict.toml"
-    strict = TOGGLE_PRESS.replace("position = 1e-4", "position = 1e-9")
-    file.write_text(strict.replace('name = "toggle_press"', 'name = "strict"'), encoding="utf-8")
+    file = scene_files.write(tmp_path, "toggle_press", {"name": "strict", "tolerances.pymunk.position": 1e-9})
     arguments = [str(file), "--engines", "pymunk", "--samples", "72", "--out", str(tmp_path)]
     assert main(arguments) == 0
     assert main([*arguments, "--check"]) == 1
@@ -311,6 +308,6 @@ def test_the_schema_describes_the_format(tmp_path: Path) -> None:
     """The schema that editors get knows the shipped scene's keys, and that there are no others."""
     main(["--new", str(tmp_path / "mine")])
     schema = json.loads((tmp_path / "scene.schema.json").read_text(encoding="utf-8"))
-    assert set(tomllib.loads(TOGGLE_PRESS)) <= set(schema["properties"])
+    assert set(tomllib.loads(scene_files.text("toggle_press"))) <= set(schema["properties"])
     assert schema["additionalProperties"] is False
     assert "mass" in schema["$defs"]["BodyTable"]["properties"]

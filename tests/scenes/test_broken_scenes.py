@@ -15,23 +15,20 @@ from compare.engines import registry
 from compare.engines.reference import Floor, establish
 from compare.judge.measure import measure
 from scenes import InputError, Sampling, Status
-from tests.conftest import TOGGLE_PRESS, busy_scene
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 Place = tuple[str | int, ...]
-BROKEN_EVERYWHERE = {"toggle_press": TOGGLE_PRESS, "busy": busy_scene()}
+TOGGLE_PRESS = scene_files.text("toggle_press")
+BROKEN_EVERYWHERE = ("toggle_press", "busy")
 # Of these only what the two above do not have: slides on bodies, driven sliders, laws, press forces, tables, springs,
 # and a body of four points by lengths.
 BROKEN_IN_PART = {
-    "quick_return": ("bodies.block", "drive", "loads"),
+    "shaper": ("bodies.block", "drive", "loads"),
     "driven_toggle": ("bodies.plate", "bodies.crosshead", "drive", "loads", "springs", "sketch"),
     "turning_law": ("drive",),
     "slotted_class_iii": ("bodies.block",),
 }
-WHOLE = {
-    name: tomllib.loads(text)
-    for name, text in (BROKEN_EVERYWHERE | {name: MECHANISMS[name] for name in BROKEN_IN_PART}).items()
-}
+WHOLE = {name: tomllib.loads(scene_files.text(name)) for name in (*BROKEN_EVERYWHERE, *BROKEN_IN_PART)}
 INSTEAD: dict[str, Any] = {
     "gone": None,
     "NaN": nan,
@@ -86,21 +83,6 @@ def broken(name: str, place: Place, how: str) -> dict[str, Any]:
     return dict(whole)
 
 
-def toml(value: Any) -> str:
-    """Write a value as inline TOML."""
-    match value:
-        case dict():
-            return "{ " + ", ".join(f'"{key}" = {toml(item)}' for key, item in value.items()) + " }"
-        case list():
-            return "[" + ", ".join(map(toml, value)) + "]"
-        case bool():
-            return str(value).lower()
-        case str():
-            return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        case _:
-            return repr(value)
-
-
 def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_ENGINES) -> str:
     """Take a scene as far as it goes with the engines' cheapest settings, and return how it ended."""
     file = folder / "broken.toml"
@@ -129,7 +111,7 @@ def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:
     ends = []
     engines = registry.DEFAULT_ENGINES if name in BROKEN_EVERYWHERE else (registry.REFERENCE,)
     for place in broken_places(name):
-        text = "\n".join(f'"{key}" = {toml(value)}' for key, value in broken(name, place, how).items())
+        text = scene_files.toml(broken(name, place, how))
         try:
             ends.append(check(text, tmp_path, engines))
         except BaseException as error:

@@ -13,6 +13,7 @@ from scenes import InputError, Sampling, Status, hard
 from scenes.hard import Ladder, Rung
 from scenes.motion import quantity
 from scenes.scene import ConstantSpeed
+from tests import scene_files
 
 NAMES = (*hard.catalogue(), *hard.catalogue(long=True))
 TURNS_ENOUGH = 100  # of the core's samples, which do not know of each other; more only take longer
@@ -193,45 +194,31 @@ def test_each_turn_is_as_the_first() -> None:
 
 # --- slips ------------------------------------------------------------------------------------------------------------
 
-MINE = """
-format = 1
-title = "Mine"
-scene = "toggle_press"
-parameter = "length of the rod, mm"
-paths = ["bodies.rod.lengths.P4-P5"]
-expected = "It locks."
-why = "It is short."
-
-[steps]
-"300" = 300
-"150" = 150
-
-[status]
-"150" = "cannot_assemble"
-"""
+MINE = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
 PATHS = 'paths = ["bodies.rod.lengths.P4-P5"]'
+STEP = "as_is = 300"
 SLIPS = {
     "broken TOML": ("[steps]", "[steps", ["not valid TOML"]),
-    "a label twice": ('"150" = 150', '"300" = 150', ["not valid TOML"]),
+    "a label twice": (STEP, "locking = 150", ["not valid TOML"]),
     "unknown key": ("title =", "titel =", ["titel", "unknown key", "'title'"]),
-    "missing key": ('why = "It is short."\n', "", ["why", "missing"]),
+    "missing key": ('why = "It is not hard."\n', "", ["why", "missing"]),
     "another format": ("format = 1", "format = 2", ["format", "1", "2"]),
     "no such scene": ('"toggle_press"', '"togle_press"', ["scene", "no such scene", "'toggle_press'"]),
     "no such file": ('"toggle_press"', '"press.toml"', ["scene", "no such scene or file"]),
-    "path to nothing": ("rod.lengths", "rood.lengths", ["steps.300", "bodies.rood", "'rod'"]),
-    "path to a table": (".lengths.P4-P5", "", ["steps.300", "bodies.rod", "path of a number"]),
-    "text for a number": ('"150" = 150', '"150" = "150"', ["steps.150", "path of a text"]),
-    "number for a text": ("bodies.rod.lengths.P4-P5", "units.length", ["steps.300", "path of a number"]),
-    "neither number nor text": ('"150" = 150', '"150" = [150]', ["steps.150", "a number or a text", "[150]"]),
-    "truth": ('"150" = 150', '"150" = true', ["steps.150", "a number or a text"]),
-    "infinite": ('"150" = 150', '"150" = inf', ["steps.150", "finite number"]),
+    "path to nothing": ("rod.lengths", "rood.lengths", ["steps.shorter", "bodies.rood", "'rod'"]),
+    "path to a table": (".lengths.P4-P5", "", ["steps.shorter", "bodies.rod", "path of a number"]),
+    "text for a number": (STEP, 'as_is = "300"', ["steps.as_is", "path of a text"]),
+    "number for a text": ("bodies.rod.lengths.P4-P5", "units.length", ["steps.shorter", "path of a number"]),
+    "neither number nor text": (STEP, "as_is = [300]", ["steps.as_is", "a number or a text", "[300]"]),
+    "truth": (STEP, "as_is = true", ["steps.as_is", "a number or a text"]),
+    "infinite": (STEP, "as_is = inf", ["steps.as_is", "finite number"]),
     "no paths": (PATHS, "paths = []", ["paths", "1 or more"]),
     "one path as a text": (PATHS, 'paths = "turns"', ["paths", "list"]),
-    "no steps": ('"300" = 300\n"150" = 150\n', "", ["steps", "1 or more"]),
-    "turn and a half": (PATHS, 'paths = ["turns"]', ["steps.1.5", "whole number of turns", "1.5"]),
-    "turns in letters": (PATHS, 'paths = ["turns"]', ["steps.1.5", "whole number of turns", "many"]),
-    "status of no step": ('"150" = "cannot', '"15" = "cannot', ["status.15", "no such step", "'150'"]),
-    "no status": ('"cannot_assemble"', '"cannot_asemble"', ["status.150", "no status", "'cannot_assemble'"]),
+    "no steps": ("shorter = 290\nas_is = 300\nlocking = 20\n", "", ["steps", "1 or more"]),
+    "turn and a half": (STEP, "as_is = 1.5", ["steps.as_is", "whole number of turns", "1.5"]),
+    "turns in letters": (STEP, 'as_is = "many"', ["steps.as_is", "whole number of turns", "many"]),
+    "status of no step": ('locking = "cannot', 'lock = "cannot', ["status.lock", "no such step", "'locking'"]),
+    "no status": ('"cannot_assemble"', '"cannot_asemble"', ["status.locking", "no status", "'cannot_assemble'"]),
 }
 
 
@@ -241,8 +228,7 @@ def test_a_slip_is_one_line(slip: str, tmp_path: Path) -> None:
     assert old in MINE, "the slip no longer matches the ladder"
     text = MINE.replace(old, new, 1)
     if "turn" in slip:
-        text = text.replace('"150" = 150', '"1.5" = ' + ("1.5" if slip == "turn and a half" else '"many"'))
-        text = text.partition("[status]")[0]
+        text = text.replace(PATHS, 'paths = ["turns"]')
     file = tmp_path / "mine.toml"
     file.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
@@ -260,17 +246,18 @@ def test_a_ladder_of_ones_own(tmp_path: Path) -> None:
     mine = hard.ladder(file)
     assert mine.name == "mine"
     assert [(rung.label, rung.value, rung.turns, rung.status) for rung in mine.steps] == [
-        ("300", 300, 1, "ok"),
-        ("150", 150, 1, "cannot_assemble"),
+        ("shorter", 290, 1, "ok"),
+        ("as_is", 300, 1, "ok"),
+        ("locking", 20, 1, "cannot_assemble"),
     ]
-    assert [solved(rung).status.name for rung in mine.steps] == ["ok", "cannot_assemble"]
+    assert [solved(rung).status.name for rung in mine.steps] == ["ok", "ok", "cannot_assemble"]
 
 
 def test_a_scene_beside_the_ladder(tmp_path: Path) -> None:
     (tmp_path / "press.toml").write_bytes(scenes.shipped()["toggle_press"].read_bytes())
     file = tmp_path / "mine.toml"
     file.write_text(MINE.replace('"toggle_press"', '"press.toml"'), encoding="utf-8")
-    assert hard.ladder(file).steps[1].scene().file == f"{tmp_path / 'press.toml'}, bodies.rod.lengths.P4-P5 = 150"
+    assert hard.ladder(file).steps[0].scene().file == f"{tmp_path / 'press.toml'}, bodies.rod.lengths.P4-P5 = 290"
 
 
 @pytest.mark.parametrize("name", ["lock_rpr_", "no/such.toml"])

@@ -8,8 +8,7 @@ import pytest
 import scenes
 from scenes import InputError
 from scenes.scene import ConstantSpeed, Force
-from tests.conftest import TOGGLE_PRESS, SceneFrom
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 
 def speed_of(scene: scenes.Scene) -> float:
@@ -44,9 +43,8 @@ def test_pins_are_named_by_file_order(toggle_press: scenes.Scene) -> None:
     }
 
 
-def test_units_are_free(scene_from: SceneFrom, toggle_press: scenes.Scene) -> None:
-    metres = TOGGLE_PRESS.replace('length = "mm"', 'length = "um"').replace('force = "kN"', 'force = "MN"')
-    scene = scene_from(metres)
+def test_units_are_free(toggle_press: scenes.Scene) -> None:
+    scene = scenes.load("toggle_press", {"units.length": "um", "units.force": "MN"})
     assert scene.ground["P1"][0] == pytest.approx(1e-3 * toggle_press.ground["P1"][0], rel=1e-15)
     assert force_of(scene)[1] == pytest.approx(1e3 * force_of(toggle_press)[1], rel=1e-15)
 
@@ -135,8 +133,8 @@ slides = { on = "one", through = [0, 0], along = [1, 0] }
 _BETWEEN = '"ground.S", "plate.K"'
 _TABLE = "table = [[500, 0], [700, 2000]]\n"
 MECHANISM_SLIPS = {
-    "slides on no body": ("quick_return", '"rocker", thr', '"roker", thr', ["bodies.block.slides.on", "'rocker'"]),
-    "slides on itself": ("quick_return", '"rocker", thr', '"block", thr', ["bodies.block.slides.on", "block on block"]),
+    "slides on no body": ("shaper", '"rocker", thr', '"roker", thr', ["bodies.block.slides.on", "'rocker'"]),
+    "slides on itself": ("shaper", '"rocker", thr', '"block", thr', ["bodies.block.slides.on", "block on block"]),
     "ring of slides": ("carried_block", "\n[drive]", _RING, ["bodies.one.slides.on", "one on other on one"]),
     "slides on who slides on no body": (
         "carried_block",
@@ -144,7 +142,7 @@ MECHANISM_SLIPS = {
         _RING.replace('on = "one"', 'on = "on"'),
         ["bodies.other.slides.on", "'one'"],
     ),
-    "unknown key of a slide": ("quick_return", 'on = "rocker"', 'onn = "rocker"', ["bodies.block.slides.onn", "'on'"]),
+    "unknown key of a slide": ("shaper", 'on = "rocker"', 'onn = "rocker"', ["bodies.block.slides.onn", "'on'"]),
     "times fall": ("swinging_law", "[0.5, 290]", "[0.1, 290]", ["drive.law.2.0", "increasing times", "0.1 s"]),
     "times stand still": ("swinging_law", "[0.5, 290]", "[0.2, 290]", ["drive.law.2.0", "increasing times"]),
     "law starts late": ("swinging_law", "[[0, 200]", "[[0.1, 200]", ["drive.law.0.0", "first time to be 0", "0.1 s"]),
@@ -158,11 +156,11 @@ MECHANISM_SLIPS = {
         ["drive.law", "same position"],
     ),
     "law and speed": ("swinging_law", "law =", "speed = 60\nlaw =", ["drive", "either 'speed' or 'law'"]),
-    "neither law nor speed": ("quick_return", "speed = 60\n", "", ["drive", "either 'speed' or 'law'"]),
+    "neither law nor speed": ("shaper", "speed = 60\n", "", ["drive", "either 'speed' or 'law'"]),
     "start with a law": ("swinging_law", "law =", "start = 60\nlaw =", ["drive.start", "the law says it"]),
     "end with a law": ("swinging_law", "law =", "end = 60\nlaw =", ["drive.end", "the law says it"]),
     "periodic without a law": (
-        "quick_return",
+        "shaper",
         "speed = 60",
         "speed = 60\nperiodic = true",
         ["drive.periodic", "'law'"],
@@ -177,8 +175,8 @@ MECHANISM_SLIPS = {
     "end at the start": ("tangent", "end = 50", "end = 130", ["drive.end", "speed", "'start'"]),
     "driven slider without end": ("driven_toggle", "end = -150\n", "", ["drive.end", "missing", "slider"]),
     "slider at a crank's speed": ("driven_toggle", '"mm/s"', '"rpm"', ["units.speed", "'rpm'", "slider", "mm/s"]),
-    "crank at a slider's speed": ("quick_return", '"rpm"', '"mm/s"', ["units.speed", "'mm/s'", "rpm"]),
-    "driven by what a body carries": ("quick_return", 'body = "crank"', 'body = "block"', ["drive.body", "'rocker'"]),
+    "crank at a slider's speed": ("shaper", '"rpm"', '"mm/s"', ["units.speed", "'mm/s'", "rpm"]),
+    "driven by what a body carries": ("shaper", 'body = "crank"', 'body = "block"', ["drive.body", "'rocker'"]),
     "sketch at an angle": (
         "driven_toggle",
         "[sketch]\ndisplacement",
@@ -186,7 +184,7 @@ MECHANISM_SLIPS = {
         ["sketch.angle", "'displacement'", "slider"],
     ),
     "sketch at a displacement": (
-        "quick_return",
+        "shaper",
         "[sketch]\nangle",
         "[sketch]\ndisplacement",
         ["sketch.displacement", "'angle'", "crank"],
@@ -198,11 +196,11 @@ MECHANISM_SLIPS = {
     "table on no slider": ("driven_toggle", '"platen"\nat', '"link"\nat', ["loads.0.table", "slides", "'link'"]),
     "table falls": ("driven_toggle", "[700, 2000]]", "[500, 2000]]", ["loads.0.table", "increasing", "0.5 m"]),
     "table of one row": ("driven_toggle", _TABLE, "table = [[500, 0]]\n", ["loads.0.table", "2 or more", "found 1"]),
-    "last on no slider": ("quick_return", '"ram"\nat = "E"', '"link"\nat = "E"', ["loads.0.last", "slides", "'link'"]),
-    "last on who is carried": ("quick_return", '"ram"\nat = "E"', '"block"\nat = "A"', ["loads.0.last", "'block'"]),
-    "last on no body": ("quick_return", '"ram"\nat = "E"', '"rma"\nat = "E"', ["loads.0.body", "'ram'"]),
-    "last square to the guide": ("quick_return", "[-500, 0]", "[0, 500]", ["loads.0.force", "along the guide"]),
-    "last nothing": ("quick_return", "last = 120", "last = 0", ["loads.0.last", "greater than 0"]),
+    "last on no slider": ("shaper", '"ram"\nat = "E"', '"link"\nat = "E"', ["loads.0.last", "slides", "'link'"]),
+    "last on who is carried": ("shaper", '"ram"\nat = "E"', '"block"\nat = "A"', ["loads.0.last", "'block'"]),
+    "last on no body": ("shaper", '"ram"\nat = "E"', '"rma"\nat = "E"', ["loads.0.body", "'ram'"]),
+    "last square to the guide": ("shaper", "[-500, 0]", "[0, 500]", ["loads.0.force", "along the guide"]),
+    "last nothing": ("shaper", "last = 120", "last = 0", ["loads.0.last", "greater than 0"]),
     "spring on no body": ("driven_toggle", '"plate.K"', '"plat.K"', ["springs.0.between", "'plat'", "'plate'"]),
     "spring at no point": ("driven_toggle", '"plate.K"', '"plate.C"', ["springs.0.between", "'C'", "A, B, D, K"]),
     "spring at no ground point": ("driven_toggle", '"ground.S"', '"ground.T"', ["springs.0.between", "'T'", "A, S"]),
@@ -222,7 +220,7 @@ MECHANISM_SLIPS = {
         ["bodies.plate.lengths", "'A-K', 'B-K', 'D-K'", "'points'"],
     ),
     "fourth point out of reach": ("driven_toggle", '"D-K" = 90', '"D-K" = 190', ["bodies.plate.lengths", "0.19 m"]),
-    "body called ground": ("quick_return", "[bodies.link]", "[bodies.ground]", ["bodies.ground", "taken"]),
+    "body called ground": ("shaper", "[bodies.link]", "[bodies.ground]", ["bodies.ground", "taken"]),
     "output on who is carried": (
         "carried_block",
         'point = "P"',
@@ -235,7 +233,7 @@ MECHANISM_SLIPS = {
 @pytest.mark.parametrize("slip", [*SLIPS, *MECHANISM_SLIPS])
 def test_a_slip_is_one_line(slip: str, tmp_path: Path) -> None:
     mechanism, old, new, expected = MECHANISM_SLIPS.get(slip) or ("toggle_press", *SLIPS[slip])
-    text = (MECHANISMS | {"toggle_press": TOGGLE_PRESS})[mechanism]
+    text = scene_files.text(mechanism)
     assert old in text, "the slip no longer matches the scene"
     file = tmp_path / "mine.toml"
     file.write_text(text.replace(old, new, 1), encoding="utf-8")

@@ -20,55 +20,15 @@ from compare.family.grid import grid, variation
 from compare.report.family import tables as family_tables
 from compare.run import main
 from scenes import InputError, Sampling
-from tests.conftest import TOGGLE_PRESS
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 ROCKER = "bodies.rocker.lengths.O-P3"
-
-CRANK_SLIDER = """
-format = 1
-name = "crank_slider"
-units = { length = "mm", angle = "deg", speed = "rpm", force = "kN" }
-[ground.points]
-O = [0, 0]
-[bodies.crank]
-lengths = { "O-A" = 100 }
-mass = 0
-[bodies.rod]
-lengths = { "A-B" = 300 }
-mass = 0
-[bodies.slider]
-points = { B = [0, 0], T = [20, 0] }
-mass = 7
-slides = { through = [15, 40], along = [1, 0] }
-[drive]
-body = "crank"
-speed = 120
-start = 25
-[[loads]]
-body = "slider"
-at = "B"
-force = [2, 0]
-[sketch]
-angle = 0
-A = [100, 0]
-B = [400, 40]
-[output]
-slider = "T"
-[tolerances.exudyn]
-position = 1e-9
-"""
+CRANK_SLIDER = scene_files.path("offset_slider_crank")
 
 
 def run(file: str | Path, vary: Sequence[str], engines: Sequence[str] = ()) -> list[Member]:
     changes = grid([variation(text) for text in vary])
     return list(members(file, changes, engines, Sampling(72), lambda _: None))
-
-
-def written(text: str, folder: Path) -> Path:
-    file = folder / "scene.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
 
 
 def solved(member: Member) -> Cycle:
@@ -80,10 +40,9 @@ def solved(member: Member) -> Cycle:
 
 
 @pytest.fixture(scope="module")
-def crank_sliders(tmp_path_factory: pytest.TempPathFactory) -> list[Member]:
+def crank_sliders() -> list[Member]:
     """Rods of 250, 300 and 350 mm on a crank of 100 mm, the guide 40 mm beside its centre."""
-    file = written(CRANK_SLIDER, tmp_path_factory.mktemp("family"))
-    return run(file, ["bodies.rod.lengths.A-B=250:350:3"])
+    return run(CRANK_SLIDER, ["bodies.rod.lengths.A-B=250:350:3"])
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])
@@ -156,10 +115,9 @@ def circles(a: complex, r: float, b: complex, s: float, *, left: bool) -> comple
     return complex(a + r * (b - a) / d * np.exp(1j * turn))
 
 
-def test_quantities_and_curves_are_those_of_the_scene_with_that_number(tmp_path: Path) -> None:
+def test_quantities_and_curves_are_those_of_the_scene_with_that_number() -> None:
     """Against the reference on a file with the number written in it, sampled ten times as finely."""
-    text = TOGGLE_PRESS.replace('"O-P3" = 300', '"O-P3" = 312.5')
-    motion = analytic.solve(scenes.load(written(text, tmp_path)), np.linspace(0, 2 * pi, 36_001))
+    motion = analytic.solve(scene_files.load("toggle_press", {ROCKER: 312.5}), np.linspace(0, 2 * pi, 36_001))
     (_, member) = run("toggle_press", [f"{ROCKER}=300:312.5:2"])
     cycle = solved(member)
     for name, channel in (("displacement", "y"), ("velocity", "vy"), ("acceleration", "ay")):
@@ -200,45 +158,42 @@ def test_the_other_way_round_the_return_is_the_slow_one() -> None:
 
 
 def test_no_quick_return_of_two_strokes_or_of_a_single_run(tmp_path: Path) -> None:
-    single = CRANK_SLIDER.replace("start = 25", "start = 25\nend = 400")  # a little more than one turn
-    (member, _) = run(written(single, tmp_path), ["bodies.rod.lengths.A-B=250:300:2"])
+    single = scene_files.write(tmp_path, "offset_slider_crank", {"drive.end": 400})  # a little more than one turn
+    (member, _) = run(single, ["bodies.rod.lengths.A-B=250:300:2"])
     assert np.isnan(solved(member).quantities["quick return"])
     (twice, once) = run("toggle_press", ["bodies.toggle.lengths.P2-P4=700:760:2"])
     assert np.isnan(solved(twice).quantities["quick return"])
     assert not np.isnan(solved(once).quantities["quick return"])
 
 
-_LOAD = '[[loads]]\nbody = "slider"\nat = "P5"\nforce = [0, 100] # the resistance Q, upward, constant\n'
-
-
 @pytest.mark.parametrize(
     ("load", "along", "below"),
     [
-        ("", 1, True),  # without a load, downwards
-        ("", -1, True),
-        ("force = [100, 0]", 1, True),  # none along the guide
-        ("force = [0, 100]", 1, True),
-        ("force = [0, 100]", -1, True),
-        ("force = [0, -100]", 1, False),
-        ("force = [0, 100]\nlast = 6", -1, True),
-        ("force = [0, -100]\nlast = 6", 1, False),
-        ("table = [[-2000, 0], [2000, 1]]", 1, True),  # along the guide
-        ("table = [[-2000, 0], [2000, 1]]", -1, False),
+        ({}, 1, True),  # without a load, downwards
+        ({}, -1, True),
+        ({"force": [100, 0]}, 1, True),  # none along the guide
+        ({"force": [0, 100]}, 1, True),
+        ({"force": [0, 100]}, -1, True),
+        ({"force": [0, -100]}, 1, False),
+        ({"force": [0, 100], "last": 6}, -1, True),
+        ({"force": [0, -100], "last": 6}, 1, False),
+        ({"table": [[-2000, 0], [2000, 1]]}, 1, True),  # along the guide
+        ({"table": [[-2000, 0], [2000, 1]]}, -1, False),
     ],
 )
-def test_the_bottom_is_against_the_load(load: str, along: int, below: bool, tmp_path: Path) -> None:
-    assert _LOAD in TOGGLE_PRESS
-    text = TOGGLE_PRESS.replace(_LOAD, _LOAD.partition("force")[0] + load + "\n" if load else "")
-    file = written(text.replace("along = [0, 1]", f"along = [0, {along}]"), tmp_path)
+def test_the_bottom_is_against_the_load(load: dict[str, object], along: int, below: bool, tmp_path: Path) -> None:
+    loads = [{"body": "slider", "at": "P5", **load}] if load else []
+    changes = {"loads": loads, "bodies.slider.slides.along": [0, along]}
+    file = scene_files.write(tmp_path, "toggle_press", changes)
     (member, _) = run(file, [f"{ROCKER}=300:310:2"])
     height = along * solved(member).curves["displacement"]
     bottom = along * solved(member).quantities["bottom"]
     assert bottom == pytest.approx(height.min() if below else height.max(), rel=1e-6)
 
 
-def test_a_drive_that_runs_once_and_a_driven_slider(tmp_path: Path) -> None:
-    file = written(MECHANISMS["driven_toggle"], tmp_path)
-    whole, half = (solved(member) for member in run(file, ["drive.end=-150:-25:2"]))
+def test_a_drive_that_runs_once_and_a_driven_slider() -> None:
+    driven = scene_files.path("driven_toggle")
+    whole, half = (solved(member) for member in run(driven, ["drive.end=-150:-25:2"]))
     for cycle, end in ((whole, -0.15), (half, -0.025)):
         assert cycle.position[[0, -1]] == pytest.approx((0.1, end), abs=1e-12)
         assert np.isnan(cycle.quantities["quick return"])
@@ -249,8 +204,8 @@ def test_a_drive_that_runs_once_and_a_driven_slider(tmp_path: Path) -> None:
     assert whole.quantities["bottom"] == pytest.approx(whole.curves["displacement"].min(), rel=1e-6)
 
 
-def test_a_law_is_run_over_its_time(tmp_path: Path) -> None:
-    (slow, fast) = run(written(MECHANISMS["turning_law"], tmp_path), ["drive.law.1.1=70:100:2"])
+def test_a_law_is_run_over_its_time() -> None:
+    (slow, fast) = run(scene_files.path("turning_law"), ["drive.law.1.1=70:100:2"])
     for member in (slow, fast):
         cycle = solved(member)
         assert cycle.position == pytest.approx(np.linspace(0, 1.1, 3601), abs=1e-12)
@@ -292,9 +247,9 @@ def test_a_grid_is_every_combination_the_last_changing_fastest() -> None:
         grid([variation("a=0:1:67"), variation("b=0:1:3")])
 
 
-def test_every_member_is_cross_checked(tmp_path: Path) -> None:
+def test_every_member_is_cross_checked() -> None:
     """And what is reported is that member's own error: an engine that has another linkage in mind is far off."""
-    family = run(written(CRANK_SLIDER, tmp_path), ["bodies.rod.lengths.A-B=250:350:3"], ["analytic", "exudyn"])
+    family = run(CRANK_SLIDER, ["bodies.rod.lengths.A-B=250:350:3"], ["analytic", "exudyn"])
     for member in family:
         reference, engine = member.measurements
         assert reference.errors["max"].max() <= 1e-13  # against 50 digits
@@ -340,16 +295,11 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
 # --- the command line ------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def crank_slider(tmp_path: Path) -> str:
-    return str(written(CRANK_SLIDER, tmp_path))
-
-
-def test_the_files_of_a_family(crank_slider: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rod, offset = "bodies.rod.lengths.A-B", "bodies.slider.slides.through.1"
-    arguments = [crank_slider, "--vary", f"{rod}=130:250:2", "--vary", f"{offset}=0:40:2", "--engines", "analytic"]
+    arguments = [str(CRANK_SLIDER), "--vary", f"{rod}=130:250:2", "--vary", f"{offset}=0:40:2", "--engines", "analytic"]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
-    folder = tmp_path / "out" / "crank_slider"
+    folder = tmp_path / "out" / "offset_slider_crank"
     assert sorted(path.name for path in folder.iterdir()) == ["family.csv", "family.html"]
     table = pd.read_csv(folder / "family.csv")
     assert table[[rod, offset]].to_numpy().tolist() == [[130, 0], [130, 40], [250, 0], [250, 40]]
@@ -364,33 +314,40 @@ def test_the_files_of_a_family(crank_slider: str, tmp_path: Path, capsys: pytest
         assert said in page
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 5
-    assert lines[0].startswith("crank_slider  A-B = 130, slider.slides.through.1 = 0  ok  stroke 200.00 mm")
+    assert lines[0].startswith("offset_slider_crank  A-B = 130, slider.slides.through.1 = 0  ok  stroke 200.00 mm")
     assert "cannot_assemble" in lines[1]
     assert lines[-1] == f"family: {folder / 'family.html'}"
 
 
-def test_check_names_the_member_that_misses(
-    crank_slider: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_names_the_member_that_misses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rod = "bodies.rod.lengths.A-B"
-    arguments = [crank_slider, "--engines", "exudyn", "--samples", "36", "--out", str(tmp_path / "out"), "--check"]
-    assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 0, "a member that cannot run misses nothing"
-    file = Path(crank_slider)
-    file.write_text(CRANK_SLIDER.replace("position = 1e-9", "position = 1e-19"), encoding="utf-8")
+    arguments = ["--engines", "exudyn", "--samples", "36", "--out", str(tmp_path / "out"), "--check"]
+    fine = [str(CRANK_SLIDER), *arguments, "--vary", f"{rod}=100:300:2"]
+    assert main(fine) == 0, "a member that cannot run misses nothing"
     capsys.readouterr()
+    strict = scene_files.write(tmp_path, "offset_slider_crank", {"tolerances.exudyn.position": 1e-19})
+    arguments.insert(0, str(strict))
     assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 1
     (missed,) = [line for line in capsys.readouterr().out.splitlines() if "missed" in line]
-    assert missed.startswith("crank_slider  A-B = 300  missed: exudyn position")
+    assert missed.startswith("offset_slider_crank  A-B = 300  missed: exudyn position")
     assert main([*arguments, "--vary", f"{rod}=80:100:2"]) == 1
     assert "no member runs" in capsys.readouterr().out
 
 
 def test_a_stop_keeps_the_members_that_are_done(
-    crank_slider: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from compare.family import family
 
-    arguments = [crank_slider, "--vary", "drive.speed=10:50:5", "--engines", "analytic", "--out", str(tmp_path / "out")]
+    arguments = [
+        str(CRANK_SLIDER),
+        "--vary",
+        "drive.speed=10:50:5",
+        "--engines",
+        "analytic",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     left = iter(range(2))
 
     def stopping(*arguments: object) -> object:
@@ -401,24 +358,24 @@ def test_a_stop_keeps_the_members_that_are_done(
     solve_member = family._member
     monkeypatch.setattr(family, "_member", stopping)
     assert main(arguments) == 130
-    assert len(pd.read_csv(tmp_path / "out" / "crank_slider" / "family.csv")) == 2
+    assert len(pd.read_csv(tmp_path / "out" / "offset_slider_crank" / "family.csv")) == 2
     assert "2 of 5 members" in capsys.readouterr().err
-    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
     assert "Stopped after 2 of 5 members" in page
 
 
-def test_a_family_without_any_member_that_runs(crank_slider: str, tmp_path: Path) -> None:
-    arguments = [crank_slider, "--engines", "analytic", "--out", str(tmp_path / "out")]
+def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
+    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--vary", "bodies.rod.lengths.A-B=20:30:2"]) == 0
-    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
     assert "0 of 2 members run" in page
     assert "cannot_assemble" in page
 
 
-def test_many_members_are_drawn_in_part(crank_slider: str, tmp_path: Path) -> None:
-    arguments = [crank_slider, "--engines", "analytic", "--out", str(tmp_path / "out")]
+def test_many_members_are_drawn_in_part(tmp_path: Path) -> None:
+    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--vary", "drive.speed=10:38:29"]) == 0
-    page = (tmp_path / "out" / "crank_slider" / "family.html").read_text(encoding="utf-8")
+    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
     assert "25 of the 29 members that run" in page
     drawn = {value for value in range(10, 39) if f'"name":"drive.speed = {value}"' in page}
     assert len(drawn) == 25

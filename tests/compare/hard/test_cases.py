@@ -19,23 +19,10 @@ from compare.hard.kept import Kept
 from compare.report.hard import section as page
 from compare.report.hard import tables as hard_tables
 from scenes import Failure, Motion, Sampling, Status
+from tests import scene_files
 from tests.comparisons import Plug, changed
 
-LADDER = """
-format = 1
-title = "Rod"
-scene = "toggle_press"
-parameter = "length of the rod"
-paths = ["bodies.rod.lengths.P4-P5"]
-expected = "All solve it."
-why = "It is not hard."
-[steps]
-shorter = 290
-as_is = 300
-locking = 20
-[status]
-locking = "cannot_assemble"
-"""
+LADDER = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -207,7 +194,7 @@ def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) ->
     assert said.startswith("1 silent wrong answers and 0 false alarms in 6 attempts on 3 rungs of 1 ladders")
     ((shown, table),) = hard_tables.ladders(cases)
     assert shown.title == "Rod"
-    assert list(table["length of the rod"]) == ["shorter", "as_is", "locking"]
+    assert list(table["length of the rod, mm"]) == ["shorter", "as_is", "locking"]
     assert list(table["exudyn"]) == ["ok", "ok", "timed_out (isolation)"]
 
 

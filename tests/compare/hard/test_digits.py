@@ -13,8 +13,7 @@ from compare.engines.reference import establish
 from compare.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
-from tests.analytic.test_solve import SLIDER_CRANK
-from tests.conftest import SceneFrom
+from tests import scene_files
 
 pytest.importorskip("flint")
 
@@ -58,23 +57,12 @@ def test_a_worse_formula_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, for
 # --- the condition itself ---------------------------------------------------------------------------------------------
 
 
-CRANK = """
-format = 1
-name = "crank"
-ground.points = { O = [0, 0] }
-drive = { body = "crank", speed = 3.0 }
-output = { point = "T" }
-bodies.crank = { points = { O = [0, 0], T = [2, 0] }, mass = 4 }
-sketch = { T = [2, 0] }
-"""
-
-
-def test_the_condition_of_a_crank_by_hand(scene_from: SceneFrom) -> None:
+def test_the_condition_of_a_crank_by_hand() -> None:
     """The tip's x = r cos(θ + φ) moves with r by cos, with θ and the tip's place across, φ, by sin each.
 
     A velocity goes with the speed w too, an acceleration with w^2, and the force that turns the mass with that mass.
     """
-    table = digits_lost(scene_from(CRANK)).set_index("group")
+    table = digits_lost(scene_files.load("crank")).set_index("group")
     sine, cosine = np.sin(pi / 6), np.cos(pi / 6)  # the worst of the positions, steps of 30 degrees
     by_hand = {
         "position": cosine * 2 + sine,
@@ -89,7 +77,7 @@ def test_the_condition_of_a_crank_by_hand(scene_from: SceneFrom) -> None:
     assert table["lost"]["torque"] == 0
 
 
-def test_the_nearest_lock_is_looked_at_from_close_by(scene_from: SceneFrom) -> None:
+def test_the_nearest_lock_is_looked_at_from_close_by() -> None:
     scene = rung("lock_rrp", "1e-6")
     nearest, left = nearest_lock(scene, registry.reference(scene))
     assert nearest == pytest.approx(pi / 2, abs=4e-8)  # where the distance is flat to two roundings: x^2 / 4 < 2 eps
@@ -101,14 +89,14 @@ def test_the_nearest_lock_is_looked_at_from_close_by(scene_from: SceneFrom) -> N
     assert isinstance(scene.drive, ConstantSpeed)
     back = replace(scene, drive=replace(scene.drive, speed=-scene.drive.speed))
     assert (np.diff(positions(back, nearest)) < 0).all()  # as the drive comes by
-    part = scene_from(SLIDER_CRANK.replace("speed = 10", "speed = 10\nstart = 0.5\nend = 1.5"))
+    part = scene_files.load("slider_crank", {"drive.start": 0.5, "drive.end": 1.5})
     assert positions(part, 0.5).min() == 0.5  # a way that ends is not left
     assert np.array_equal(Positions(tuple(stops)).commanded(scene), stops)
 
 
-def test_every_input_is_off_by_a_step(scene_from: SceneFrom) -> None:
+def test_every_input_is_off_by_a_step() -> None:
     """Zeros, as O and two of the masses, are exact; a vector is off twice, along itself and across, a guide across."""
-    scene = scene_from(SLIDER_CRANK)
+    scene = scene_files.load("slider_crank")
     others = list(inputs_off(scene))
     off = {
         name: [other.bodies[name] for other in others if other.bodies[name] != body]
@@ -141,7 +129,7 @@ def test_scales_of_the_comparison_stand_beside() -> None:
     assert (np.abs(table["scaled"] - table["lost"]) < 1).all()  # strokes for coordinates, peaks for forces
 
 
-def test_what_has_no_certified_truth_is_told(scene_from: SceneFrom) -> None:
+def test_what_has_no_certified_truth_is_told() -> None:
     with pytest.raises(Failure, match="reached at crank angle") as failure:
-        digits_lost(scene_from(SLIDER_CRANK.replace('"A-B" = 3', '"A-B" = 0.5')))
+        digits_lost(scene_files.load("slider_crank", {"bodies.rod.lengths.A-B": 0.5}))
     assert failure.value.status is Status.cannot_assemble

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -16,7 +15,7 @@ from compare.engines.stopping import Stopped
 from compare.hard import stability
 from compare.report.hard.stability import LETTERS, stability_maps
 from scenes import Scene, Status
-from tests.sim_models.pymunk.runs import FOUR_BAR, scene_of
+from tests import scene_files
 
 
 @pytest.fixture(scope="module")
@@ -28,18 +27,10 @@ def quiet(_: str) -> None:
     pass
 
 
-def to_lock(tmp_path: Path) -> list[stability.Variant]:
-    """Return crank-rockers that lie stretched out once a turn, ever closer: 0.1 m and 0.4 m, and 0.5 m less a gap."""
-    text = """
-        ground.points = {{ O = [0, 0], Q = [0.6, 0] }}
-        drive = {{ body = "crank", speed = 3, start = 1 }}
-        output = {{ point = "B" }}
-        bodies.crank = {{ lengths = {{ "O-A" = 0.1 }}, mass = 2 }}
-        bodies.coupler = {{ lengths = {{ "A-B" = 0.4 }}, mass = 2 }}
-        bodies.rocker = {{ lengths = {{ "B-Q" = {rocker} }}, mass = 2 }}
-        sketch = {{ angle = 1.5, A = [0, 0.1], B = [0.4, 0.2] }}
-    """
-    return [(f"{gap:g}", scene_of(text.format(rocker=0.3 + gap), tmp_path)) for gap in (1e-1, 1e-6)]
+def to_lock() -> list[stability.Variant]:
+    """Return crank-rockers that lie stretched out once a turn, ever closer: 0.2 m and 0.7 m, and 0.5 m and a gap."""
+    rocker = "bodies.rocker.lengths.B-Q"
+    return [(f"{gap:g}", scene_files.load("stretched_rocker", {rocker: 0.5 + gap})) for gap in (1e-1, 1e-6)]
 
 
 @pytest.fixture(scope="module")
@@ -72,16 +63,16 @@ def test_cells_are_tidy_and_say_all(sweeps: pd.DataFrame) -> None:
     assert (bad["error"] > 0.01).all()  # handed over though refused
 
 
-def test_steps_against_scenes_ever_closer_to_a_lock(tmp_path: Path) -> None:
-    rows = pd.DataFrame([*stability.over_variants("lock", to_lock(tmp_path), ["pymunk"], quiet, (72, 648))])
+def test_steps_against_scenes_ever_closer_to_a_lock() -> None:
+    rows = pd.DataFrame([*stability.over_variants("lock", to_lock(), ["pymunk"], quiet, (72, 648))])
     easy, hard = rows[rows["label"] == "0.1"], rows[rows["label"] == "1e-06"]
     assert set(easy["status"]) == {"ok"}
     assert not set(hard["status"]) & {"ok"}
     assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6]
 
 
-def test_a_scene_without_a_reference_leaves_what_the_engine_says(tmp_path: Path) -> None:
-    broken = scene_of(FOUR_BAR.replace('"B-Q" = 0.35', '"B-Q" = 0.05'), tmp_path)
+def test_a_scene_without_a_reference_leaves_what_the_engine_says() -> None:
+    broken = scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05})
     (cell,) = stability.over_variants("lock", [("0", broken)], ["pymunk"], quiet, (72,))
     assert cell["status"] == "cannot_assemble"
     assert np.isnan(float(str(cell["error"])))

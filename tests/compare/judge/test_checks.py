@@ -1,6 +1,5 @@
 """Checks without a reference: each must notice what it is for."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +11,10 @@ from compare.engines.runner import run
 from compare.judge import constraints as jacobian
 from compare.judge.checks import checks
 from compare.judge.constraints import Constraints
-from scenes import Motion, Sampling, Scene
+from scenes import Motion, Sampling
 from scenes.scene import ForceTable
+from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
-from tests.mechanisms import MECHANISMS
 
 # --- checks without a reference ---------------------------------------------------------------------------------------
 
@@ -51,15 +50,15 @@ def test_a_check_notices(reference: Reference, motion: Motion, channel: str) -> 
 
 
 IN_MECHANISMS = [  # a mechanism, a channel, by how much it is moved, the check and body that must notice
-    ("quick_return", "rocker.angle", 1e-6, "closure", "block"),  # it carries the slot
-    ("quick_return", "block.angle", 1e-6, "closure", "block"),
+    ("shaper", "rocker.angle", 1e-6, "closure", "block"),  # it carries the slot
+    ("shaper", "block.angle", 1e-6, "closure", "block"),
     ("swinging_block", "A.y", 1e-6, "closure", "rod"),
     ("driven_toggle", "K.x", 1e-6, "closure", "plate"),
-    ("quick_return", "block.guide_force", 1.0, "Newton", "block"),
-    ("quick_return", "block.guide_force", 1.0, "Newton", "rocker"),
-    ("quick_return", "block.guide_force", 1.0, "Euler", "rocker"),
-    ("quick_return", "block.guide_moment", 1.0, "Euler", "rocker"),
-    ("quick_return", "block.alpha", 1.0, "Euler", "block"),
+    ("shaper", "block.guide_force", 1.0, "Newton", "block"),
+    ("shaper", "block.guide_force", 1.0, "Newton", "rocker"),
+    ("shaper", "block.guide_force", 1.0, "Euler", "rocker"),
+    ("shaper", "block.guide_moment", 1.0, "Euler", "rocker"),
+    ("shaper", "block.alpha", 1.0, "Euler", "block"),
     ("scotch_yoke", "block.guide_force", 1.0, "Newton", "yoke"),
     ("scotch_yoke", "yoke.guide_moment", 1.0, "Euler", "yoke"),
     ("driven_toggle", "drive.force", 1.0, "Newton", "crosshead"),
@@ -86,7 +85,7 @@ def test_a_check_notices_in_a_mechanism(
 
 def test_a_guide_presses_its_slider_and_its_carrier_opposite_ways(references: References) -> None:
     """With the force the other way round neither balances, and both by twice the force."""
-    reference = references("quick_return")
+    reference = references("shaper")
     motion = commanded(reference)
     turned = Motion({**motion.samples, "block.guide_force": -motion["block.guide_force"]})
     found = {(c.check, c.of): c for c in checks(reference.scene, turned, reference.stroke)}
@@ -97,7 +96,7 @@ def test_a_guide_presses_its_slider_and_its_carrier_opposite_ways(references: Re
 @pytest.mark.parametrize("of", ["stiffness", "length", "table", "gravity"])
 def test_another_load_than_the_scenes_is_noticed(references: References, of: str) -> None:
     """A motion solved with a load that is a thousandth off: bodies and power out of balance."""
-    reference = references("quick_return" if of == "gravity" else "driven_toggle")
+    reference = references("shaper" if of == "gravity" else "driven_toggle")
     scene = reference.scene
     body = {"stiffness": "plate", "length": "plate", "table": "platen", "gravity": "rocker"}[of]
     if of == "table":
@@ -114,7 +113,7 @@ def test_another_load_than_the_scenes_is_noticed(references: References, of: str
     assert found["power", "mechanism"] > 1e-6
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
 @pytest.mark.parametrize("engine", ["analytic", "multiprecision"])
 def test_two_models_pass_every_check(references: References, name: str, engine: str) -> None:
     """Two models that share nothing balance by the same signs, at 8 samples a cycle too."""
@@ -125,12 +124,9 @@ def test_two_models_pass_every_check(references: References, name: str, engine: 
         assert check.worst <= 1e-13, check
 
 
-def test_checks_with_gravity_and_given_inertia(scene_from: Callable[[str], Scene]) -> None:
-    """A spinning crank alone has nothing but its pivot force and its torque; both by hand."""
-    from tests.analytic.test_solve import SLIDER_CRANK
-
-    text = SLIDER_CRANK.replace("mass = 0", "mass = 3\ncom = [0.4, 0.1]\ninertia = 0.2", 1)
-    scene = scene_from(text.replace("name =", "gravity = [1, -9.81]\nname ="))
+def test_checks_with_gravity_and_given_inertia() -> None:
+    crank = {"bodies.crank.mass": 3, "bodies.crank.com": [0.4, 0.1], "bodies.crank.inertia": 0.2}
+    scene = scene_files.load("slider_crank", crank | {"gravity": [1, -9.81]})
     motion = analytic.solve(scene, np.linspace(0, 6, 100))
     for check in checks(scene, motion, 2.0):
         assert check.worst <= 1e-13, check

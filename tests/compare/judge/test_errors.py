@@ -91,7 +91,7 @@ def test_an_uncertified_reference_has_no_error_to_show(reference: Reference, mot
 # --- other drives -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["quick_return", "driven_toggle", "swinging_law"])
+@pytest.mark.parametrize("name", ["shaper", "driven_toggle", "swinging_law"])
 def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
     reference = references(name)
     plain = commanded(reference)
@@ -180,17 +180,13 @@ def test_samples_at_other_instants_are_noticed(references: References, plug: Plu
 
 # --- the switches of a press force ------------------------------------------------------------------------------------
 
-CRANK_PRESS = (scenes.LIBRARY / "crank_press.toml").read_text(encoding="utf-8")
 LOWER_DEAD_POINT = 36  # the row, where the crank starts at the upper one
 
 
 @pytest.fixture(scope="module")
-def pressing(tmp_path_factory: pytest.TempPathFactory) -> Reference:
+def pressing() -> Reference:
     """Return a press with a sample exactly where its force ends."""
-    head, _, tail = CRANK_PRESS.partition("start = 90.37")
-    file = tmp_path_factory.mktemp("press") / "press.toml"
-    file.write_text(f"{head}start = 90{tail}", encoding="utf-8")
-    return establish(scenes.load(file))
+    return establish(scenes.load("crank_press", {"drive.start": 90}))
 
 
 def standing(reference: Reference, row: int, *, acting: bool) -> Motion:

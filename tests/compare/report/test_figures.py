@@ -17,7 +17,7 @@ from compare.speed.timing import Budget
 from compare.study import Study, study
 from scenes import Motion, Sampling, load
 from scenes.motion import Samples, channels
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 Studies = Callable[[str], Study]
 
@@ -90,15 +90,12 @@ def test_prefixes(scale: float, factor: float, unit: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
+def studies() -> Studies:
     """Return a function that studies a mechanism by the analytic core alone, and only once."""
-    folder = tmp_path_factory.mktemp("mechanisms")
 
     @cache
     def of(name: str) -> Study:
-        file = folder / f"{name}.toml"
-        file.write_text(MECHANISMS[name], encoding="utf-8")
-        return study(load(file), ["analytic"], Sampling(72), Budget(1, 0.0), lambda _: None)
+        return study(scene_files.load(name), ["analytic"], Sampling(72), Budget(1, 0.0), lambda _: None)
 
     return of
 
@@ -116,7 +113,7 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> Studies:
         ),
         ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at -20 rpm from 130 to 50°, one cycle"),
         ("turning_law", "time [s]", 0, 1.1, True, "crank by a motion law of 1.1 s, again and again, one cycle"),
-        ("quick_return", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples a turn"),
+        ("shaper", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples a turn"),
     ],
 )
 def test_curves_run_over_the_drive(
@@ -132,7 +129,7 @@ def test_curves_run_over_the_drive(
     unit = title.partition(" [")[2]
     assert f"max_at [{unit}" in tables.by_group(result).columns
     assert f"max_at [{unit}" in tables.checks(result).columns
-    a_cycle = "ms a turn" if name == "quick_return" else "ms a cycle"
+    a_cycle = "ms a turn" if name == "shaper" else "ms a cycle"
     assert work_precision(result).layout.xaxis.title.text == a_cycle
 
 
@@ -166,7 +163,7 @@ def test_assur_groups(studies: Studies) -> None:
 
 def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
     """The block is on the slot, and the slot is turned with the rocker."""
-    result = studies("quick_return")
+    result = studies("shaper")
     figure, motion = linkage(result), result.motion
     for pose, row in enumerate((0, 18, 36, 54), start=1):
         drawn = [trace for trace in figure.data if trace.xaxis == ("x" if pose == 1 else f"x{pose}")]
@@ -181,7 +178,7 @@ def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
         assert square.marker.angle == pytest.approx(-np.degrees(np.angle(along)))
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_every_mechanism_has_a_page(studies: Studies, name: str) -> None:
     text = page(studies(name))
     assert "$" not in text.partition("</script>")[2].partition("<h2>The linkage")[0]

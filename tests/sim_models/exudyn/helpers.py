@@ -1,40 +1,22 @@
 """What the tests of the Exudyn model share: runs of it, and errors against equations written in the tests."""
 
-import re
 from functools import cache
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import scenes
 from scenes import Motion, Sampling, Scene
 from scenes.motion import quantity
 from sim_models.exudyn import engine as model
 from sim_models.exudyn.engine import DEFAULT, EXACT, ExudynSettings
+from tests import scene_files
 from tests.absolute_coordinates import solve
 
-from .mechanisms import SCENES
-
+NAMES = (*scene_files.MECHANISMS, "wedge", "wedge_of_points", "oldham")
+ROD = "bodies.rod.lengths.P4-P5"
 BOTH_ROUTES = pytest.mark.parametrize("settings", [DEFAULT, EXACT], ids=lambda settings: settings.label)
-
-
-def write(folder: Path, text: str) -> Scene:
-    path = folder / "scene.toml"
-    path.write_text(text)
-    return scenes.load(path)
-
-
-def edited(folder: Path, *changes: tuple[str, str]) -> Scene:
-    """Return the toggle press with some of its text replaced."""
-    text = scenes.shipped()["toggle_press"].read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return write(folder, text)
 
 
 def run(
@@ -61,19 +43,22 @@ def dot(a: NDArray[Any] | complex, b: NDArray[Any]) -> Any:
     return (np.conj(a) * b).real
 
 
-def locking(folder: Path, start: float, end: float = 100) -> Scene:
+def locking(start: float, end: float = 100, sketch: scene_files.Changes = scene_files.NONE) -> Scene:
     """Return the toggle press with a short rod, which locks at -95.06 and at 166.09 deg, driven between those."""
-    text = scenes.shipped()["toggle_press"].read_text().replace('"P4-P5" = 300', '"P4-P5" = 200')
-    speed = 60 if end > start else -60
-    drive = f'[drive]\nbody = "crank"\nspeed = {speed}\nstart = {start}\nend = {end}\n\n'
-    return write(folder, re.sub(r"\[drive\]\n.*?\n\n", drive, text, flags=re.DOTALL))
+    drive = {"body": "crank", "speed": 60 if end > start else -60, "start": start, "end": end}
+    return scene_files.load("toggle_press", {ROD: 200, "drive": drive, **sketch})
+
+
+def meeting_spring(length: float) -> scene_files.Changes:
+    """Return a spring for the slider-crank whose ends meet at the start."""
+    spring = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": length}
+    return {"ground.points.P": [4, 0], "springs": [spring]}
 
 
 @cache
 def referred(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
     """Return a scene, and its motion at 61 instants from equations written in the tests."""
-    with TemporaryDirectory() as folder:
-        scene = write(Path(folder), SCENES[name])
+    scene = scene_files.load(name)
     return scene, solve(scene, *scene.drive.at(Sampling(60).times(scene)))
 
 

@@ -15,9 +15,9 @@ from scenes import Sampling
 from scenes.motion import channels
 from sim_models.exudyn import engine as model
 from sim_models.exudyn.engine import DEFAULT, EXACT, FAST, ExudynSettings, TimeStepping
+from tests import scene_files
 
-from .helpers import BOTH_ROUTES, dot, edited, errors, force, point, run, write
-from .mechanisms import FOUR_BAR, SLIDER_CRANK, THREE_AT_A_PIN
+from .helpers import BOTH_ROUTES, dot, errors, force, point, run
 
 # --- the toggle press ------------------------------------------------------------------------------------------------
 
@@ -102,22 +102,22 @@ def test_later_turns_repeat_the_first() -> None:
     assert np.abs(torque[last] - torque[first]).max() <= 1e-6 * np.abs(torque).max()  # the transient, 0.5^24 and less
 
 
-WILD = {
-    "slow": [("speed = 60", "speed = 6e-5")],
-    "fast": [("speed = 60", "speed = 6e7")],
-    "heavy": [("mass = 800", "mass = 8e11")],
-    "light": [("mass = 800", "mass = 8e-7")],
-    "massless": [("mass = 60", "mass = 0"), ("mass = 250", "mass = 0")],
-    "micrometres": [('length = "mm"', 'length = "um"')],
-    "kilometres": [('length = "mm"', 'length = "km"')],
+WILD: dict[str, scene_files.Changes] = {
+    "slow": {"drive.speed": 6e-5},
+    "fast": {"drive.speed": 6e7},
+    "heavy": {"bodies.slider.mass": 8e11},
+    "light": {"bodies.slider.mass": 8e-7},
+    "massless": {"bodies.rod.mass": 0, "bodies.toggle.mass": 0},
+    "micrometres": {"units.length": "um"},
+    "kilometres": {"units.length": "km"},
 }
 
 
 @pytest.mark.parametrize("name", WILD)
 @pytest.mark.parametrize("settings", [DEFAULT, FAST], ids=lambda settings: settings.label)
-def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings, tmp_path: Path) -> None:
+def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings) -> None:
     """By Exudyn's own measures they would be: in newtons and metres Newton's method does not end, or ends too early."""
-    scene = edited(tmp_path, *WILD[name])
+    scene = scene_files.load("toggle_press", WILD[name])
     exact = run(scene, EXACT).samples
     found = errors(scene, run(scene, settings), {name: exact[name] for name in channels(scene) if name != "time"})
     assert max(found.values()) <= (1e-6 if settings is DEFAULT else 1e-2)  # what they promise; measured 1e-7 and 1e-3
@@ -127,21 +127,23 @@ def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings, 
 
 
 @BOTH_ROUTES
-def test_static_forces_of_a_massless_slider_crank(settings: ExudynSettings, tmp_path: Path) -> None:
-    motion = run(write(tmp_path, SLIDER_CRANK), settings)
-    rod = point(motion, "C") - point(motion, "B")
+def test_static_forces_of_a_massless_slider_crank(settings: ExudynSettings) -> None:
+    slider = {"bodies.slider.mass": 0, "bodies.slider.points.E": [0.2, 0.1]}
+    loads = [{"body": "slider", "at": "E", "force": [-100, 0]}]
+    motion = run(scene_files.load("slider_crank", {**slider, "drive.speed": 2, "loads": loads}), settings)
+    rod = point(motion, "B") - point(motion, "A")
     on_slider = 100 * rod / rod.real  # along the rod, and its x part holds the load
     tolerance = 2e-5  # N; extrapolated steps of nothing but round-off and Newton's 1e-10
-    assert np.abs(force(motion, "C") - on_slider).max() <= tolerance  # of the rod on the slider
-    assert np.abs(force(motion, "A") - on_slider).max() <= tolerance  # of the ground on the crank
+    assert np.abs(force(motion, "B") - on_slider).max() <= tolerance  # of the rod on the slider
+    assert np.abs(force(motion, "O") - on_slider).max() <= tolerance  # of the ground on the crank
     assert np.abs(motion["slider.guide_force"] + on_slider.imag).max() <= tolerance
     assert np.abs(motion["slider.guide_moment"] + 10).max() <= tolerance  # the load turns it by +100 N 0.1 m
-    assert np.abs(motion["drive.torque"] - 100 * motion["C.vx"] / 2).max() <= tolerance
+    assert np.abs(motion["drive.torque"] - 100 * motion["B.vx"] / 2).max() <= tolerance
 
 
 @BOTH_ROUTES
-def test_four_bar_with_gravity_turning_backwards(settings: ExudynSettings, tmp_path: Path) -> None:
-    scene = write(tmp_path, FOUR_BAR)
+def test_four_bar_with_gravity_turning_backwards(settings: ExudynSettings) -> None:
+    scene = scene_files.load("loaded_four_bar")
     motion = run(scene, settings, samples=120)
     gravity = 0.5 - 9.81j
     b, c, t = (complex(*scene.bodies["coupler"].local[p]) for p in "BCT")  # type: ignore[index]
@@ -166,8 +168,8 @@ def test_four_bar_with_gravity_turning_backwards(settings: ExudynSettings, tmp_p
 
 
 @BOTH_ROUTES
-def test_third_body_at_a_pin_is_held_by_the_first(settings: ExudynSettings, tmp_path: Path) -> None:
-    motion = run(write(tmp_path, THREE_AT_A_PIN), settings, samples=120)
+def test_third_body_at_a_pin_is_held_by_the_first(settings: ExudynSettings) -> None:
+    motion = run(scene_files.load("three_at_a_pin"), settings, samples=120)
     b, c, e = (point(motion, p, "a") for p in "BCE")
     guide = motion["slider.guide_force"] * (1j * -1j)  # along (0, -1) turned +90 degrees is +x
     limit = 1e-5 * np.abs(force(motion, "E")).max()  # accelerations are good to 1e-6
@@ -177,10 +179,9 @@ def test_third_body_at_a_pin_is_held_by_the_first(settings: ExudynSettings, tmp_
     assert np.abs(point(motion, "E").real - 1).max() <= 1e-13
 
 
-def test_kinematic_scene_has_no_forces_and_the_same_motion(tmp_path: Path) -> None:
-    text = "\n".join(line for line in FOUR_BAR.splitlines() if not line.startswith(("mass", "com", "inertia")))
-    loads = text[text.index("[[loads]]") : text.index("[sketch]")]
-    weighed, kinematic = run(write(tmp_path, FOUR_BAR), DEFAULT), write(tmp_path, text.replace(loads, ""))
+def test_kinematic_scene_has_no_forces_and_the_same_motion() -> None:
+    weighed = run(scene_files.load("loaded_four_bar"), DEFAULT)
+    kinematic = scene_files.load("loaded_four_bar", scene_files.without_masses("loaded_four_bar"))
     motion = run(kinematic, DEFAULT)
     assert set(motion.samples) == set(channels(kinematic))
     assert "drive.torque" not in motion
@@ -199,7 +200,7 @@ def test_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cap
 
 
 def test_import_does_not_load_exudyn() -> None:
-    code = "import sys, sim_models.exudyn_model; sys.exit('exudyn' in sys.modules)"
+    code = "import sys, sim_models.exudyn.engine; sys.exit('exudyn' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

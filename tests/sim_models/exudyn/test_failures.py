@@ -1,7 +1,5 @@
 """The Exudyn model's ways of failing."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -12,9 +10,9 @@ from sim_models.exudyn import engine as model
 from sim_models.exudyn import stepping as exudyn_stepping
 from sim_models.exudyn.engine import DEFAULT, EXACT, FAST, ExudynSettings, TimeStepping
 from sim_models.exudyn.stepping import SteppedRun
+from tests import scene_files
 
-from .helpers import BOTH_ROUTES, edited, locking, referred, run, write
-from .mechanisms import PARALLELOGRAM, REDUNDANT, SCENES, SLIDER_CRANK
+from .helpers import BOTH_ROUTES, ROD, locking, meeting_spring, referred, run
 
 
 def failure(scene: Scene, settings: ExudynSettings = DEFAULT) -> Failure:
@@ -24,39 +22,44 @@ def failure(scene: Scene, settings: ExudynSettings = DEFAULT) -> Failure:
     return raised.value
 
 
-def test_bodies_that_do_not_fit(tmp_path: Path) -> None:
-    failed = failure(edited(tmp_path, ('"O-P3" = 300', '"O-P3" = 3000')))
+def with_rod(length: float) -> Scene:
+    """Return the toggle press with a rod of that length, mm, instead of 300."""
+    return scene_files.load("toggle_press", {ROD: length})
+
+
+def test_bodies_that_do_not_fit() -> None:
+    failed = failure(scene_files.load("toggle_press", {"bodies.rocker.lengths.O-P3": 3000}))
     assert failed.status is Status.cannot_assemble
     assert "11.5000 deg" in failed.reason
 
 
 @BOTH_ROUTES
-def test_linkage_that_locks(settings: ExudynSettings, tmp_path: Path) -> None:
-    failed = failure(edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 200')), settings)
+def test_linkage_that_locks(settings: ExudynSettings) -> None:
+    failed = failure(with_rod(200), settings)
     assert failed.status is Status.cannot_assemble
     assert "166.08" in failed.reason  # where |P4.x| reaches 200 mm
 
 
 @BOTH_ROUTES
-def test_a_lock_that_is_soon_over_is_a_lock(settings: ExudynSettings, tmp_path: Path) -> None:
+def test_a_lock_that_is_soon_over_is_a_lock(settings: ExudynSettings) -> None:
     """The rod is short of its guide for four degrees only; beyond, the bodies fit together again."""
-    failed = failure(edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 248.9')), settings)
+    failed = failure(with_rod(248.9), settings)
     assert failed.status is Status.cannot_assemble
     assert "209.92" in failed.reason
 
 
 @BOTH_ROUTES
-def test_branches_that_meet(settings: ExudynSettings, tmp_path: Path) -> None:
-    failed = failure(write(tmp_path, PARALLELOGRAM), settings)
+def test_branches_that_meet(settings: ExudynSettings) -> None:
+    failed = failure(scene_files.load("parallelogram"), settings)
     assert failed.status is Status.not_converged
     assert "180.0000 deg" in failed.reason
 
 
-def test_start_at_a_lock(tmp_path: Path) -> None:
-    failed = failure(locking(tmp_path, 166.08))
+def test_start_at_a_lock() -> None:
+    failed = failure(locking(166.08))
     assert failed.status is Status.unsupported
     assert "a little before the start" in failed.reason
-    run(locking(tmp_path, 166.08), EXACT)
+    run(locking(166.08), EXACT)
 
 
 @pytest.mark.parametrize(
@@ -119,44 +122,38 @@ def test_ringing_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "not what its equations ask for" in failed.reason
 
 
-def test_lengths_that_do_not_meet(tmp_path: Path) -> None:
+def test_lengths_that_do_not_meet() -> None:
     """K is given from B and D, which no length joins: only a model can tell whether the two circles meet."""
-    text = SCENES["driven_toggle"].replace(
-        '"B-D" = 120, "B-K" = 60, "D-K" = 90', '"B-D" = 120, "B-G" = 30, "A-G" = 345'
-    )
-    text = text.replace('"A-G" = 345', '"A-G" = 345, "D-K" = 60, "G-K" = 20').replace(
-        "K = [230", "G = [290, 190]\nK = [230"
-    )
-    failed = failure(write(tmp_path, text))
+    lengths = {"A-B": 350, "A-D": 300, "B-D": 120, "B-G": 30, "A-G": 345, "D-K": 60, "G-K": 20}
+    changes = {"bodies.plate.lengths": lengths, "sketch.G": [290, 190]}
+    failed = failure(scene_files.load("driven_toggle", changes))
     assert failed.status is Status.cannot_assemble
     assert "'D-K' and 'G-K' do not meet" in failed.reason
 
 
 @BOTH_ROUTES
-def test_spring_without_a_direction(settings: ExudynSettings, tmp_path: Path) -> None:
-    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 1000\nlength = {}\n[sketch]'
-    text = SLIDER_CRANK.replace("A = [0, 0]", "A = [0, 0]\nP = [1.3, 0]", 1).replace("mass = 0", "mass = 1")
-    motion = run(write(tmp_path, text.replace("[sketch]", spring.format(0))), settings)
-    assert motion["C.fx"][0] == pytest.approx(100 + motion["C.ax"][0])  # it has no length and no force there
-    failed = failure(write(tmp_path, text.replace("[sketch]", spring.format(0.1))), settings)
+def test_spring_without_a_direction(settings: ExudynSettings) -> None:
+    motion = run(scene_files.load("slider_crank", meeting_spring(0)), settings)
+    assert motion["B.fx"][0] == pytest.approx(50 + 2 * motion["B.ax"][0])  # it has no length and no force there
+    failed = failure(scene_files.load("slider_crank", meeting_spring(0.1)), settings)
     assert failed.status is Status.nonfinite  # Exudyn takes the spring for none
     assert failed.motion is not None
 
 
-def test_redundant_constraints_are_counted(tmp_path: Path) -> None:
-    failed = failure(write(tmp_path, REDUNDANT))
+def test_redundant_constraints_are_counted() -> None:
+    failed = failure(scene_files.load("redundant"))
     assert failed.status is Status.unsupported
     assert "1 degrees of freedom and 1 redundant" in failed.reason
 
 
-def test_sketch_of_neither_branch(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ("P3 = [0, -300]", "P3 = [600, -600]"), ("P4 = [0, -790]", "P4 = [600, -100]"))
+def test_sketch_of_neither_branch() -> None:
+    scene = scene_files.load("toggle_press", {"sketch.P3": [600, -600], "sketch.P4": [600, -100]})
     assert failure(scene).status is Status.wrong_branch
 
 
 # The rod is longer than |P4.x| ever gets, 248.99658795 mm near 212.05 deg, by one part in a million or in ten thousand.
-def test_jump_to_the_other_branch_is_seen(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 248.996836950'))
+def test_jump_to_the_other_branch_is_seen() -> None:
+    scene = with_rod(248.996836950)
     failed = failure(scene, TimeStepping("", steps=360, richardson=False))
     assert failed.status is Status.wrong_branch
     assert failed.motion is not None
@@ -167,8 +164,8 @@ def test_jump_to_the_other_branch_is_seen(tmp_path: Path) -> None:
     assert (motion["P5.y"] < motion["P4.y"]).all()  # it went through on its own branch
 
 
-def test_runs_too_far_apart_to_extrapolate(tmp_path: Path) -> None:
-    scene = edited(tmp_path, ('"P4-P5" = 300', '"P4-P5" = 249.021487609'))
+def test_runs_too_far_apart_to_extrapolate() -> None:
+    scene = with_rod(249.021487609)
     assert failure(scene, TimeStepping("", steps=360)).status is Status.not_converged
 
 

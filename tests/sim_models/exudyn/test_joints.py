@@ -1,13 +1,10 @@
 """The Exudyn model on every joint, drive and load, against equations of motion written in the tests."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from scenes import Failure, Sampling, Status
+from scenes import Failure, Sampling, Scene, Status
 from scenes.motion import channels
 from scenes.scene import MotionLaw, PressForce
 from sim_models.exudyn import engine as model
@@ -18,9 +15,9 @@ from sim_models.exudyn.poses import Poses
 from sim_models.exudyn.start import start
 from sim_models.exudyn.stepping import SteppedRun
 from sim_models.exudyn.system import System
+from tests import scene_files
 
-from .helpers import BOTH_ROUTES, check, errors, locking, referred, run, write
-from .mechanisms import SCENES, SLIDER_CRANK
+from .helpers import BOTH_ROUTES, NAMES, check, errors, locking, referred, run
 
 # Time steps: positions are exact but for round-off; the rest is h^3 of the extrapolation, measured 2e-8 in velocities,
 # 1.2e-6 in accelerations and 1.9e-6 in the rest, both where slotted_class_iii starts near a lock. A law's jerk jumps at
@@ -32,7 +29,7 @@ KNOTTED = {"position": 1e-13, "velocity": 5e-6, "acceleration": 1e-2, "force": 3
 DIFFERENCED = {"position": 1e-14, "velocity": 2e-14, "acceleration": 5e-10, "force": 5e-10, "moment": 5e-10}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_mechanism_by_time_steps(name: str) -> None:
     scene, reference = referred(name)
     motion = run(scene, DEFAULT, samples=60)
@@ -40,7 +37,7 @@ def test_mechanism_by_time_steps(name: str) -> None:
     check(errors(scene, motion, reference), KNOTTED if isinstance(scene.drive, MotionLaw) else SMOOTH)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", NAMES)
 def test_mechanism_pointwise(name: str) -> None:
     scene, reference = referred(name)
     motion = run(scene, EXACT, samples=60)
@@ -87,42 +84,41 @@ def test_law_repeats(settings: ExudynSettings) -> None:
 
 
 @BOTH_ROUTES
-def test_press_load_at_the_dead_point(settings: ExudynSettings, tmp_path: Path) -> None:
+def test_press_load_at_the_dead_point(settings: ExudynSettings) -> None:
     """The slider turns back on a sample, the first and the last of a turn: from there on, the load is off."""
-    motion = run(write(tmp_path, pressing(0.1).replace("speed = 2", "speed = 7.3")), settings, samples=36, turns=3)
-    inertia = motion["C.ax"] * 1.0  # all that acts along the guide besides is the load
-    load = inertia - motion["C.fx"]
-    before_end = 1.3 - motion["C.x"]
-    closing = (np.arange(109) % 36 > 18) & (before_end <= 0.1)
+    motion = run(pressing(0.35, {"drive.speed": 7.3}), settings, samples=36, turns=3)
+    inertia = motion["B.ax"] * 1.0  # all that acts along the guide besides is the load
+    load = inertia - motion["B.fx"]
+    before_end = 4 - motion["B.x"]
+    closing = (np.arange(109) % 36 > 18) & (before_end <= 0.35)
     assert closing.sum() == 12
-    assert np.abs(load + 100 * closing).max() <= 1e-4  # N; accelerations are good to 1e-6 of 21 m/s^2, forces as well
+    assert np.abs(load + 100 * closing).max() <= 1e-4  # N; accelerations are good to 1e-6 of 71 m/s^2, forces as well
 
 
-def pressing(last: float) -> str:
+def pressing(last: float, changes: scene_files.Changes) -> Scene:
     """Return the slider-crank with bodies of 1 kg and a press load."""
-    return SLIDER_CRANK.replace("mass = 0", "mass = 1").replace(
-        "force = [-100, 0]", f"force = [-100, 0]\nlast = {last}"
-    )
+    masses = {f"bodies.{body}.mass": 1 for body in ("crank", "rod", "slider")}
+    loads = [{"body": "slider", "at": "B", "force": [-100, 0], "last": last}]
+    return scene_files.load("slider_crank", {**masses, "loads": loads, **changes})
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_press_load_switches_where_the_scene_says(direction: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("begin", [0.3, -1e-3])
+def test_press_load_switches_where_the_scene_says(direction: int, begin: float) -> None:
     """The load acts for far less than the time between the poses that look for it, which miss the dead point."""
-    text = (
-        pressing(1e-6).replace("along = [1, 0]", f"along = [{direction}, 0]").replace("[sketch]", "[sketch]\nangle = 0")
-    )
-    for begin in (0.3, -1e-3):
-        scene = write(tmp_path, text.replace("speed = 2", f"speed = 2\nstart = {begin}"))
-        load = scene.loads[0]
-        assert isinstance(load, PressForce)
-        assert load.closing == direction
-        system = System(scene)
-        poses = Poses(system)
-        found = PressStroke(system, poses, start(poses), load).switches()
-        on = brentq(lambda a: 0.3 * np.cos(a) + np.sqrt(1 - (0.3 * np.sin(a)) ** 2) - 1.3 + 1e-6, -0.01, 0, xtol=1e-15)
-        dead, on = (-begin % (2 * np.pi)) / 2, ((on - begin) % (2 * np.pi)) / 2
-        # s; displacements of 1.3 m are good to 2e-16, and at that instant change by 8e-4 m/s; half as steep a velocity
-        assert found == pytest.approx([on, dead] if begin > 0 else [0.0, dead, on], abs=1e-12)
+    drive = {"drive.speed": 2, "drive.start": begin}
+    sketch = {"sketch": {"angle": 0, "A": [1, 0], "B": [4, 0]}}
+    scene = pressing(1e-6, {"bodies.slider.slides.along": [direction, 0], **drive, **sketch})
+    load = scene.loads[0]
+    assert isinstance(load, PressForce)
+    assert load.closing == direction
+    system = System(scene)
+    poses = Poses(system)
+    found = PressStroke(system, poses, start(poses), load).switches()
+    on = brentq(lambda a: np.cos(a) + np.sqrt(9 - np.sin(a) ** 2) - 4 + 1e-6, -0.01, 0, xtol=1e-15)
+    dead, on = (-begin % (2 * np.pi)) / 2, ((on - begin) % (2 * np.pi)) / 2
+    # s; displacements of 4 m are good to 4e-16, and at that instant change by 3e-3 m/s; half as steep a velocity
+    assert found == pytest.approx([on, dead] if begin > 0 else [0.0, dead, on], abs=1e-12)
 
 
 def test_course_between_its_steps() -> None:
@@ -136,16 +132,12 @@ def test_course_between_its_steps() -> None:
         assert course.rate(clock) == pytest.approx(float(rate), abs=1e-13)
 
 
-def test_way_to_the_start_stays_in_the_range(tmp_path: Path) -> None:
+def test_way_to_the_start_stays_in_the_range() -> None:
     """From 160 to -94 deg it is nearer through 180 deg, where this press cannot go."""
-    scene = locking(tmp_path, start=-94, end=160)
+    scene = locking(start=-94, end=160)
     motion = run(scene, EXACT, samples=60)
     places = {p: [1e3 * float(motion[f"{p}.{c}"][-1]) for c in "xy"] for p in scene.sketch.points}
-    sketch = "".join(f"{p} = {place}\n" for p, place in places.items())
-    text = Path(scene.file).read_text()
-    other = re.sub(r"\[sketch\]\n.*?\n\n", f"[sketch]\nangle = 160\n{sketch}\n", text, flags=re.DOTALL)
-    assert other != text
-    again = run(write(tmp_path, other), EXACT, samples=60)
+    again = run(locking(-94, 160, {"sketch": {"angle": 160, **places}}), EXACT, samples=60)
     assert np.abs(again["P5.y"] - motion["P5.y"]).max() <= 1e-12  # m, round-off
 
 
@@ -167,8 +159,8 @@ def test_slip_of_the_drive_is_seen(name: str) -> None:
 
 
 @pytest.mark.parametrize("start", [165.0, 165.9])
-def test_start_near_a_lock_takes_smaller_steps(start: float, tmp_path: Path) -> None:
-    scene = locking(tmp_path, start)
+def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
+    scene = locking(start)
     simulation = model.build(scene, DEFAULT, Sampling(60))
     simulation.solve()
     assert simulation.counters["steps"] > 4000  # of 2232 where nothing is in the way

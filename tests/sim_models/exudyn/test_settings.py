@@ -36,10 +36,10 @@ from sim_models.exudyn.settings import Extra, Newton
 from sim_models.exudyn.start import start
 from sim_models.exudyn.stepping import SteppedRun
 from sim_models.exudyn.system import System, engine
+from tests import scene_files
 from tests.absolute_coordinates import solve
 
-from .helpers import run, write
-from .mechanisms import FOUR_BAR, SCENES, SLIDER_CRANK
+from .helpers import meeting_spring, run
 
 STEPS_360 = TimeStepping("", steps=360, richardson=False)
 
@@ -155,9 +155,9 @@ def test_more_than_the_scene_needs_changes_nothing_but_the_cost(
     assert not list(tmp_path.iterdir())
 
 
-def test_bodies_in_space_know_no_slots(tmp_path: Path) -> None:
+def test_bodies_in_space_know_no_slots() -> None:
     with pytest.raises(Failure, match="block slides on"):
-        run(write(tmp_path, SCENES["quick_return"]), replace(STEPS_360, extra=Extra.SPATIAL))
+        run(scene_files.load("shaper"), replace(STEPS_360, extra=Extra.SPATIAL))
 
 
 def test_textbook_is_what_exudyn_presets() -> None:
@@ -243,11 +243,9 @@ def test_kinematics_alone_cost_less() -> None:
     assert position < everything  # measured 0.85 of it
 
 
-def test_springs_are_checked_though_nobody_asks_for_their_ends(tmp_path: Path) -> None:
-    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 1000\nlength = 0.1\n[sketch]'
-    text = SLIDER_CRANK.replace("A = [0, 0]", "A = [0, 0]\nP = [1.3, 0]", 1).replace("[sketch]", spring)
-    with pytest.raises(Failure, match="P and C meet"):
-        run(write(tmp_path, text), EXACT, channels=frozenset({"drive.torque"}))
+def test_springs_are_checked_though_nobody_asks_for_their_ends() -> None:
+    with pytest.raises(Failure, match="P and B meet"):
+        run(scene_files.load("slider_crank", meeting_spring(0.1)), EXACT, channels=frozenset({"drive.torque"}))
 
 
 # --- the ladders -----------------------------------------------------------------------------------------------------
@@ -273,12 +271,10 @@ def without_steps(settings: Settings) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("knots", [exudyn_poses.KNOTS, 1])
-def test_poses_found_together_are_those_found_one_by_one(
-    knots: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """From a single knot they are too far to be guessed, and each has to be followed."""
     monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
-    poses = Poses(System(write(tmp_path, FOUR_BAR)))
+    poses = Poses(System(scene_files.load("loaded_four_bar")))
     first = start(poses)
     there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
     positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
@@ -291,8 +287,8 @@ def test_poses_found_together_are_those_found_one_by_one(
         assert np.abs(together.curvature[row] - state.curvature).max() <= 1e-9  # round-off over its difference of 1e-5
 
 
-def test_curvature_is_the_change_of_the_tangent(tmp_path: Path) -> None:
-    poses = Poses(System(write(tmp_path, FOUR_BAR)))
+def test_curvature_is_the_change_of_the_tangent() -> None:
+    poses = Poses(System(scene_files.load("loaded_four_bar")))
     state, h = start(poses), 1e-4
     after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
     assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred

@@ -1,16 +1,13 @@
 """Which assembly is followed, and that nothing but the sketch decides it."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import scenes
 from scenes import Motion, Sampling
-from tests.mechanisms import QUICK_RETURN, SWINGING_BLOCK
+from tests import scene_files
 
-from .runs import EPS, FOUR_BAR, TWO_RODS, Array, run, scene_of
+from .runs import EPS, Array, run, two_rods
 
 flint = pytest.importorskip("flint")
 
@@ -24,21 +21,19 @@ def toggle() -> Motion:
     return run(scenes.load("toggle_press"), samples=720)
 
 
-def test_mirrored_sketch_gives_the_mirrored_branch(tmp_path: Path) -> None:
-    below = FOUR_BAR.replace("B = [3.6, 2.5]", "B = [3.6, -1.5]")
-
+def test_mirrored_sketch_gives_the_mirrored_branch() -> None:
     def elbow(motion: Motion) -> Array:
-        A, B = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "AB")
-        return np.asarray((np.conj(B - A) * (4 + 0.5j - B)).imag)
+        B, C = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "BC")
+        return np.asarray((np.conj(C - B) * (3 + 2.5j - C)).imag)
 
-    assert (elbow(run(scene_of(tmp_path, FOUR_BAR))) < 0).all()
-    assert (elbow(run(scene_of(tmp_path, below))) > 0).all()
+    assert (elbow(run(scene_files.load("loaded_four_bar"))) < 0).all()
+    assert (elbow(run(scene_files.load("loaded_four_bar", {"sketch.C": [3, 1]}))) > 0).all()
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_two_links_near_their_lock_at_once_stay_on_their_branches(tmp_path: Path, gap: float) -> None:
+def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) -> None:
     """The determinant would not tell: both flips together keep its sign."""
-    motion = run(scene_of(tmp_path, TWO_RODS.replace("ROD", repr(1 + gap))), samples=10)
+    motion = run(two_rods(1 + gap), samples=10)
     angle, rod = motion["crank_angle"], 1 + gap
     reach = np.sqrt((rod - 1) * (rod + 1) + np.cos(angle) ** 2)
     # cos^2 in doubles, at worst 0.3 here
@@ -54,25 +49,26 @@ def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.Monkey
     assert np.abs(leaping["P5.y"] - toggle["P5.y"][::240]).max() <= 4 * EPS  # the angles differ by rounding
 
 
-def test_result_does_not_depend_on_the_way_there(tmp_path: Path) -> None:
+def test_result_does_not_depend_on_the_way_there() -> None:
     """A start at another angle, the same angles visited backwards: the same pose, and the same force if as fast."""
-    scene = scenes.load("toggle_press")
-    text = Path(scenes.LIBRARY / "toggle_press.toml").read_text()
-    back = run(scene_of(tmp_path, text.replace("speed = 60\n", "speed = -60\n").replace("start = 0", "start = 360")))
-    there = run(scene)
+    back = run(scenes.load("toggle_press", {"drive.speed": -60, "drive.start": 360}))
+    there = run(scenes.load("toggle_press"))
     for channel in ("P5.y", "P5.ay", "P3.fx", "drive.torque"):
         # The crank angles agree to a few units in the last place of a turn; the torque goes with dx/dθ.
         error = np.abs(back[channel][::-1] - there[channel]).max()
         assert error <= 100 * EPS * np.abs(there[channel]).max()
 
 
-def test_bodies_that_slides_align_start_with_one_angle(tmp_path: Path) -> None:
+def test_bodies_that_slides_align_start_with_one_angle() -> None:
     """Near half a turn, where the roundings of two sketches would put their angles a whole turn apart."""
-    turned = SWINGING_BLOCK.replace("points = { C = [0, 0] }", "points = { C = [0, 0], Q = [-100, 0] }")
-    turned = turned.replace("C = [300, 50]", "C = [-300, 1]").replace("along = [1, 0]", "along = [-1, 0]")
-    turned = turned.replace("A = [80, 0]\nT = [570, 120]", "A = [80, 0]\nT = [-420, -25]\nQ = [-200, 2]")
-    turned = turned.replace("speed = -120", "speed = -120\nstart = -90")
-    scene = scene_of(tmp_path, turned)
+    changes = {
+        "ground.points.C": [-300, 1],
+        "bodies.rod.slides.along": [-1, 0],
+        "bodies.block.points.Q": [-100, 0],
+        "drive.start": -90,
+        "sketch": {"angle": -90, "A": [80, 0], "T": [-420, -25], "Q": [-200, 2]},
+    }
+    scene = scene_files.load("swinging_block", changes)
     with flint.ctx.workdps(50):
         q = multiprecision_linkage.Linkage(scene).sketched_pose(scene.sketch.drive)
     assert abs(float(q[5, 0])) > 3
@@ -81,33 +77,19 @@ def test_bodies_that_slides_align_start_with_one_angle(tmp_path: Path) -> None:
     assert np.array_equal(motion["rod.angle"], motion["block.angle"])
 
 
-def test_a_slider_that_no_sketch_shows_is_found(tmp_path: Path) -> None:
+def test_a_slider_that_no_sketch_shows_is_found() -> None:
     """A cross slide: a carriage on the ground, and on it what the crank pin moves up and down."""
-    text = """
-format = 1
-name = "cross_slide"
-ground.points = { O = [0, 0] }
-drive = { body = "crank", speed = 2.0, start = 1.0 }
-output = { point = "A" }
-sketch = { angle = 0.0, A = [1, 0] }
-bodies.crank.points = { O = [0, 0], A = [1, 0] }
-bodies.block.points = { A = [0, 0] }
-bodies.block.slides = { on = "carriage", through = [0, 0], along = [0, 1] }
-bodies.carriage.points = { K = [0, 0.5] }
-bodies.carriage.slides = { through = [0, 3], along = [1, 0] }
-"""
-    motion = run(scene_of(tmp_path, text))
+    motion = run(scene_files.load("crank_on_carriage"))
     np.testing.assert_allclose(motion["K.x"], np.cos(motion["crank_angle"]), rtol=0, atol=2 * EPS)
     np.testing.assert_allclose(motion["K.y"], 3.0, rtol=0, atol=0)
 
 
-def test_a_unit_of_length_changes_nothing(tmp_path: Path) -> None:
+def test_a_unit_of_length_changes_nothing() -> None:
     """Steps and proof are relative to the linkage's size, from picometres to petametres."""
-    head, _, tail = QUICK_RETURN.replace("gravity = [0, -9.81]\n", "").partition("[[loads]]")
-    kinematic = re.sub(r"(?m)^(mass|com|inertia) = .*\n", "", head + tail[tail.index("[sketch]") :])
+    kinematic = {**scene_files.without_masses("shaper"), "gravity": None}
     counters, tracks = [], []
     for unit in ("pm", "mm", "Tm"):
-        scene = scene_of(tmp_path, kinematic.replace('length = "mm"', f'length = "{unit}"'))
+        scene = scene_files.load("shaper", {**kinematic, "units.length": unit})
         simulation = model.build(scene, model.DEFAULT, Sampling(36))
         simulation.solve()
         counters.append({**simulation.counters})

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import cos, pi, sin, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +10,10 @@ from scenes import Failure, Motion, Scene, Status
 from scenes.loads import PressForce
 from scenes.motion import channels
 from scenes.scene import MotionLaw
+from tests import scene_files
 
 from .motion import acting, inertia, mass_centre, point_motion, reactions, size_of, slid, turning
-from .runs import ALL, EPS, SLIDER_CRANK, closed, named, run, scene_of
+from .runs import ALL, EPS, closed, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
@@ -23,8 +23,8 @@ from sim_models.multiprecision import stroke as multiprecision_stroke  # noqa: E
 
 
 @pytest.fixture(scope="module", params=ALL)
-def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return named(tmp_path_factory.mktemp("scenes"), request.param)
+def scene(request: pytest.FixtureRequest) -> Scene:
+    return scene_files.load(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -69,10 +69,9 @@ def test_power_of_drive_loads_and_weight_is_the_rate_of_kinetic_energy(scene: Sc
     assert np.abs(power).max() <= 64 * EPS * size.max()  # rounded channels, some twenty products
 
 
-def test_slider_crank_statics_by_hand(tmp_path: Path) -> None:
+def test_slider_crank_statics_by_hand() -> None:
     """At 90 deg the massless rod of length 2 pushes along (√3, -1)/2 from the crank pin (0, 1)."""
-    loads = '[[loads]]\nbody = "slider"\nat = "C"\nforce = [-100, 0]\n'
-    motion = run(scene_of(tmp_path, SLIDER_CRANK.replace("[sketch]", loads + "[sketch]")), samples=4)
+    motion = run(slider_crank({"loads": [{"body": "slider", "at": "C", "force": [-100, 0]}]}), samples=4)
     push = 100 / sqrt(3)
     expected = {
         "crank_angle": pi / 2,
@@ -92,24 +91,17 @@ def test_slider_crank_statics_by_hand(tmp_path: Path) -> None:
         assert abs(motion[channel][1] / value - 1) <= 4 * EPS  # pi/2 as a double, and the roots in this list
 
 
-def test_unbalanced_crank_by_hand(tmp_path: Path) -> None:
+def test_unbalanced_crank_by_hand() -> None:
     """One body backwards in its weight: the torque holds the weight, the pivot holds it on its circle."""
-    text = """
-format = 1
-name = "crank"
-gravity = [0, -10]
-ground.points = { O = [1, 2] }
-drive = { body = "crank", speed = -3.0, start = 0.5 }
-output = { point = "T" }
-[bodies.crank]
-points = { O = [0, 0], T = [2, 0] }
-mass = 4
-com = [0.5, 0]
-inertia = 0.2
-[sketch]
-angle = 7
-"""
-    motion = run(scene_of(tmp_path, text), samples=8)
+    changes = {
+        "gravity": [0, -10],
+        "ground.points.O": [1, 2],
+        "drive": {"body": "crank", "speed": -3, "start": 0.5},
+        "bodies.crank.com": [0.5, 0],
+        "bodies.crank.inertia": 0.2,
+        "sketch": {"angle": 7},
+    }
+    motion = run(scene_files.load("crank", changes), samples=8)
     angle = 0.5 - np.arange(9) * pi / 4
     expected = {
         "crank_angle": angle,
@@ -123,13 +115,12 @@ angle = 7
         assert np.abs(motion[channel] - values).max() <= 100 * EPS  # of values up to 60, in numpy
 
 
-def test_scene_without_masses_moves_alike_and_has_no_forces(tmp_path: Path) -> None:
-    with_masses = scene_of(tmp_path, SLIDER_CRANK)
-    without = scene_of(tmp_path, SLIDER_CRANK.replace("mass = 0\n", ""))
+def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
+    without = slider_crank({f"bodies.{body}.mass": None for body in ("crank", "rod", "slider")})
     motion = run(without)
     assert set(motion.samples) == set(channels(without))
     assert "drive.torque" not in motion
-    assert np.array_equal(motion["B.ax"], run(with_masses)["B.ax"])
+    assert np.array_equal(motion["B.ax"], run(slider_crank())["B.ax"])
 
 
 # --- loads -----------------------------------------------------------------------------------------------------------
@@ -144,9 +135,8 @@ def stroke_end(scene: Scene, force: float) -> float:
         return multiprecision_stroke.end_of_stroke(linkage, march, q, load)
 
 
-def test_a_closing_stroke_ends_at_the_dead_point(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, SLIDER_CRANK)
-    offset = scene_of(tmp_path, SLIDER_CRANK.replace("through = [0, 0]", "through = [0.5, 0.3]"))
+def test_a_closing_stroke_ends_at_the_dead_point() -> None:
+    scene, offset = slider_crank(), slider_crank({"bodies.slider.slides.through": [0.5, 0.3]})
     for force, closed_by in ((-1.0, 3.0), (1.0, 1.0)):
         assert abs(stroke_end(scene, force) - closed_by) <= 4 * EPS
         assert abs(stroke_end(offset, force) - (sqrt(closed_by**2 - 0.3**2) - 0.5)) <= 4 * EPS
@@ -156,9 +146,9 @@ def reach(angle: float) -> float:
     return cos(angle) + sqrt(4 - sin(angle) ** 2)
 
 
-def test_a_closing_stroke_ends_where_a_run_does(tmp_path: Path) -> None:
+def test_a_closing_stroke_ends_where_a_run_does() -> None:
     """Away from the dead points: at the run's ends, or where the law turns round, there also between two samples."""
-    way = scene_of(tmp_path, SLIDER_CRANK.replace("speed = 2.0", "speed = 2.0, start = 0.5, end = 2.5"))
+    way = slider_crank({"drive.start": 0.5, "drive.end": 2.5})
     assert abs(stroke_end(way, -1.0) - reach(0.5)) <= 4 * EPS
     assert abs(stroke_end(way, 1.0) - reach(2.5)) <= 4 * EPS
     law = MotionLaw("crank", (0.0, 1.0, 2.0, 3.0), (1.0, 1.0 + 4 / 9, 1.0 + 2 / 9, 1.0), periodic=False)
@@ -169,22 +159,24 @@ def test_a_closing_stroke_ends_where_a_run_does(tmp_path: Path) -> None:
     assert abs(stroke_end(replace(way, drive=law), -1.0) - reach(float(law.extent[0]))) <= 4 * EPS
 
 
-def test_table_in_a_press_by_hand(tmp_path: Path) -> None:
+def test_table_in_a_press_by_hand() -> None:
     """Massless: the drive's power is the load's. Below, between and beyond the entries."""
-    loads = '[[loads]]\nbody = "slider"\nat = "C"\ntable = [[1.5, -10], [2, -50], [2.5, 40]]\n'
-    motion = run(scene_of(tmp_path, SLIDER_CRANK.replace("[sketch]", loads + "[sketch]")), samples=24)
+    table = {"body": "slider", "at": "C", "table": [[1.5, -10], [2, -50], [2.5, 40]]}
+    motion = run(slider_crank({"loads": [table]}), samples=24)
     force = np.interp(motion["B.x"], [1.5, 2, 2.5], [-10, -50, 40])
     assert {-10.0, 40.0} < set(force)
     assert np.abs(motion["drive.torque"] * 2 + force * motion["B.vx"]).max() <= 1e-12  # of 100 W, in doubles
 
 
-def test_spring_without_a_direction_is_refused(tmp_path: Path) -> None:
+def test_spring_without_a_direction_is_refused() -> None:
     """The slider's corner C, half a metre above B, meets the ground point P at the start."""
-    text = SLIDER_CRANK.replace("O = [0, 0] }", "O = [0, 0], P = [3, 0.5] }", 1)
-    spring = '[[springs]]\nbetween = ["ground.P", "slider.C"]\nstiffness = 5\nlength = LENGTH\n'
-    text = text.replace("[sketch]", spring + "[sketch]")
+
+    def sprung(length: float) -> Scene:
+        spring = {"between": ["ground.P", "slider.C"], "stiffness": 5, "length": length}
+        return slider_crank({"ground.points.P": [3, 0.5], "springs": [spring]})
+
     with pytest.raises(Failure, match=r"ground\.P and slider\.C meet at crank angle 0\.0000 deg") as failure:
-        run(scene_of(tmp_path, text.replace("LENGTH", "0.1")))
+        run(sprung(0.1))
     assert failure.value.status is Status.nonfinite
-    motion = run(scene_of(tmp_path, text.replace("LENGTH", "0")))
+    motion = run(sprung(0))
     assert np.abs(motion["A.fx"] + 5 * (3 - motion["B.x"])).max() <= 16 * EPS  # of 10 N; the crank holds it

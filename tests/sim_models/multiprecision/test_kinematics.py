@@ -1,7 +1,6 @@
 """Laws of motion that hold for every scene: rigid bodies, closed joints, derivatives, and an independent assembly."""
 
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +9,10 @@ from scipy.optimize import root
 from scenes import Motion, Sampling, Scene
 from scenes.motion import channels
 from scenes.scene import GROUND
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 from .motion import carried, point_motion, size_of, slid, turning
-from .runs import ALL, EPS, SMOOTH, Array, closed, named, run
+from .runs import ALL, EPS, SMOOTH, Array, closed, run
 
 flint = pytest.importorskip("flint")
 
@@ -22,8 +21,8 @@ from sim_models.multiprecision import march as multiprecision_march  # noqa: E40
 
 
 @pytest.fixture(scope="module", params=ALL)
-def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Scene:
-    return named(tmp_path_factory.mktemp("scenes"), request.param)
+def scene(request: pytest.FixtureRequest) -> Scene:
+    return scene_files.load(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -155,9 +154,9 @@ def shows(scene: Scene, name: str) -> bool:
     return len(set(scene.bodies[name].points) & {*scene.ground, *scene.sketch.points}) > 1
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
-def test_the_linkage_is_assembled_as_sketched(tmp_path: Path, name: str) -> None:
-    scene = named(tmp_path, name)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
+def test_the_linkage_is_assembled_as_sketched(name: str) -> None:
+    scene = scene_files.load(name)
     motion = run(scene, samples=4)
     for point, at in independently_assembled(scene).items():
         assert (
@@ -166,9 +165,9 @@ def test_the_linkage_is_assembled_as_sketched(tmp_path: Path, name: str) -> None
 
 
 @pytest.mark.parametrize("name", ["toggle_press", *SMOOTH])
-def test_velocity_and_acceleration_are_the_derivatives(tmp_path: Path, name: str) -> None:
+def test_velocity_and_acceleration_are_the_derivatives(name: str) -> None:
     """Central differences are of second order: the error falls by four when the step is halved."""
-    scene = named(tmp_path, name)
+    scene = scene_files.load(name)
     coarse, fine = run(scene, 90), run(scene, 180)
 
     def error(motion: Motion, of: str, derivative: str) -> float:

@@ -1,7 +1,5 @@
 """The pymunk model against facts that these tests work out by themselves."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,8 +9,9 @@ import scenes
 from scenes import Motion, Sampling, Scene
 from scenes.motion import channels
 from sim_models.pymunk.engine import PymunkSettings
+from tests import scene_files
 
-from .runs import FOUR_BAR, SLIDER_CRANK, Array, off, scene_of, solve
+from .runs import Array, off, slider_crank, solve
 
 
 def vector(motion: Motion, channel: str, quantity: str) -> NDArray[np.complex128]:
@@ -108,20 +107,9 @@ def test_many_turns_repeat(press: Scene) -> None:
     assert motion["crank_angle"][-1] == pytest.approx(6 * np.pi, rel=1e-12)
 
 
-def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion, tmp_path: Path) -> None:
-    text = (scenes.LIBRARY / "toggle_press.toml").read_text("utf-8")
-    for original, mirrored in (
-        ("P1 = [404.709,", "P1 = [-404.709,"),
-        ("speed = 60", "speed = -60"),
-        ("start = 0", "start = 180"),
-        ("angle = 11.5", "angle = 168.5"),
-        ("P2 = [480,", "P2 = [-480,"),
-    ):
-        assert original in text
-        text = text.replace(original, mirrored)
-    path = tmp_path / "mirrored.toml"
-    path.write_text(text, encoding="utf-8")
-    motion = solve(scenes.load(path))
+def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion) -> None:
+    changes = {"ground.points.P1.0": -404.709, "drive.speed": -60, "drive.start": 180, "sketch.angle": 168.5}
+    motion = solve(scenes.load("toggle_press", {**changes, "sketch.P2.0": -480}))
     # Both runs do the same sums on mirrored numbers; rounding, amplified by dt^-2, tells them apart.
     for channel, sign in (("P4.x", -1), ("P5.y", 1), ("P4.fx", -1), ("P4.fy", 1), ("drive.torque", -1)):
         assert off(motion[channel], sign * pressed[channel]) <= 1e-9, channel
@@ -131,8 +119,8 @@ def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion, tmp_path: Path) 
 # --- signs by hand ---------------------------------------------------------------------------------------------------
 
 
-def test_slow_slider_crank_is_statics(tmp_path: Path) -> None:
-    motion = solve(scene_of(SLIDER_CRANK, tmp_path))
+def test_slow_slider_crank_is_statics() -> None:
+    motion = solve(slider_crank())
     theta = motion["crank_angle"]
     tan = 0.1 * np.sin(theta) / np.sqrt(0.09 - (0.1 * np.sin(theta)) ** 2)  # of the rod's slope, down towards B
     # Inertia forces at 0.1 rad/s: a few times 1 kg * 0.1 m * (0.1 rad/s)^2 = 1e-3 N, 1e-6 of the load.
@@ -147,66 +135,47 @@ def test_slow_slider_crank_is_statics(tmp_path: Path) -> None:
 # --- a four-bar with everything --------------------------------------------------------------------------------------
 
 
-# --- a four-bar with everything --------------------------------------------------------------------------------------
-
-
-def test_four_bar_with_gravity_turning_backwards(tmp_path: Path) -> None:
-    scene = scene_of(FOUR_BAR, tmp_path)
-    motion = solve(scene)
-    A, B, T = (vector(motion, point, "") for point in "ABT")
+def test_four_bar_with_gravity_turning_backwards() -> None:
+    motion = solve(scene_files.load("loaded_four_bar"))
+    B, C, T = (vector(motion, point, "") for point in "BCT")
     crank = np.exp(1j * motion["crank_angle"])
     assert motion["crank_angle"][-1] == pytest.approx(2 - 2 * np.pi)
-    # Measured: 7e-8 at most, with the extrapolation's square of the step; 20 times that is still no visible error.
-    assert np.abs(A - (0.4 - 0.2j - 0.12 * crank)).max() <= 1e-6  # the crank's x axis runs from A to O
-    assert np.abs(np.abs(B - (0.9 + 0.1j)) - 0.35).max() <= 1e-6
-    assert np.abs((T - A) / (B - A) - (0.2 + 0.3j) / (0.45 + 0.05j)).max() <= 1e-6  # not mirrored
+    # Measured: 2e-7 at most, with the extrapolation's square of the step; 5 times that is still no visible error.
+    assert np.abs(B - (1 + 2j - 0.6 * crank)).max() <= 1e-6  # the crank's x axis runs from B to A
+    assert np.abs(np.abs(C - (3 + 2.5j)) - 1.5).max() <= 1e-6
+    assert np.abs((T - B) / (C - B) - (1 + 1.2j) / (2.1 + 0.3j)).max() <= 1e-6  # not mirrored
 
     for quantity, order in (("v", 1), ("a", 2)):
-        for point in "ABT":
+        for point in "BCT":
             for axis in "xy":
                 expected = motion[f"{point}.{axis}"]
                 for _ in range(order):
-                    expected = 8 * derivative(expected)
-                # Measured: 3e-8.
+                    expected = 7 * derivative(expected)
+                # Measured: 9e-8.
                 assert off(motion[f"{point}.{quantity}{axis}"], expected) <= 1e-6
 
-    # Newton and Euler on the coupler and the crank, by the channels alone, about A and about O.
-    tip = vector(motion, "A", "a"), vector(motion, "T", "a")
-    a_com = tip[0] + (tip[1] - tip[0]) * (0.2 + 0.08j) / (0.2 + 0.3j)
-    arm, load, weight = (T - A) * (0.2 + 0.08j) / (0.2 + 0.3j), 30 - 50j, -9.81j
-    at_A, at_B, at_O = (vector(motion, pin, "f") for pin in "ABO")
-    # The forces reach 160 N; 1e-5 N is measured, since extrapolation does not commute with the products here.
-    assert np.abs(at_A + at_B + load + 4 * weight - 4 * a_com).max() <= 1e-3
-    moment = cross(B - A, at_B) + cross(T - A, load) + cross(arm, 4 * (weight - a_com))
-    assert np.abs(moment - 0.09 * motion["coupler.alpha"]).max() <= 1e-3
-    radius = A - (0.4 - 0.2j)
-    a_crank = -64 * radius / 2
-    assert np.abs(at_O - at_A + (-20 + 10j) + 3 * weight - 3 * a_crank).max() <= 1e-3
-    torque = motion["drive.torque"] + cross(radius, -at_A + (-20 + 10j)) + cross(radius / 2, 3 * weight)
+    # Newton and Euler on the coupler and the crank, by the channels alone, about B and about A. The coupler is the
+    # first in the file: its pins' forces are its own on the others.
+    tip = vector(motion, "B", "a"), vector(motion, "T", "a")
+    share = (0.8 + 0.4j) / (1 + 1.2j)
+    a_com, arm = tip[0] + (tip[1] - tip[0]) * share, (T - B) * share
+    load, gravity = 30 - 20j, 0.5 - 9.81j
+    at_A, at_B, at_C = (vector(motion, pin, "f") for pin in "ABC")
+    # The forces reach 290 N; 1e-5 N is measured, since extrapolation does not commute with the products here.
+    assert np.abs(-at_B - at_C + load + 3 * (gravity - a_com)).max() <= 1e-3
+    moment = cross(C - B, -at_C) + cross(T - B, load) + cross(arm, 3 * (gravity - a_com))
+    assert np.abs(moment - 0.7 * motion["coupler.alpha"]).max() <= 1e-3
+    radius = B - (1 + 2j)
+    assert np.abs(at_A + at_B + 2 * (gravity + 49 * radius / 2)).max() <= 1e-3
+    torque = motion["drive.torque"] + cross(radius, at_B) + cross(radius / 2, 2 * gravity)
     assert np.abs(torque).max() <= 1e-3
 
 
 # --- three bodies at one pin -----------------------------------------------------------------------------------------
 
-TWO_RODS = """
-ground.points = { O = [0, 0] }
-drive = { body = "crank", speed = 20 }
-output = { slider = "B" }
-[bodies]
-crank = { points = { O = [0, 0], A = [0.05, 0] }, mass = 1 }
-left = { lengths = { "A-B" = 0.2 }, mass = 0.5 }
-right = { lengths = { "A-C" = 0.25 }, mass = 0.7 }
-piston = { points = { B = [0, 0] }, mass = 0.8, slides = { through = [0, 0], along = [-1, 1] } }
-second = { points = { C = [0, 0] }, mass = 0.9, slides = { through = [0.01, 0], along = [1, 1] } }
-[sketch]
-A = [0.05, 0]
-B = [-0.1, 0.1]
-C = [0.2, 0.2]
-"""
 
-
-def test_two_rods_on_one_crank_pin(tmp_path: Path) -> None:
-    motion = solve(scene_of(TWO_RODS, tmp_path))
+def test_two_rods_on_one_crank_pin() -> None:
+    motion = solve(scene_files.load("skew_sliders"))
     a_A, a_B, a_C = (vector(motion, point, "a") for point in "ABC")
     # The forces reach 50 N; 2e-6 N is measured, for extrapolation does not commute with products.
     assert np.abs(vector(motion, "A", "f") - vector(motion, "B", "f") - 0.5 * (a_A + a_B) / 2).max() <= 1e-4
@@ -219,10 +188,7 @@ def test_two_rods_on_one_crank_pin(tmp_path: Path) -> None:
     assert off(motion["B.vx"], -motion["B.vy"]) <= 1e-6
 
 
-def test_kinematic_scene_has_no_forces(tmp_path: Path) -> None:
-    text = FOUR_BAR.split("[[loads]]")[0] + "[sketch]" + FOUR_BAR.split("[sketch]")[1]
-    for mass in (", mass = 2", ", mass = 3", ", mass = 4"):
-        text = text.replace(mass, "")
-    scene = scene_of(text, tmp_path)
+def test_kinematic_scene_has_no_forces() -> None:
+    scene = scene_files.load("loaded_four_bar", scene_files.without_masses("loaded_four_bar"))
     assert set(solve(scene).samples) == set(channels(scene))
     assert "drive.torque" not in channels(scene)

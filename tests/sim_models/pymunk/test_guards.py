@@ -17,8 +17,7 @@ from sim_models.pymunk.constraints import Linkage, solved
 from sim_models.pymunk.engine import DEFAULT, EXACT, FAST, PymunkSettings, Textbook, build
 from sim_models.pymunk.masses import fictitious_masses
 from sim_models.pymunk.start import start
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 from .runs import Array, errors, reference, solve
 
@@ -102,9 +101,9 @@ def test_what_is_not_finite_is_not_handed_over() -> None:
     assert failure.motion is None
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
-def test_bending_is_the_second_derivative_of_the_gaps(scene_from: SceneFrom, name: str) -> None:
-    linkage = Linkage(scene_from(MECHANISMS[name]), fictitious_masses)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
+def test_bending_is_the_second_derivative_of_the_gaps(name: str) -> None:
+    linkage = Linkage(scene_files.load(name), fictitious_masses)
     q = start(linkage)
     rng = np.random.default_rng(5)
     q, v = q + 0.1 * rng.standard_normal(q.shape), rng.standard_normal(q.shape)  # open joints count too
@@ -115,9 +114,9 @@ def test_bending_is_the_second_derivative_of_the_gaps(scene_from: SceneFrom, nam
     assert linkage.bending(q, v) == pytest.approx(second, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
-def test_closed_motion_is_the_true_one(scene_from: SceneFrom, name: str) -> None:
-    scene = scene_from(MECHANISMS[name])
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
+def test_closed_motion_is_the_true_one(name: str) -> None:
+    scene = scene_files.load(name)
     linkage = Linkage(scene, fictitious_masses)
     driven = scene.drive.at(np.zeros(1))
     pose = start(linkage)

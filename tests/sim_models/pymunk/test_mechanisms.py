@@ -1,7 +1,5 @@
 """Scenes with every joint, drive and load: the pymunk model against absolute coordinates."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -13,67 +11,12 @@ from sim_models.pymunk.constraints import Linkage
 from sim_models.pymunk.engine import DEFAULT, PymunkSettings
 from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.start import start, stroke_ends
+from tests import scene_files
 from tests.absolute_coordinates import Absolute
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
 
-from .runs import DRIVEN_SLIDER, SLIDER_CRANK, errors, kind, reference, scene_of, solve
+from .runs import driven_slider, errors, kind, reference, slider_crank, solve
 
-# A slider on a slider on the coupler of a four-bar, all of them eccentric.
-CROSS_SLIDE = """
-gravity = [1, -9.81]
-ground.points = { O = [0, 0], C = [0.4, 0], F = [0.2, 0.15] }
-drive = { body = "crank", speed = 9 }
-output = { point = "B" }
-bodies.crank = { lengths = { "O-A" = 0.08 }, mass = 1 }
-bodies.rocker = { lengths = { "C-B" = 0.25 }, mass = 2 }
-springs = [{ between = ["post.T", "rocker.B"], stiffness = 3000, length = 0.1 }]
-sketch = { A = [0.08, 0], B = [0.375, 0.249] }
-[bodies.coupler]
-points = { A = [0.01, 0.005], B = [0.35, 0] }
-mass = 4
-com = [0.1, 0.04]
-inertia = 0.05
-[bodies.carriage]
-points = { S = [0.005, 0.007] }
-mass = 1.5
-com = [0.03, -0.02]
-inertia = 0.004
-slides = { on = "coupler", through = [0, 0.03], along = [1, 0.2] }
-[bodies.post]
-points = { F = [-0.015, 0.02], T = [0, 0.09] }
-mass = 2
-slides = { on = "carriage", through = [0.003, 0.002], along = [0.1, -1] }
-"""
-# A slider that a law drives to and fro carries another; the force on it is the drive's alone.
-DRIVEN_CARRIER = """
-gravity = [0, -9.81]
-ground.points = { C = [0.3, 0.25] }
-output = { slider = "W" }
-bodies.rocker = { lengths = { "C-P" = 0.2 }, mass = 2 }
-loads = [{ body = "wedge", at = "W", force = [-300, 20], last = 0.04 }]
-sketch = { displacement = 0, P = [0.11, 0.2] }
-[drive]
-body = "wedge"
-law = [[0, 0], [0.2, 0.03], [0.5, 0.12], [0.8, 0.06], [1.1, 0]]
-periodic = true
-[bodies.wedge]
-points = { W = [0.01, 0] }
-mass = 4
-com = [0.04, 0.03]
-inertia = 0.05
-slides = { through = [0, 0.01], along = [1, 0.1] }
-[bodies.block]
-points = { P = [0.02, 0.005] }
-mass = 1.5
-com = [0.03, -0.02]
-inertia = 0.004
-slides = { on = "wedge", through = [0, 0.03], along = [0.5, 1] }
-"""
-SCENES = dict(MECHANISMS) | {
-    name: f"format = 1\nname = '{name}'\n{text}"
-    for name, text in (("cross_slide", CROSS_SLIDE), ("driven_carrier", DRIVEN_CARRIER))
-}
+NAMES = (*scene_files.MECHANISMS, "cross_slide", "driven_carrier")
 
 
 def beside_knots(scene: Scene, sampling: Sampling, step: float) -> NDArray[np.bool_]:
@@ -85,9 +28,9 @@ def beside_knots(scene: Scene, sampling: Sampling, step: float) -> NDArray[np.bo
     return np.asarray(np.abs(times[:, None] - knots).min(axis=1) <= step)
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_mechanism_against_the_reference(name: str, scene_from: SceneFrom) -> None:
-    scene, sampling = scene_from(SCENES[name]), Sampling(36)
+@pytest.mark.parametrize("name", NAMES)
+def test_mechanism_against_the_reference(name: str) -> None:
+    scene, sampling = scene_files.load(name), Sampling(36)
     motion, expected = solve(scene, DEFAULT, sampling), reference(scene, sampling)
     assert set(motion.samples) == {"time", *expected} == set(channels(scene))
     found = errors(motion, expected)
@@ -101,9 +44,9 @@ def test_mechanism_against_the_reference(name: str, scene_from: SceneFrom) -> No
         assert error.max() <= max(tolerance, 4e-3), channel
 
 
-@pytest.mark.parametrize("name", ["quick_return", "swinging_block", "cross_slide", "driven_toggle", "turning_law"])
-def test_mechanisms_are_second_order(name: str, scene_from: SceneFrom) -> None:
-    scene, sampling = scene_from(SCENES[name]), Sampling(24)
+@pytest.mark.parametrize("name", ["shaper", "swinging_block", "cross_slide", "driven_toggle", "turning_law"])
+def test_mechanisms_are_second_order(name: str) -> None:
+    scene, sampling = scene_files.load(name), Sampling(24)
     expected = reference(scene, sampling)
     coarse, fine = (errors(solve(scene, PymunkSettings("", n, 1, 6000), sampling), expected) for n in (288, 576))
     smooth = ~beside_knots(scene, sampling, scene.drive.cycle / 288)
@@ -114,24 +57,21 @@ def test_mechanisms_are_second_order(name: str, scene_from: SceneFrom) -> None:
             assert np.log2(first / second) == pytest.approx(2, abs=0.1), order
 
 
-@pytest.mark.parametrize("name", ["quick_return", "swinging_law", "driven_carrier"])
-def test_stroke_ends_at_the_dead_point(name: str, scene_from: SceneFrom) -> None:
-    scene = scene_from(SCENES[name])
+@pytest.mark.parametrize("name", ["shaper", "swinging_law", "driven_carrier"])
+def test_stroke_ends_at_the_dead_point(name: str) -> None:
+    scene = scene_files.load(name)
     linkage = Linkage(scene, ballasted_masses)
     # Both end their Newton steps at rounding.
     assert stroke_ends(linkage, start(linkage)) == pytest.approx([*Absolute(scene).stroke_ends.values()], rel=1e-9)
 
 
-def test_press_force_is_whole_or_absent_at_its_switch(tmp_path: Path) -> None:
+def test_press_force_is_whole_or_absent_at_its_switch() -> None:
     """Where the levels do not agree whether it acts, extrapolating would make it -1/3 or 4/3 of itself."""
-    text = SLIDER_CRANK.replace("force = [-1000, 0]", "force = [-1000, 0]\nlast = 0.1")
     settings = [PymunkSettings("", steps, levels, 1000) for steps, levels in ((72, 1), (144, 1), (72, 2))]
-    coarse, fine = (solve(scene_of(text, tmp_path), one, Sampling(72))["B.x"] for one in settings[:2])
+    coarse, fine = (solve(slider_crank({"loads.0.last": 1}), one, Sampling(72))["B.x"] for one in settings[:2])
     sample = 60  # on its way out, within a tenth of a metre of 0.4
     assert 0.3 < fine[sample] < 0.4
-    between = scene_of(
-        text.replace("last = 0.1", f"last = {0.4 - float(coarse[sample] + fine[sample]) / 2!r}"), tmp_path
-    )
+    between = slider_crank({"loads.0.last": 4 - 5 * float(coarse[sample] + fine[sample])})
     # Of the levels alone, one has the force there and the other not.
     alone = [solve(between, one, Sampling(72))["A.fx"][sample] for one in settings[:2]]
     assert sorted(np.abs(np.round(alone))) == [0, 1000]
@@ -140,8 +80,8 @@ def test_press_force_is_whole_or_absent_at_its_switch(tmp_path: Path) -> None:
     assert np.all((np.abs(both) < 1) | (np.abs(both - 1000) < 1))
 
 
-def test_driven_slider_carries_its_load_alone(tmp_path: Path) -> None:
-    motion = solve(scene_of(DRIVEN_SLIDER.replace("START", "0.38"), tmp_path))
+def test_driven_slider_carries_its_load_alone() -> None:
+    motion = solve(driven_slider(3.8))
     assert motion["drive.displacement"][[0, -1]] == pytest.approx([0.38, 0.25], abs=1e-12)
     # Nothing holds the crank back but inertia: the largest force is 1 kg times 0.3 m/s^2.
     assert motion["drive.force"] == pytest.approx(1000, abs=0.5)

@@ -16,8 +16,7 @@ from sim_models.pymunk.constraints import Linkage
 from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER, PymunkSettings, Textbook
 from sim_models.pymunk.masses import ballasted_masses, fictitious_masses, groups, own_masses
 from sim_models.pymunk.start import start
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 from .runs import Array, errors, kind, reference, solve
 
@@ -236,10 +235,10 @@ def test_callback_is_called_in_every_step(monkeypatch: pytest.MonkeyPatch) -> No
     assert len(calls) == simulation.counters["steps"]
 
 
-def test_motor_is_refused_where_there_is_none(scene_from: SceneFrom) -> None:
+def test_motor_is_refused_where_there_is_none() -> None:
     for name in ("driven_toggle", "swinging_law"):
         with pytest.raises(Failure, match="pymunk has motors for cranks at a constant speed only") as caught:
-            pymunk_model.build(scene_from(MECHANISMS[name]), ABLATIONS[-1], Sampling(24))
+            pymunk_model.build(scene_files.load(name), ABLATIONS[-1], Sampling(24))
         assert caught.value.status is Status.unsupported
 
 

@@ -16,8 +16,7 @@ from sim_models.pymunk.masses import Inertia, Inertias, ballasted_masses, fictit
 from sim_models.pymunk.space import Model
 from sim_models.pymunk.start import start
 from sim_models.pymunk.sweeps import contraction, contractions, sweeps_needed
-from tests.conftest import SceneFrom
-from tests.mechanisms import MECHANISMS
+from tests import scene_files
 
 from .runs import Array, solve
 
@@ -80,9 +79,9 @@ def residuals(model: Model, linkage: Linkage, pose: Array, rate: Array, sweeps: 
 
 
 @pytest.mark.parametrize("name", ["toggle_press", "swinging_law", "carried_block", "slotted_class_iii"])
-def test_engine_s_own_sweeps_contract_as_told(scene_from: SceneFrom, name: str) -> None:
+def test_engine_s_own_sweeps_contract_as_told(name: str) -> None:
     """With every joint that pymunk has here: pivots, grooves on the ground and on turning bodies, gears."""
-    scene = scenes.load(name) if name not in MECHANISMS else scene_from(MECHANISMS[name])
+    scene = scene_files.load(name)
     linkage = Linkage(scene, ballasted_masses)
     pose = start(linkage)
     rate = np.random.default_rng(3).standard_normal(pose.shape)
