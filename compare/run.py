@@ -140,7 +140,7 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
     from .family.family import Family, members
-    from .report.family import page as family_report
+    from .report import files as output
     from .report.family.tables import label, on_a_line
 
     def progress(doing: str) -> None:
@@ -158,7 +158,7 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status
             raise
         stopped = True
     progress("writing the report")
-    page = family_report.write(family, options.out) / "family.html"
+    page = output.write_family(family, options.out) / "family.html"
     print(f"family: {page}")
     if stopped:
         raise KeyboardInterrupt(

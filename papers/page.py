@@ -2,14 +2,12 @@
 
 from collections.abc import Iterable, Sequence
 from html import escape
-from string import Template
 
 import pandas as pd
 import plotly.graph_objects as go
-from plotly.offline import get_plotlyjs
 
 from compare.engines.environment import environment
-from compare.report.html import figure_html, table_html, template
+from compare.report.html import figure_html, head, table_html, template
 
 from .claims import Claim
 from .table import RULES, overview, table
@@ -18,9 +16,7 @@ from .table import RULES, overview, table
 def page(claims: Sequence[Claim], pictures: Iterable[tuple[str, str, go.Figure]], notes: Sequence[str]) -> str:
     """Return the whole page, given the pictures with titles and notes, and what a reader has to know."""
     return template("papers", "audit.html").substitute(
-        head=Template(template("compare.report", "page.html").template.partition("</head>")[0]).substitute(
-            title="The source papers, audited", plotly=get_plotlyjs()
-        ),
+        head=head("The source papers, audited"),
         overview=table_html(overview(claims)),
         rules=RULES,
         notes="".join(f"<li>{escape(note)}</li>" for note in notes),

@@ -169,12 +169,9 @@ def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns:
         found = Measurement(run(place.engine, reference, sampling, settings), None, [], pd.DataFrame())
     else:
         found = measure(reference, place.engine, sampling, settings)
-    errors: dict[str, float] = {}
-    last = np.nan
-    if not found.errors.empty:
-        by_group = found.errors.groupby("group")[["max", "last_turn_max"]].max(skipna=False)
-        errors = {group: by_group["max"][group] for group in SHOWN_GROUPS if group in by_group.index}
-        last = by_group["last_turn_max"].get("position", np.nan)
+    worst = found.worst()
+    errors = {group: worst[group] for group in SHOWN_GROUPS if group in worst}
+    last = found.worst("last_turn_max").get("position", np.nan)
     return {
         "map": place.map,
         "engine": place.engine,

@@ -23,6 +23,12 @@ class Measurement:
     checks: list[Check]
     errors: pd.DataFrame  # one row a channel
 
+    def worst(self, figure: str = "max") -> dict[str, float]:
+        """Return the largest of a column of the errors by channel group; a NaN counts as the largest."""
+        if self.errors.empty:
+            return {}
+        return {str(group): worst for group, worst in self.errors.groupby("group")[figure].max(skipna=False).items()}
+
 
 def measure(
     reference: Reference,

@@ -3,7 +3,7 @@
 The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +12,6 @@ import plotly.graph_objects as go
 
 from scenes import Motion, Request
 from scenes.motion import Samples, quantity
-from scenes.scene import Vector
 
 from ..engines.axis import axis, prefixed
 from ..engines.reference import Reference
@@ -25,16 +24,22 @@ MARKERS = 36  # a cycle, shared out between the engines
 
 @dataclass(frozen=True)
 class Curve:
-    """What is plotted, and the channels that it is made of."""
+    """A plotted quantity: the sum of channels, each times a factor, or the magnitude of the vector that they form."""
 
     name: str
-    channels: tuple[str, ...]
-    of: Callable[[Motion], Samples]
+    factors: Mapping[str, float]  # by channel
+    magnitude: bool = False
+
+    def of(self, motion: Motion) -> Samples:
+        """Return the values to plot, shape (n,)."""
+        parts = [factor * motion[channel] for channel, factor in self.factors.items()]
+        values: Samples = np.linalg.norm(parts, axis=0) if self.magnitude else np.sum(parts, axis=0)
+        return values
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One figure: what is plotted, and the channels whose error, as a vector, is plotted below."""
+    """One figure: its curves, and the channels whose error, as a vector, is plotted below them."""
 
     title: str
     axis: str
@@ -43,10 +48,10 @@ class Panel:
 
 
 def panels(reference: Reference, request: Request) -> Iterator[Panel]:
-    """Yield the output's motion, then every joint's reaction, then the drive's torque or force: what is asked for."""
+    """Yield the output's motion, every joint's reaction, the drive's torque or force; only channels asked for."""
     asked = set(request.wanted(reference.scene))
     for panel in (*_motion_panels(reference), *_force_panels(reference)):
-        curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.channels))
+        curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.factors))
         if curves:
             yield replace(panel, curves=curves, judged=tuple(filter(asked.__contains__, panel.judged)))
 
@@ -57,9 +62,10 @@ def _motion_panels(reference: Reference) -> Iterator[Panel]:
     for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
         x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
         factor, unit = prefixed(reference.scale[x], unit)
-        curves: tuple[Curve, ...] = (_channel("x", x, factor), _channel("y", y, factor))
+        curves: tuple[Curve, ...] = (Curve("x", {x: factor}), Curve("y", {y: factor}))
         if guided is not None:
-            curves = (_along("along the guide", x, y, guided[1].along, factor),)
+            along = zip((x, y), guided[1].along, strict=True)
+            curves = (Curve("along the guide", {channel: factor * part for channel, part in along if part != 0}),)
         yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
 
 
@@ -70,37 +76,25 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
         factor, unit = prefixed(reference.scale[x], "N")
-        curves = (_magnitude("magnitude", x, y, factor), _channel("x", x, factor), _channel("y", y, factor))
+        curves = (Curve("magnitude", {x: factor, y: factor}, True), Curve("x", {x: factor}), Curve("y", {y: factor}))
         yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{unit}]", curves, (x, y))
     for body in scene.bodies.values():
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
             per_force, newtons = prefixed(reference.scale[force], "N")
             per_moment, newton_metres = prefixed(reference.scale[moment], "N m")
-            both = (_channel("force", force, per_force), _channel("moment", moment, per_moment))
-            axis = f"force [{newtons}], moment [{newton_metres}]"
-            yield Panel(f"Guide: force and moment on {body.name}", axis, both, (force, moment))
+            both = (Curve("force", {force: per_force}), Curve("moment", {moment: per_moment}))
+            title = f"force [{newtons}], moment [{newton_metres}]"
+            yield Panel(f"Guide: force and moment on {body.name}", title, both, (force, moment))
     effort, newtons = ("torque", "N m") if scene.driven_slide is None else ("force", "N")
-    factor, unit = prefixed(reference.scale[f"drive.{effort}"], newtons)
-    curve = _channel(effort, f"drive.{effort}", factor)
-    yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), curve.channels)
-
-
-def _channel(name: str, channel: str, factor: float) -> Curve:
-    return Curve(name, (channel,), lambda motion: factor * motion[channel])
-
-
-def _along(name: str, x: str, y: str, along: Vector, factor: float) -> Curve:
-    parts = [(channel, factor * part) for channel, part in zip((x, y), along, strict=True) if part != 0]
-    return Curve(name, tuple(c for c, _ in parts), lambda motion: np.sum([f * motion[c] for c, f in parts], axis=0))
-
-
-def _magnitude(name: str, x: str, y: str, factor: float) -> Curve:
-    return Curve(name, (x, y), lambda motion: factor * np.hypot(motion[x], motion[y]))
+    channel = f"drive.{effort}"
+    factor, unit = prefixed(reference.scale[channel], newtons)
+    curve = Curve(effort, {channel: factor})
+    yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
 
 
 def over_angle(study: Study, panel: Panel) -> go.Figure:
-    """Draw one panel: curves above, errors below, on one axis."""
+    """Draw one panel over the drive's position or the time: curves above, errors below."""
     figure = stacked(0.6, 0.4)
     over = axis(study.scene).of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
@@ -123,12 +117,8 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
         draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
     figure.update_yaxes(title=panel.axis, row=1, col=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
-    return _over_drive(figure, study, 2).update_layout(layout(480))
-
-
-def _over_drive(figure: go.Figure, study: Study, last_row: int) -> go.Figure:
-    figure.update_xaxes(title=axis(study.scene).title, row=last_row, col=1)
-    return drive_axes(figure, study.scene, study.sampling.turns)
+    drive_axes(figure, study.scene, study.sampling.turns, 2)
+    return figure.update_layout(layout(480))
 
 
 def assur_groups(study: Study) -> go.Figure | None:
@@ -153,7 +143,8 @@ def assur_groups(study: Study) -> go.Figure | None:
             draw(figure, joint, over, factor * motion[channel], row, line=line)
         lengths = {"title": f"to lock [{metres}]"} | _logarithmic(factor * np.array([motion[c] for c in channels]))
         figure.update_yaxes(**vertical or lengths, row=row, col=1)
-    return _over_drive(figure, study, len(rows)).update_layout(layout((300, 480)[len(rows) - 1]))
+    drive_axes(figure, study.scene, study.sampling.turns, len(rows))
+    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
 
 
 def _logarithmic(values: Samples) -> dict[str, Any]:

@@ -19,9 +19,12 @@ from scenes.motion import header
 from ..engines.axis import axis
 from ..engines.environment import environment
 from ..engines.registry import route
+from ..family.family import Family
 from ..judge.errors import group_floors
 from ..speed import work_precision
 from ..study import Study
+from .family.page import page as family_page
+from .family.tables import in_si
 from .hard import tables as hard_tables
 from .page import page
 
@@ -45,6 +48,18 @@ def write(study: Study, folder: Path) -> Path:
     with placed(folder, study.scene.name, *stale) as aside:
         _write_all(study, aside)
     return folder / study.scene.name
+
+
+def write_family(family: Family, folder: Path) -> Path:
+    """Write `family.html` and `family.csv` into `folder/<scene>/` and return that folder.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    with placed(folder, family.scene.name, "family.*") as aside:
+        in_si(family).to_csv(aside / "family.csv", index=False)
+        (aside / "family.html").write_text(family_page(family), encoding="utf-8")
+    return folder / family.scene.name
 
 
 @contextmanager
@@ -77,8 +92,7 @@ def _write_all(study: Study, folder: Path) -> None:
     for m in study.measurements:
         if m.run.motion is not None:
             _table(m.run.motion).to_csv(folder / f"motion.{m.run.engine}.csv", index=False)
-    summary = json.dumps(_plain(_summary(study)), indent=1, allow_nan=False)
-    (folder / "summary.json").write_text(summary + "\n", encoding="utf-8")
+    (folder / "summary.json").write_text(json_text(_summary(study)), encoding="utf-8")
     (folder / "report.html").write_text(page(study), encoding="utf-8")
 
 
@@ -121,8 +135,12 @@ def _summary(study: Study) -> dict[str, Any]:
     }
 
 
+def json_text(value: Any) -> str:
+    """Return a value as JSON: what is not finite becomes null, a pair of points `A-B`, a status its name."""
+    return json.dumps(_plain(value), indent=1, allow_nan=False) + "\n"
+
+
 def _plain(value: Any) -> Any:
-    """Return the value as JSON can hold it: what is not finite becomes null, a pair of points `A-B`."""
     if is_dataclass(value):
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):

@@ -1,10 +1,15 @@
-"""Pieces of a page: templates, figures and tables."""
+"""The parts of a page: its head, sections, figures, tables, lists."""
 
+from collections.abc import Iterable, Mapping
+from html import escape
 from importlib.resources import files
 from string import Template
 
 import pandas as pd
 import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
+
+from ..engines.environment import environment
 
 
 def template(package: str, name: str) -> Template:
@@ -12,16 +17,43 @@ def template(package: str, name: str) -> Template:
     return Template((files(package) / name).read_text(encoding="utf-8"))
 
 
+def head(title: str) -> str:
+    """Return the start of a self-contained page, open for further elements of its head."""
+    return template("compare.report", "head.html").substitute(title=escape(title), plotly=get_plotlyjs())
+
+
 def figure_html(figure: go.Figure) -> str:
-    """Return a figure as a piece of a page."""
+    """Return a figure for a page that has plotly in its head."""
     return str(
         figure.to_html(full_html=False, include_plotlyjs=False, config={"displayModeBar": False, "responsive": True})
     )
 
 
+def section_html(title: str, figure: go.Figure, note: str = "") -> str:
+    """Return a titled figure with a note above it."""
+    source = f'<p class="source">{escape(note)}</p>' if note else ""
+    return f"<section><h3>{escape(title)}</h3>{source}{figure_html(figure)}</section>"
+
+
 def table_html(table: pd.DataFrame, kind: str = "") -> str:
-    """Return a table as a piece of a page."""
+    """Return a table of numbers, or one of `kind` text, whose cells may break into lines."""
     if table.empty:
         return "<p>None.</p>"
     html = table.to_html(index=False, border=0, na_rep="–", float_format=lambda value: f"{value:.3g}", justify="right")
     return f'<div class="scroll {kind}">{html}</div>'
+
+
+def list_html(sentences: Iterable[str]) -> str:
+    """Return sentences as a list."""
+    return f"<ul>{''.join(f'<li>{escape(sentence)}</li>' for sentence in sentences)}</ul>"
+
+
+def details_html(summary: str, content: str, *, opened: bool = False) -> str:
+    """Return HTML that is hidden until the reader opens its summary."""
+    return f"<details{' open' * opened}><summary>{escape(summary)}</summary>{content}</details>"
+
+
+def versions_html(engines: Mapping[str, str] | None = None) -> str:
+    """Return the versions of engines, where given, and of all else that a page was made on."""
+    versions = dict(engines or {}) | environment()
+    return table_html(pd.DataFrame(versions.items(), columns=["environment", "version"]), "text")

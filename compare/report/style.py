@@ -10,7 +10,7 @@ from plotly.subplots import make_subplots
 from scenes import Scene
 from scenes.scene import ConstantSpeed
 
-from ..engines.axis import turns_fully
+from ..engines.axis import axis, turns_fully
 
 templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
 
@@ -102,10 +102,11 @@ def error_axes(figure: go.Figure, across: str, error: str = "relative error [-]"
     return figure.update_yaxes(LOG, nticks=8).update_yaxes(title=error, col=1)
 
 
-def drive_axes(figure: go.Figure, scene: Scene, turns: int = 1) -> go.Figure:
-    """Let time run from left to right over the drive's position, with marks at 60 degrees of a crank's single turn."""
+def drive_axes(figure: go.Figure, scene: Scene, turns: int = 1, row: int | None = None) -> go.Figure:
+    """Let time run from left to right over the drive's position; of stacked panels, only `row` gets the title."""
     backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
-    ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}
+    ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees
+    figure.update_xaxes(title=axis(scene).title, row=row)
     return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
 
 

@@ -1,8 +1,10 @@
-"""The report's tables, as data frames: what `summary.json`, the page and the terminal all show."""
+"""The report's tables, as data frames, and its sentences: for `summary.json`, the page and the terminal."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
-from math import degrees, pi
+from math import degrees, nan, pi
 
+import numpy as np
 import pandas as pd
 
 from scenes import Scene, Status
@@ -10,59 +12,43 @@ from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.axis import axis, cycle_name
+from ..engines.reference import Floor
 from ..engines.registry import REFERENCE
 from ..judge.errors import SHOWN_GROUPS
 from ..study import Study
+
+FIGURES = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained"]  # of an error
 
 
 def overview(study: Study) -> pd.DataFrame:
     """Return one row an engine: status, largest error by group, times. Failed engines keep their row."""
     rows = []
-    for m in study.measurements:
-        worst = {} if m.errors.empty else m.errors.groupby("group")["max"].max(skipna=False).to_dict()
-        rows.append(
-            {
-                "engine": m.run.engine,
-                "status": m.run.status.name,
-                "setting": m.run.settings.label if m.run.settings else "",
-            }
-            | {group: worst.get(group, float("nan")) for group in SHOWN_GROUPS}
-            | {"build [ms]": 1e3 * m.run.build_s, "solve [ms]": 1e3 * m.run.solve_s, "read [ms]": 1e3 * m.run.read_s}
-        )
+    for run, worst in ((m.run, m.worst()) for m in study.measurements):
+        named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
+        seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s}
+        errors = {group: worst.get(group, nan) for group in SHOWN_GROUPS}
+        rows.append(named | errors | {f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()})
     return pd.DataFrame(rows)
 
 
 def by_group(study: Study) -> pd.DataFrame:
     """Return the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
-    columns = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained"]
-    errors = study.errors
-    if errors.empty:
-        return errors
-    groups = errors.groupby(["engine", "group"], sort=False)
-    worst = pd.DataFrame([rows.iloc[int(rows["max"].to_numpy().argmax())] for _, rows in groups])
-    table = groups[columns].max(skipna=False).reset_index()  # a NaN counts as the largest, here and above
-    at = {f"max_at [{axis(study.scene).unit}]": worst["max_at"].to_numpy()}
-    return table.assign(worst_channel=worst["channel"].to_numpy(), **at)
+    rows = []
+    for (engine, group), errors in study.errors.groupby(["engine", "group"], sort=False) if len(study.errors) else ():
+        worst = errors.iloc[int(errors["max"].to_numpy().argmax())]  # a NaN counts as the largest, here and below
+        at = {"worst_channel": worst["channel"], f"max_at [{axis(study.scene).unit}]": worst["max_at"]}
+        rows.append({"engine": engine, "group": group} | errors[FIGURES].max(skipna=False).to_dict() | at)
+    return pd.DataFrame(rows)
 
 
 def checks(study: Study) -> pd.DataFrame:
-    """Return the worst violation of each reference-free check by engine, and the body it is about."""
-    rows = [
-        {
-            "engine": m.run.engine,
-            "check": c.check,
-            "of": c.of,
-            "worst": c.worst,
-            f"max_at [{axis(study.scene).unit}]": c.max_at,
-            "relative to": c.relative_to,
-        }
-        for m in study.measurements
-        for c in m.checks
-    ]
-    table = pd.DataFrame(rows)
-    if table.empty:
-        return table
-    return table.loc[table.groupby(["engine", "check"], sort=False)["worst"].idxmax()].reset_index(drop=True)
+    """Return the worst violation of each reference-free check by engine, and the body with it."""
+    at = f"max_at [{axis(study.scene).unit}]"
+    table = pd.DataFrame(
+        [{"engine": m.run.engine} | asdict(check) for m in study.measurements for check in m.checks],
+        columns=["engine", "check", "of", "worst", "max_at", "relative_to"],
+    ).rename(columns={"max_at": at, "relative_to": "relative to"})
+    return table.loc[table.groupby(["engine", "check"], sort=False)["worst"].idxmax()]
 
 
 def residuals(study: Study) -> pd.DataFrame:
@@ -75,22 +61,17 @@ def residuals(study: Study) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def notes(study: Study) -> list[str]:
-    """Return what a reader must know: why runs failed, which channels are missing and why, how the floor was found."""
-    floor = study.reference.floor
-    said = [f"Floor of the reference: {floor.by}."]
-    if floor.by_channel:
-        said = [f"Floor of the reference: {max(floor.by_channel.values()):.1e} at most, certified by {floor.by}."]
-    if study.sampling.channels is not None:
-        wanted = ", ".join(study.sampling.wanted(study.scene)[2:])
-        said.append(f"Asked for: {wanted}; checks and tolerances of other channels are left out.")
-    said += [f"{reason}." for reason in study.reasons]
-    for m in study.measurements:
-        if m.run.status is not Status.ok:
-            said.append(f"{m.run.engine}: {m.run.status.name}. {m.run.status.value} Here: {m.run.reason}.")
-        if m.run.motion is not None:
-            said += [f"{m.run.engine} gives no {c}: {why}." for c, why in m.run.motion.unsupported.items()]
-    return said
+def settings(study: Study) -> pd.DataFrame:
+    """Return every engine's version and settings."""
+    rows = []
+    for run in (m.run for m in study.measurements):
+        values = asdict(run.settings) if run.settings else {}
+        listed = ", ".join(f"{name}={value}" for name, value in values.items())
+        rows.append({"engine": run.engine, "version": run.version, "settings": listed})
+    return pd.DataFrame(rows)
+
+
+# --- sentences -------------------------------------------------------------------------------------------------------
 
 
 def setup(study: Study) -> str:
@@ -99,52 +80,60 @@ def setup(study: Study) -> str:
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
     stroke = 1e3 * study.reference.stroke
     return (
-        f"The {scene.drive.body} {_driven(scene)}, {cycles}, {sampling.samples} samples a {cycle};"
+        f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples a {cycle};"
         f" stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
     )
 
 
-def scales(scene: Scene) -> str:
-    """Return what the errors' scales are where the drive is more than a crank at constant speed."""
-    said = ""
-    if scene.driven_slide is not None:
-        said = " ω is the drive's peak speed over its travel; the force of the drive stands under torque."
-    elif not isinstance(scene.drive, ConstantSpeed):
-        said = " ω is the drive's peak rate."
-    return said
-
-
-def _driven(scene: Scene) -> str:
-    """Return how the drive moves its body, in a few words."""
+def _motion_of_the_drive(scene: Scene) -> str:
     drive = scene.drive
     if not isinstance(drive, ConstantSpeed):
-        again = ", again and again" if drive.repeats else ""
-        return f"by a motion law of {drive.cycle:g} s{again}"
+        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.repeats}"
     if scene.driven_slide is not None:
         return f"at {1e3 * drive.speed:g} mm/s from {1e3 * drive.start:g} to {1e3 * drive.after(1):g} mm"
     rpm = f"at {drive.speed * 30 / pi:g} rpm"
     return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
 
 
+def scales(scene: Scene) -> str:
+    """Return the scales of errors where the drive is more than a crank at constant speed."""
+    if scene.driven_slide is not None:
+        return " ω is the drive's peak speed over its travel; the force of the drive stands under torque."
+    return "" if isinstance(scene.drive, ConstantSpeed) else " ω is the drive's peak rate."
+
+
 def verdict(study: Study) -> str:
     """Return how far apart the models are, in one sentence."""
     solved = [m for m in study.measurements if m.run.status is Status.ok]
-    said = f"{len(solved)} of {len(study.measurements)} engines solved the scene."
-    others = study.errors[study.errors["engine"] != REFERENCE] if not study.errors.empty else study.errors
+    sentences = [f"{len(solved)} of {len(study.measurements)} engines solved the scene."]
     for m in solved:
-        rows = others[others["engine"] == m.run.engine]
-        if not rows.empty:
-            worst = rows.groupby("group")["max"].max(skipna=False)
-            parts = [f"{worst[group]:.1e} in {group}" for group in SHOWN_GROUPS if group in worst]
-            said += f" {m.run.engine} is within {', '.join(parts)} of the analytic core."
-    return said
+        worst = m.worst() if m.run.engine != REFERENCE else {}
+        errors = ", ".join(f"{worst[group]:.1e} in {group}" for group in SHOWN_GROUPS if group in worst)
+        if errors:
+            sentences.append(f"{m.run.engine} is within {errors} of the analytic core.")
+    return " ".join(sentences)
 
 
-def settings(study: Study) -> pd.DataFrame:
-    """Return every engine's version and settings."""
-    rows = [
-        {"engine": m.run.engine, "version": m.run.version}
-        | {"settings": ", ".join(f"{k}={v}" for k, v in asdict(m.run.settings).items()) if m.run.settings else ""}
-        for m in study.measurements
-    ]
-    return pd.DataFrame(rows)
+def notes(study: Study) -> list[str]:
+    """Return what a reader must know: how the floor was found, why runs failed, which channels are missing and why."""
+    sentences = [*floors([study.reference.floor])]
+    if study.sampling.channels is not None:
+        asked = ", ".join(study.sampling.wanted(study.scene)[2:])
+        sentences.append(f"Asked for: {asked}; checks and tolerances of other channels are left out.")
+    sentences += [f"{reason}." for reason in study.reasons]
+    for run in (m.run for m in study.measurements):
+        if run.status is not Status.ok:
+            sentences.append(f"{run.engine}: {run.status.name}. {run.status.value} Here: {run.reason}.")
+        if run.motion is not None:
+            sentences += [f"{run.engine} gives no {c}: {why}." for c, why in run.motion.unsupported.items()]
+    return sentences
+
+
+def floors(found: Iterable[Floor]) -> Iterator[str]:
+    """Yield a sentence for each way by which floors of the reference were found, with the largest of them."""
+    by_way: dict[str, list[float]] = {}
+    for floor in found:
+        by_way.setdefault(floor.by, []).extend(floor.by_channel.values())
+    for way, errors in by_way.items():
+        size = f"{np.max(errors):.1e} at most, certified by " if errors else ""
+        yield f"Floor of the reference: {size}{way}."

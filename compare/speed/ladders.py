@@ -91,7 +91,7 @@ def _error_runs(
 
 
 def _row(point: Point, times: Times | None) -> dict[str, object]:
-    run, errors, settings = point.run, point.measurement.errors, point.settings
+    run, settings = point.run, point.settings
     clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.read_s], [run.solve_s])
     row: dict[str, object] = {
         "engine": run.engine,
@@ -113,9 +113,9 @@ def _row(point: Point, times: Times | None) -> dict[str, object]:
         "read_s": min(clean.read),
         "timed_runs": len(times.solve) if times else 0,
     }
-    if not errors.empty:
-        for group, worst in errors.groupby("group")[["max", "rms"]].max(skipna=False).iterrows():
-            row |= {f"{group}_max": worst["max"], f"{group}_rms": worst["rms"]}
+    rms = point.measurement.worst("rms")
+    for group, worst in point.measurement.worst().items():
+        row |= {f"{group}_max": worst, f"{group}_rms": rms[group]}
     return row | {
         "steps_made": run.counters.get("steps"),
         "counters": " ".join(f"{name}={count}" for name, count in run.counters.items()),

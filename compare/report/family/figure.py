@@ -42,7 +42,7 @@ def curves(family: Family) -> go.Figure:
             y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
             draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
-    drive_axes(figure.update_xaxes(title=over.title), family.scene)
+    drive_axes(figure, family.scene)
     return figure.update_layout(layout(60 + 380 * ceil(len(names) / 2)), legend=LEGEND_BESIDE)
 
 

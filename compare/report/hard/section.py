@@ -1,52 +1,59 @@
-"""The report's section about the hard cases."""
+"""The report's sections about the hard cases and about where engines are stable."""
 
 from html import escape
 
 import pandas as pd
 
-from scenes.hard import Ladder
-
 from ...engines import registry
-from ..html import figure_html, table_html
+from ..html import details_html, figure_html, section_html, table_html
 from . import tables
 from .figure import over_condition
+from .stability import stability_maps
 
 RULES = """<p>Every engine on every rung of every ladder, each run in a process of its own with limits of time and
-memory. A run that says ok is held to what its engine promises ($promises) above what doubles explain: the condition
-&kappa; of the constraint Jacobian times &epsilon;, and how far the motion moves when the scene's numbers are
-off by a few last places. <b>refused</b>: it says that it failed, and it did, or nothing can be solved; noticed
-by the engine itself, by the checks of its output that need no reference, by nothing but the reference, by the
-limits of its process, or when the scene was read. <b>silent</b>: it says ok and is off, and nobody noticed.
-<b>false alarm</b>: it says that it failed, and what it computed is within its promise. A failure is followed by
-an attempt at more accurate settings. The reference itself is held to arbitrary precision.</p>"""
+memory. A run with status ok is held to what its engine promises ($promises), above what round-off explains: the
+condition &kappa; of the constraint Jacobian times the unit round-off &epsilon;, and how far the motion moves when the
+scene's numbers are off by a few last places. <b>refused</b>: the run failed, and its result is wrong or there is
+nothing to solve; found by the engine itself, by the checks of its output that need no reference, by nothing but the
+reference, by the limits of its process, or by the reader of the scene. <b>silent</b>: a wrong result with status ok
+that nobody found. <b>false alarm</b>: a run that failed, with a result within the promise. A failure is followed by an
+attempt at more accurate settings. The reference itself is held to arbitrary precision.</p>"""
 
 DIGITS = """<p>Against arbitrary precision, relative to each channel's own peak, also at the position nearest to the
-lock and close around it; of as many as log10 of the condition of the problem and one more. The condition is by how
-much more than the scene's numbers a channel changes.</p>"""
+singular configuration and close around it; of as many as log10 of the condition of the problem and one more. The
+condition is by how much more than the scene's numbers a channel changes.</p>"""
+
+STABILITY = """<p>The largest relative error of single runs without extrapolation, or how they failed. The sweeps that
+pymunk needs by theory follow from the spectral radius &rho; of block Gauss-Seidel in its own space, &beta; being the
+part of a joint's error that a step corrects.</p>"""
 
 
-def section(cases: pd.DataFrame) -> str:
-    """Return the section as a piece of a page; nothing where no hard case was run."""
+def hard_section(cases: pd.DataFrame) -> str:
+    """Return the section on the hard cases; nothing where none was run."""
     if cases.empty:
         return ""
     promises = ", ".join(f"{name} {entry.promise:.0e}" for name, entry in registry.ENTRIES.items())
-    said = f'<p class="verdict">{escape(tables.verdict(cases))}</p>'
-    figure = over_condition(cases)
-    ladders = "".join(_ladder(ladder, table) for ladder, table in tables.ladders(cases))
+    figure, digits = over_condition(cases), tables.digits(cases)
+    ladders = (
+        details_html(
+            ladder.title,
+            f"<p>{escape(ladder.expected)} <i>{escape(ladder.why)}</i></p>{table_html(table, 'text')}",
+        )
+        for ladder, table in tables.ladders(cases)
+    )
+    lost = (
+        ""
+        if digits.empty
+        else details_html("Digits that the reference loses next to a lock", DIGITS + table_html(digits))
+    )
     return (
-        f"<h2>Hard cases</h2>{said}{RULES.replace('$promises', promises)}{table_html(tables.counts(cases))}"
-        f"{figure_html(figure) if figure else ''}{ladders}{_digits(cases)}"
+        f'<h2>Hard cases</h2><p class="verdict">{escape(tables.verdict(cases))}</p>'
+        f"{RULES.replace('$promises', promises)}{table_html(tables.counts(cases))}"
+        f"{figure_html(figure) if figure else ''}{''.join(ladders)}{lost}"
     )
 
 
-def _digits(cases: pd.DataFrame) -> str:
-    table = tables.digits(cases)
-    if table.empty:
-        return ""
-    summary = "<summary>Digits that the reference loses next to a lock</summary>"
-    return f"<details>{summary}{DIGITS}{table_html(table)}</details>"
-
-
-def _ladder(ladder: Ladder, table: pd.DataFrame) -> str:
-    about = f"<p>{escape(ladder.expected)} <i>{escape(ladder.why)}</i></p>"
-    return f"<details><summary>{escape(ladder.title)}</summary>{about}{table_html(table, 'text')}</details>"
+def stability_section(maps: pd.DataFrame) -> str:
+    """Return the section on stability; nothing where no map was made."""
+    sections = "".join(section_html(title, figure) for title, figure in stability_maps(maps))
+    return f'<h2>Where the engines are stable</h2>{STABILITY}<div class="grid">{sections}</div>' if sections else ""

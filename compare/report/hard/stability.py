@@ -1,6 +1,6 @@
-"""Heat maps of where engines are stable: the error as colour, failures in grey with a letter, theory as a line."""
+"""Heat maps of where engines are stable: errors in colour, failures in grey with a letter, theory as a line."""
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Collection, Hashable, Iterator, Mapping
 from textwrap import wrap
 from typing import Any, TypeAlias
 
@@ -43,28 +43,28 @@ GREYED: Trace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": Fa
 
 def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
     """Yield title and figure of every map in the table, its engines side by side."""
-    for kind, rows in table.groupby("map", sort=False) if len(table) else ():
+    for kind, cells in table.groupby("map", sort=False) if len(table) else ():
         title, across = TITLES[str(kind)]
-        engines = [*dict.fromkeys(rows["engine"])]
+        engines, steps = [*dict.fromkeys(cells["engine"])], _steps(cells)
         figure = side_by_side(engines)
         for column, engine in enumerate(engines, start=1):
-            own = rows[rows["engine"] == engine]
-            for trace in _traces(own):
-                figure.add_trace(trace, row=1, col=column)
-            labels = [*dict.fromkeys(own["label"])]
-            figure.update_xaxes(title=across, tickvals=[*range(len(labels))], ticktext=labels, col=column)
-            figure.update_xaxes(range=[-0.5, len(labels) - 0.5], col=column)
-        steps = _steps(rows)
+            rows = cells[cells["engine"] == engine]
+            figure.add_traces([*_traces(rows)], rows=1, cols=column)
+            figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, col=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
-        figure.update_yaxes(showgrid=False, zeroline=False, tickvals=[*range(len(steps))], ticktext=steps)
-        figure.update_yaxes(range=[-0.5, len(steps) - 0.5]).update_yaxes(title="steps a cycle", col=1)
-        figure.add_annotation(text=_key(rows), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
+        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps a cycle", col=1)
+        figure.add_annotation(text=_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
         figure.update_layout(layout(170 + 42 * len(steps), titled=True), coloraxis=SCALE)
         yield title, figure.update_layout(margin_b=100)
 
 
-def _steps(rows: pd.DataFrame) -> list[int]:
-    return sorted(set(rows["steps"]))
+def _steps(cells: pd.DataFrame) -> list[int]:
+    return sorted(set(cells["steps"]))
+
+
+def _ticks(labels: Collection[object]) -> Trace:
+    """Return an axis of cells by their labels."""
+    return {"tickvals": [*range(len(labels))], "ticktext": [*labels], "range": [-0.5, len(labels) - 0.5]}
 
 
 def _traces(rows: pd.DataFrame) -> Iterator[Trace]:
@@ -77,25 +77,16 @@ def _traces(rows: pd.DataFrame) -> Iterator[Trace]:
         for cell in shown.to_dict("records"):
             place = steps.index(cell["steps"]), labels.index(cell["label"])
             z[place] = np.log10(max(cell["error"], TINY)) if cell["error"] == cell["error"] else 0.0
-            text[place] = _said(cell)
-            hover[place] = _hover(cell)
-        yield (
-            {"type": "heatmap", "z": z, "text": text, "customdata": hover, "hoverongaps": False}
-            | style
-            | {
-                "texttemplate": "%{text}",
-                "hovertemplate": "%{customdata}<extra></extra>",
-                "xgap": 1,
-                "ygap": 1,
-            }
-        )
-    needed = rows["needed"] if "needed" in rows else pd.Series(dtype=float)
-    if needed.notna().any():
+            text[place], hover[place] = _text(cell), _hover(cell)
+        cells = {"type": "heatmap", "z": z, "text": text, "customdata": hover, "texttemplate": "%{text}"}
+        hovering = {"hovertemplate": "%{customdata}<extra></extra>", "hoverongaps": False}
+        yield cells | hovering | {"xgap": 1, "ygap": 1} | style
+    if "needed" in rows and rows["needed"].notna().any():
         yield _boundary(rows)
 
 
-def _said(cell: Cell) -> str:
-    """Return what stands in a cell: the error, or the letter of the failure."""
+def _text(cell: Cell) -> str:
+    """Return the text of a cell: the error, or the letter of the failure."""
     status = Status[str(cell["status"])]
     return LETTERS[status] if status in LETTERS else f"{cell['error']:.0e}".replace("e-0", "e-").replace("e+00", "")
 
@@ -108,20 +99,16 @@ def _hover(cell: Cell) -> str:
 
 
 def _boundary(rows: pd.DataFrame) -> Trace:
-    """Return where theory has the runs begin to hold, between the columns by the logarithm."""
+    """Return the line where theory has the runs begin to hold, between the columns by the logarithm."""
     across = rows.drop_duplicates("label")["x"].to_numpy(float)
     needed = rows.groupby("steps")["needed"].first().to_numpy(float)
-    at = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
-    up = np.arange(len(needed))
-    line = {"color": colour(1), "width": 3, "dash": "dash"}
-    return {"type": "scatter", "x": [at[0], *at, at[-1]], "y": [-0.5, *up, len(up) - 0.5], "mode": "lines"} | {
-        "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)",
-        "showlegend": True,
-        "line": line,
-    }
+    x = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
+    line = {"mode": "lines", "line": {"color": colour(1), "width": 3, "dash": "dash"}, "showlegend": True}
+    x, y = [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
+    return {"type": "scatter", "x": x, "y": y, "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"} | line
 
 
-def _key(rows: pd.DataFrame) -> str:
-    """Return what the letters mean that occur."""
-    found = [status for status in LETTERS if status.name in set(rows["status"])]
+def _key(cells: pd.DataFrame) -> str:
+    """Return the meaning of the letters that occur."""
+    found = [status for status in LETTERS if status.name in set(cells["status"])]
     return "Largest relative error" + "".join(f" · {LETTERS[status]}: {status.name}" for status in found)

@@ -1,4 +1,4 @@
-"""What the hard cases came to: counts, a sentence, and every ladder rung by rung."""
+"""Results of the hard cases: counts, a sentence, and every ladder rung by rung."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -15,7 +15,7 @@ FINDERS = ("engine", "checks", "reference", "isolation", "reader")
 
 
 def counts(cases: pd.DataFrame) -> pd.DataFrame:
-    """Return one row an engine: how many attempts came out how, and who noticed the failures."""
+    """Return one row an engine: how many attempts came out how, and who found the failures."""
     rows = []
     for engine, attempts in cases.groupby("engine", sort=False):
         outcomes, refused = attempts["outcome"], attempts[attempts["outcome"] == Outcome.refused]
@@ -30,15 +30,16 @@ def counts(cases: pd.DataFrame) -> pd.DataFrame:
 
 
 def verdict(cases: pd.DataFrame) -> str:
-    """Return what the catalogue showed, in a sentence."""
+    """Return the result of the catalogue, in a sentence."""
     if cases.empty:
         return "No hard case was run."
     ladders, rungs = cases["ladder"].nunique(), len(cases[["ladder", "rung"]].drop_duplicates())
-    of = {outcome: int((cases["outcome"] == outcome).sum()) for outcome in Outcome}
+    outcomes = Outcome.silent, Outcome.false_alarm
+    silent, alarms = (int((cases["outcome"] == outcome).sum()) for outcome in outcomes)
     late = int((cases["found_by"] == "reference").sum())
     return (
-        f"{of[Outcome.silent]} silent wrong answers and {of[Outcome.false_alarm]} false alarms in {len(cases)} attempts"
-        f" on {rungs} rungs of {ladders} ladders; {late} wrong answers were found by nothing but the reference."
+        f"{silent} silent wrong answers and {alarms} false alarms in {len(cases)} attempts on {rungs} rungs of"
+        f" {ladders} ladders; {late} wrong answers were found by nothing but the reference."
     )
 
 
@@ -55,27 +56,27 @@ def digits(cases: pd.DataFrame) -> pd.DataFrame:
 
 
 def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, pd.DataFrame]]:
-    """Yield every ladder with a row a rung: what each engine ended with, at which error, after which attempts."""
-    for name, of in cases.groupby("ladder", sort=False):
+    """Yield every ladder with a row a rung: status and error of each engine, attempt after attempt."""
+    for name, on_ladder in cases.groupby("ladder", sort=False):
         ladder = hard.ladder(str(name))
         rows = []
-        for rung, attempts in of.groupby("rung", sort=False):
-            row: dict[str, object] = {ladder.parameter: rung, "condition": attempts["condition"].max()}
-            for engine, own in attempts.groupby("engine", sort=False):
-                row[str(engine)] = "; then ".join(_said(attempt) for _, attempt in own.iterrows())
+        for rung, on_rung in on_ladder.groupby("rung", sort=False):
+            row: dict[str, object] = {ladder.parameter: rung, "condition": on_rung["condition"].max()}
+            for engine, attempts in on_rung.groupby("engine", sort=False):
+                row[str(engine)] = "; then ".join(_result(attempt) for _, attempt in attempts.iterrows())
             rows.append(row)
         yield ladder, pd.DataFrame(rows)
 
 
-def _said(attempt: "pd.Series[Any]") -> str:
-    """Return an attempt in a few words: status, largest error that doubles do not explain, and who noticed."""
-    said = str(attempt["status"])
+def _result(attempt: "pd.Series[Any]") -> str:
+    """Return an attempt in a few words: status, largest error that round-off does not explain, and who found it."""
+    words = [str(attempt["status"])]
     errors = np.array([attempt.get(f"{group}_unexplained", np.nan) for group in SHOWN_GROUPS], dtype=float)
     if not np.isnan(errors).all():
         worst = np.nanmax(errors)
-        said += f" {worst:.0e}" if worst > 0 else " as doubles can"
+        words.append(f"{worst:.0e}" if worst > 0 else "as doubles can")
     if attempt["outcome"] == Outcome.refused and attempt["found_by"] != "engine":
-        said += f" ({attempt['found_by']})"
+        words.append(f"({attempt['found_by']})")
     if attempt["outcome"] in (Outcome.silent, Outcome.false_alarm, Outcome.uncertified):
-        said += f" ({attempt['outcome']})"
-    return said
+        words.append(f"({attempt['outcome']})")
+    return " ".join(words)

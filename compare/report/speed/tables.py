@@ -13,83 +13,72 @@ from ...speed import work_precision
 from ...speed.work_precision import LEVELS, cheapest, contenders, groups, solved
 from ...study import Study
 
-SAID = "0.1 %"  # the level of the sentence
+LEVEL = "0.1 %"  # of the sentence
 NOUNS = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "reaction": "reactions"}
 SIZES = ("bodies", "coordinates", "constraints", "sensors")  # counters of what was modelled
 
 
-def said_group(study: Study) -> str | None:
+def contender(engine: str, note: str) -> str:
+    """Return the name of an engine's settings with this note: the engine, and the start of the note."""
+    return engine if not note else f"{engine}: {re.split('[:,]', note)[0]}"
+
+
+def main_group(study: Study) -> str | None:
     """Return the channel group that matters most: the reactions, or else the last that was measured."""
     found = groups(study.speed)
     return "reaction" if "reaction" in found else found[-1] if found else None
 
 
-def contender(engine: str, note: str) -> str:
-    """Return the name of an engine's settings with this note: the engine, and the note up to its first comma."""
-    return engine if not note else f"{engine}: {re.split('[:,]', note)[0]}"
-
-
 def verdict(study: Study) -> str:
     """Return which setting is the cheapest for what matters most, in one sentence."""
-    group = said_group(study)
-    points = solved(study.speed)
+    group, points = main_group(study), solved(study.speed)
     if group is None or points.empty:
         return ""
-    points = points[points["note"] == ""]
-    best = cheapest(points, f"{group}_max", LEVELS[SAID])
-    said = f"Cheapest setting that gives {NOUNS.get(group, group)} to {SAID}: "
-    if best is None:
-        return f"{said}none that was tried."
-    said += _setting(study, best)
-    if best["engine"] == REFERENCE:
-        best = cheapest(points[points["engine"] != REFERENCE], f"{group}_max", LEVELS[SAID])
-        said += f"; besides the reference: {_setting(study, best)}" if best is not None else ""
-    return f"{said}."
+    points, error, level = points[points["note"] == ""], f"{group}_max", LEVELS[LEVEL]
+    best = cheapest(points, error, level)
+    named = [] if best is None else [_setting(study, best)]
+    if best is not None and best["engine"] == REFERENCE:
+        other = cheapest(points[points["engine"] != REFERENCE], error, level)
+        named += [] if other is None else [f"besides the reference: {_setting(study, other)}"]
+    settings = "; ".join(named) or "none that was tried"
+    return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {settings}."
 
 
 def _setting(study: Study, row: "pd.Series[Any]") -> str:
     return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms a {cycle_name(study.scene)}"
 
 
-def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
-    """Return the cheapest setting by channel group: a column a level of the largest error, a row an engine and note."""
-    choices = work_precision.choices(study.speed)
-    if choices.empty:
-        return {}
-    choices["engine"] = [contender(row["engine"], row["note"]) for row in choices.to_dict("records")]
-    choices["said"] = [
-        f"{row['setting']}, {1e3 * row['solve_s']:.3g} ms (×{row['ratio']:.3g})" if row["setting"] else "–"
-        for row in choices.to_dict("records")
-    ]
-    return {
-        str(group): _pivot(rows, ["engine"], "level", "said") for group, rows in choices.groupby("group", sort=False)
-    }
-
-
 def notes(study: Study) -> list[str]:
-    """Return what a reader has to know about settings, by what the tables call them."""
+    """Return the notes of settings, by the engine's name in the tables."""
     pairs = dict.fromkeys((engine, note) for engine, note, _ in contenders(solved(study.speed)) if note)
     return [f"{engine}: {note}" for engine, note in pairs]
 
 
+def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
+    """Return the cheapest setting by channel group: a column a level of the largest error, a row an engine and note."""
+    tables: dict[str, dict[str, dict[str, str]]] = {}  # by group, name of the engine with its note, level
+    for row in work_precision.choices(study.speed).to_dict("records"):
+        rows = tables.setdefault(row["group"], {})
+        text = f"{row['setting']}, {1e3 * row['solve_s']:.3g} ms (×{row['ratio']:.3g})" if row["setting"] else "–"
+        rows.setdefault(contender(row["engine"], row["note"]), {}).setdefault(row["level"], text)
+    return {
+        group: pd.DataFrame([{"engine": name} | row for name, row in rows.items()]) for group, rows in tables.items()
+    }
+
+
 def orders(study: Study) -> pd.DataFrame:
     """Return the orders of convergence, a column a channel group, a row a family; none without three good settings."""
-    found = work_precision.orders(study.speed, group_floors(study.reference))
-    if found.empty:
-        return found
-    found = found[found.groupby(["engine", "family"])["order"].transform(lambda order: order.notna().any())]
-    said = [
-        f"{row['order']:.2f} ({row['residual']:.1g}, {row['points']})" if row["order"] == row["order"] else "–"
-        for row in found.to_dict("records")
-    ]
-    expected = ["–" if order != order else f"{order:g}" for order in found["expected_order"]]
-    return _pivot(found.assign(said=said, expected=expected), ["engine", "family", "expected"], "group", "said")
+    rows: dict[tuple[str, str], dict[str, str]] = {}
+    for row in work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"):
+        family = {"engine": row["engine"], "family": row["family"], "expected": _order(row["expected_order"], "g")}
+        text = _order(row["order"], ".2f", f" ({row['residual']:.1g}, {row['points']})")
+        rows.setdefault((row["engine"], row["family"]), family)[row["group"]] = text
+    known = set(groups(study.speed))
+    return pd.DataFrame([row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())])
 
 
-def _pivot(table: pd.DataFrame, rows: list[str], columns: str, values: str) -> pd.DataFrame:
-    """Return one row for each of `rows`, in the order in which they and the columns come."""
-    wide = table.pivot_table(index=rows, columns=columns, values=values, aggfunc="first", sort=False)
-    return wide[list(dict.fromkeys(table[columns]))].rename_axis(columns=None).reset_index()
+def _order(order: float, form: str, quality: str = "") -> str:
+    return "–" if order != order else f"{order:{form}}{quality}"
 
 
 def step_costs(study: Study) -> pd.DataFrame:
@@ -97,33 +86,23 @@ def step_costs(study: Study) -> pd.DataFrame:
     found = work_precision.step_costs(study.speed)
     if found.empty:
         return found
-    return pd.DataFrame(
-        {
-            "engine": found["engine"],
-            "family": found["family"],
-            "a step [µs]": 1e6 * found["step_s"],
-            "besides [ms]": 1e3 * found["fixed_s"],
-            "residual [%]": 1e2 * found["residual"],
-            "settings": found["points"],
-        }
-    )
+    costs = {"a step [µs]": 1e6 * found["step_s"], "besides [ms]": 1e3 * found["fixed_s"]}
+    quality = {"residual [%]": 1e2 * found["residual"], "settings": found["points"]}
+    return found[["engine", "family"]].assign(**costs, **quality)
 
 
 def ablations(study: Study) -> pd.DataFrame:
     """Return what more than the scene needs costs: sizes, steps, and time a step over that of the engine's default."""
     speed = study.speed
-    tables = []
+    rows = []
     for engine in speed["engine"][speed["role"] == ABLATION].unique() if len(speed) else ():
-        own = speed[speed["engine"] == engine]
-        own = pd.concat([own[own["tier"].str.contains("balanced")], own[own["role"] == ABLATION]])
-        counters = [dict(pair.split("=") for pair in text.split()) for text in own["counters"]]
-        a_step = own["solve_min_s"] / own["steps_made"].fillna(1)
-        tables.append(
-            own[["engine", "setting", "status"]]
-            .assign(**{size: [count.get(size, "–") for count in counters] for size in SIZES})
-            .assign(
-                steps=own["steps_made"].astype("Int64"),
-                **{"a step [µs]": 1e6 * a_step, "ratio": a_step / a_step.iloc[0]},
-            )
-        )
-    return pd.concat(tables) if tables else pd.DataFrame()
+        settings = speed[speed["engine"] == engine]
+        default = settings[settings["tier"].str.contains("balanced")]
+        measured = pd.concat([default, settings[settings["role"] == ABLATION]])
+        seconds = measured["solve_min_s"] / measured["steps_made"].fillna(1)
+        for row, a_step in zip(measured.to_dict("records"), seconds, strict=True):
+            counters = dict(pair.split("=") for pair in row["counters"].split())
+            named = {name: row[name] for name in ("engine", "setting", "status")}
+            sizes = {size: counters.get(size, "–") for size in SIZES} | {"steps": row["steps_made"]}
+            rows.append(named | sizes | {"a step [µs]": 1e6 * a_step, "ratio": a_step / seconds.iloc[0]})
+    return pd.DataFrame(rows).astype({"steps": "Int64"} if rows else {})

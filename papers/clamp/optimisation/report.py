@@ -4,18 +4,15 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
-from importlib.resources import files
 from math import isfinite
 from pathlib import Path
-from string import Template
 from typing import Any
 
 import pandas as pd
-from plotly.offline import get_plotlyjs
 
 from compare.engines.environment import environment
 from compare.report.files import placed
-from compare.report.html import figure_html, table_html
+from compare.report.html import figure_html, head, table_html, template
 
 from ..constraints import slacks
 from ..formulas import SCHEME_4, Array
@@ -58,8 +55,8 @@ def page(outcome: Outcome) -> str:
     )
     literal = " and ".join(f"{-slack:.1f} deg ({name})" for name, slack in tables.literal_slack().items())
     said = [*tables.verdicts(points), f"The optimisation took {outcome.seconds:.0f} s."]
-    return _template("papers.clamp.optimisation", "design.html").substitute(
-        head=_head("Double-toggle clamp: its optimisation"),
+    return template("papers.clamp.optimisation", "design.html").substitute(
+        head=head("Double-toggle clamp: its optimisation"),
         verdicts="".join(f"<li>{escape(sentence)}</li>" for sentence in said),
         curve_figure=figure_html(coordination(points, outcome.chosen)),
         curve=table_html(tables.curve(points, MAIN)),
@@ -74,15 +71,6 @@ def page(outcome: Outcome) -> str:
         constraints=table_html(tables.constraints(points)),
         environment=table_html(pd.DataFrame(environment().items(), columns=["of", "version"]), "text"),
     )
-
-
-def _head(title: str) -> str:
-    head = _template("compare.report", "page.html").template.partition("</head>")[0]
-    return Template(head).substitute(title=escape(title), plotly=get_plotlyjs())
-
-
-def _template(package: str, name: str) -> Template:
-    return Template((files(package) / name).read_text(encoding="utf-8"))
 
 
 def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:

@@ -16,8 +16,8 @@ from compare.hard import case as hard_case
 from compare.hard import cases as hard
 from compare.hard.case import Case, examine
 from compare.hard.kept import Kept
-from compare.report.hard import section as page
 from compare.report.hard import tables as hard_tables
+from compare.report.hard.section import hard_section
 from scenes import Failure, Motion, Sampling, Status
 from tests import scene_files
 from tests.comparisons import Plug, changed
@@ -214,8 +214,8 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
 
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
     rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
-    html = page.section(pd.DataFrame(rows))
+    html = hard_section(pd.DataFrame(rows))
     assert "0 silent wrong answers and 0 false alarms in 3 attempts on 1 rungs of 1 ladders" in html
     assert "All solve it." in html
     assert "then wrong_branch" in html
-    assert page.section(pd.DataFrame()) == ""
+    assert hard_section(pd.DataFrame()) == ""
