@@ -11,9 +11,9 @@ from scenes.drive import Driven
 from scenes.motion import Samples
 
 from .decomposition import inner_joint
+from .group_equations import Group
 from .kinematics import Linkage, kinematics
 from .motion_range import in_line
-from .newton_group import Group
 from .solve import Solver
 
 SAMPLES = 720  # a cycle, to find where a dyad comes near its lock

@@ -11,9 +11,10 @@ from scenes.scene import Pin
 
 from .decomposition import Dyad, inner_joint, kind
 from .dyads import Vectors, dot
+from .group_equations import Group
 from .kinematics import Linkage
 from .kinetostatics import Reactions
-from .newton_group import Group, to_lock
+from .newton_group import to_lock
 from .placing import Kinematics
 
 FromBoth: TypeAlias = Callable[[Kinematics, Reactions], Vectors | Samples]

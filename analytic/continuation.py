@@ -14,19 +14,8 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .geometry import RigidBody, sketched, sketched_attitude
-from .newton_group import (
-    ROUGHLY,
-    Group,
-    GroupEquations,
-    Placed,
-    Pose,
-    assemble,
-    coordinates,
-    equations_of,
-    own_jacobian,
-    rates,
-    refine,
-)
+from .group_equations import Group, GroupEquations, Placed, Pose, coordinates, equations_of
+from .newton_group import ROUGHLY, assemble, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 SMALLEST = 2.0**-20  # of a step: a lock is found to that

@@ -15,7 +15,7 @@ from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex, cross, rigid_body, sketched, sketched_attitude
-from .newton_group import Group, PinJoint, SlideJoint
+from .group_equations import Group, PinJoint, SlideJoint
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
 

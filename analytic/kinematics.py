@@ -15,7 +15,8 @@ from scenes.scene import GROUND
 from .continuation import Track, follow
 from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
-from .newton_group import Group, Placed, in_plane, rates
+from .group_equations import Group, Placed, in_plane
+from .newton_group import rates
 from .placing import Closure, Kinematics, Placing
 
 RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]

@@ -19,8 +19,9 @@ from .dead_points import guide_of
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
+from .group_equations import Group
 from .kinematics import Linkage
-from .newton_group import Group, joint_forces
+from .newton_group import joint_forces
 from .placing import Kinematics
 
 StrokeEnds: TypeAlias = Mapping[PressForce, float]  # where a slider's closing stroke ends, m

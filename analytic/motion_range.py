@@ -10,8 +10,8 @@ from scenes.drive import Driven
 from scenes.motion import Samples
 
 from .decomposition import Dyad, InnerSlide, inner_joint, kind
+from .group_equations import Group
 from .kinematics import Linkage, kinematics
-from .newton_group import Group
 
 SAMPLES = 3600  # a turn, or a driven slider's way: a gap or an interval narrower than this grid is missed
 BISECTIONS = 50  # from one of them down to the last place

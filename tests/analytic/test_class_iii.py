@@ -11,9 +11,9 @@ import analytic
 import scenes
 from analytic import continuation
 from analytic.decomposition import Decomposition, _Placed, decompose, larger_group, members
+from analytic.group_equations import Group
 from analytic.kinematics import followed
 from analytic.motion_range import motion_range
-from analytic.newton_group import Group
 from analytic.solve import prepared
 from compare.engines import registry
 from compare.engines.reference import establish, relative_errors
