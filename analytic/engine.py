@@ -38,6 +38,7 @@ LADDER = (
 LONG_LADDER = tuple(map(_differences, (720, 1440, 36_000, 360_000)))
 FAST = EXACT = DEFAULT
 ABLATIONS: tuple[AnalyticSettings, ...] = ()
+at_steps = iterations_needed = None  # it takes no steps
 
 
 def version() -> str:

@@ -3,8 +3,6 @@
 Run by `pytest benchmarks/test_long_runs.py -n 0 -s`; it takes about a minute.
 """
 
-from typing import Any, cast
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -43,7 +41,9 @@ def test_an_engine_drifts_little(reference: Reference, engine: str, position: fl
     Both hold the drive in its position, so nothing adds up but rounding: Exudyn takes the angle from the time, whose
     double loses as much as the angle's; pymunk adds a rounding a step, of an angle that grows: as turns squared.
     """
-    settings = cast("Any", registry.engine(engine)).at_steps(STEPS)
+    at_steps = registry.engine(engine).at_steps
+    assert at_steps is not None
+    settings = at_steps(STEPS)
     found = {turns: last_turn(measure(reference, engine, Sampling(SAMPLES, turns), settings).errors) for turns in TURNS}
     for turns, (of_position, of_drive) in found.items():
         print(f"\n{engine}, {turns} turns: position {of_position:.1e}, drive {of_drive:.1e} rad", end="")

@@ -1,4 +1,4 @@
-"""What every engine offers: a module with `version`, `DEFAULT`, `LADDER`, `LONG_LADDER` and `build`; failures are data.
+"""What every engine offers: a module with the names of `Engine`, whose `build` makes a `Simulation`; failures are data.
 
 The three stages are apart so that a clock can wrap `solve` alone:
 
@@ -9,7 +9,7 @@ The three stages are apart so that a clock can wrap `solve` alone:
 Any stage may raise `Failure`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol, TypeVar
@@ -36,9 +36,12 @@ class Status(Enum):
 
 
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
-    """A run that ended with a status other than ok, and the particular reason in one sentence.
+    """A run that ended with a status other than ok.
 
-    `motion` is what was computed all the same and is not to be trusted, for those who ask how far off it is.
+    Args:
+        status: how it ended.
+        reason: the particular reason, one sentence.
+        motion: what was computed all the same and is not to be trusted, for those who ask how far off it is.
     """
 
     def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
@@ -50,19 +53,32 @@ class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not a
 
 @dataclass(frozen=True)
 class Settings:
-    """Base of every engine's settings; `label` is what tables and plots call them."""
+    """Base of every engine's settings.
+
+    Args:
+        label: the name of the settings in tables and figures, unique in its engine.
+        family: the name of those settings that differ in their steps a cycle alone; empty for none.
+        order: the order of convergence that theory expects within the family.
+        note: what a reader has to know before believing the result; empty for nothing.
+    """
 
     label: str
-    family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
-    order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
-    note: str = field(default="", kw_only=True)  # what a reader has to know before believing it
+    family: str = field(default="", kw_only=True)
+    order: float | None = field(default=None, kw_only=True)
+    note: str = field(default="", kw_only=True)
 
 
 def equal_steps(request: Request) -> Sampling:
-    """Return the request as one of equal steps of the time, which is all that an integration in time can answer.
+    """Return a request as one of equal steps of the time, which is all that an integration in time can answer.
+
+    Args:
+        request: of either kind.
+
+    Returns:
+        The same request.
 
     Raises:
-        Failure: `unsupported`, it is for positions of the drive.
+        Failure: `unsupported`, the request is for positions of the drive.
     """
     if not isinstance(request, Sampling):
         raise Failure(Status.unsupported, "it steps through the time, and was asked for positions of the drive")
@@ -73,14 +89,22 @@ class Simulation(Protocol):
     """One prepared run."""
 
     def solve(self) -> None:
-        """Do the work; this alone is timed as the solve."""
+        """Do the work; this alone is timed as the solve.
+
+        Raises:
+            Failure: the run came to no end, or to one that the engine does not believe.
+        """
 
     def read(self) -> Motion:
-        """Return every channel of the scene, each present or said to be unsupported with a reason."""
+        """Return the channels asked for, each as float64 of shape (n,), SI, or unsupported with a reason.
+
+        Raises:
+            Failure: as of `solve`.
+        """
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Machine-free measures of the work done: steps, Newton iterations, constraint iterations."""
+        """Machine-free measures of the work done, by name: steps, Newton iterations, constraint iterations."""
 
     @property
     def residuals(self) -> Mapping[str, float]:
@@ -91,11 +115,19 @@ S = TypeVar("S", bound=Settings)
 
 
 class Engine(Protocol[S]):
-    """An engine, as its module offers it."""
+    """An engine, as its module offers it: its settings, its version, and how to build a run."""
 
     @property
     def DEFAULT(self) -> S:  # noqa: N802 - a module's constant
         """The settings of a plain run."""
+
+    @property
+    def FAST(self) -> S:  # noqa: N802
+        """The cheapest settings that are good to a per cent."""
+
+    @property
+    def EXACT(self) -> S:  # noqa: N802
+        """The most accurate settings."""
 
     @property
     def LADDER(self) -> tuple[S, ...]:  # noqa: N802
@@ -103,26 +135,45 @@ class Engine(Protocol[S]):
 
     @property
     def LONG_LADDER(self) -> tuple[S, ...]:  # noqa: N802
-        """Return the slower settings that only `--full` takes, besides those of `LADDER`."""
-
-    @property
-    def FAST(self) -> S:  # noqa: N802
-        """Return the cheapest settings that are good to a per cent."""
-
-    @property
-    def EXACT(self) -> S:  # noqa: N802
-        """Return the most accurate settings."""
+        """The slower settings that only `--full` takes, besides those of `LADDER`."""
 
     @property
     def ABLATIONS(self) -> tuple[S, ...]:  # noqa: N802
-        """Return `DEFAULT` with more than a scene needs, for `--full`: what modelling it would have cost."""
+        """`DEFAULT` with more than a scene needs, for `--full`: what modelling it would have cost."""
+
+    @property
+    def at_steps(self) -> Callable[..., S] | None:
+        """`at_steps(steps)`: settings of one run of that many steps a cycle, for maps of stability; None without steps.
+
+        With `iterations_needed`, `at_steps(steps, iterations)` too: that many iterations in each step.
+        """
+
+    @property
+    def iterations_needed(self) -> Callable[[Scene, S], float] | None:
+        """How many iterations each step needs, by theory, infinite where none are enough; None where no step iterates.
+
+        It raises `Failure` where the engine cannot model or assemble the scene.
+        """
 
     def version(self) -> str:
-        """Return the versions of what does the work."""
+        """Return the names and versions of what does the work.
+
+        Raises:
+            ImportError: it is not installed.
+        """
 
     def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
         """Prepare a run.
 
+        Args:
+            scene: the mechanism.
+            settings: one of the engine's own.
+            request: the instants or positions of the drive, n of them, and the channels that are wanted there.
+
+        Returns:
+            The run, of which nothing is solved yet but the pose that it starts from.
+
         Raises:
-            Failure: the scene cannot be modelled or assembled.
+            Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
+            ImportError: the engine is not installed.
         """

@@ -35,6 +35,7 @@ class Stub:
     LONG_LADDER: tuple[Settings, ...] = ()
     FAST = EXACT = DEFAULT
     ABLATIONS: tuple[Settings, ...] = ()
+    at_steps = iterations_needed = None
     counters: Mapping[str, int] = {}
     residuals: Mapping[str, float] = {}
 

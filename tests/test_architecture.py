@@ -1,10 +1,18 @@
-"""The arrows between the packages: the models share nothing but the scene, and CI keeps it so."""
+"""The arrows between the packages, and the protocol by which engines are reached: CI keeps both."""
 
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+import analytic.engine
+import sim_models.exudyn.engine
+import sim_models.multiprecision.engine
+import sim_models.pymunk.engine
+from compare.engines import registry
+from scenes import Engine
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("analytic", "compare", "papers", "scenes", "sim_models")
@@ -90,3 +98,21 @@ def test_the_analytic_run_imports_no_other_engine(tmp_path: Path) -> None:
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, cwd=tmp_path)
     assert (tmp_path / "toggle_press" / "report.html").exists()
+
+
+# --- the engines' protocol --------------------------------------------------------------------------------------------
+
+ENGINES: tuple[Engine[Any], ...] = (  # mypy holds each module to the protocol
+    analytic.engine,
+    sim_models.exudyn.engine,
+    sim_models.pymunk.engine,
+    sim_models.multiprecision.engine,
+)
+
+
+def test_every_engine_has_all_of_the_protocol() -> None:
+    members = {name for name in vars(Engine) if not name.startswith("_")}
+    assert {"DEFAULT", "at_steps", "build"} < members
+    assert [registry.engine(name) for name in registry.ENTRIES] == [*ENGINES]
+    for engine in ENGINES:
+        assert members <= vars(engine).keys()

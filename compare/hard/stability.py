@@ -7,14 +7,13 @@
 | `mass` | by what the heaviest body's mass is multiplied | steps a cycle |
 | `drift` | cycles of the drive; the error is that of positions in the last one | steps a cycle |
 
-An engine has maps if its module offers `at_steps(steps)`, the settings of one run of that many steps a cycle. It has
-the first of them if theory says how many sweeps that needs, by `iterations_needed(scene, settings)`; then the settings
-are `at_steps(steps, sweeps)`.
+An engine has maps if it has time steps (`at_steps` of its protocol), and the first of them if these iterate and theory
+has an answer to how many sweeps they need (`iterations_needed`).
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -71,12 +70,12 @@ def cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], prog
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    able = [engine for engine in engines if hasattr(registry.engine(engine), "at_steps")]
+    able = [engine for engine in engines if registry.engine(engine).at_steps]
     if not able:
         return
     reference = establish(scene)
     for engine in able:
-        if hasattr(registry.engine(engine), "iterations_needed"):
+        if registry.engine(engine).iterations_needed:
             yield from over_sweeps(reference, engine, progress)
     yield from over_variants("lock", to_lock, able, progress)
     if scene.has_masses:
@@ -93,16 +92,17 @@ def over_sweeps(
     all_steps: Sequence[int] = STEPS,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
-    module = cast("Any", registry.engine(engine))
+    needed_for = registry.engine(engine).iterations_needed
+    assert needed_for is not None
     for steps in all_steps:
         try:
-            needed = module.iterations_needed(reference.scene, module.at_steps(steps))
+            needed = needed_for(reference.scene, _at_steps(engine, steps))
         except Failure:
             needed = np.nan
         for number in sweeps:
             progress(f"stability of {engine}: {number} sweeps, {steps} steps")
             place = Place("sweeps", engine, number, str(number), steps)
-            yield _cell(place, reference, module.at_steps(steps, number)) | {"needed": needed}
+            yield _cell(place, reference, _at_steps(engine, steps, number)) | {"needed": needed}
 
 
 def over_variants(
@@ -158,8 +158,11 @@ def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Varia
     ]
 
 
-def _at_steps(engine: str, steps: int) -> Settings:
-    return cast("Settings", cast("Any", registry.engine(engine)).at_steps(steps))
+def _at_steps(engine: str, *numbers: int) -> Settings:
+    """Return the settings for that many steps a cycle and, if given, sweeps a step."""
+    at_steps: Callable[..., Settings] | None = registry.engine(engine).at_steps
+    assert at_steps is not None
+    return at_steps(*numbers)
 
 
 def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns: int = 1) -> Cell:

@@ -31,6 +31,7 @@ __all__ = [
     "TimeStepping",
     "at_steps",
     "build",
+    "iterations_needed",
     "version",
 ]
 
@@ -111,6 +112,7 @@ ABLATIONS: tuple[ExudynSettings, ...] = (
     replace(_once, label="Jacobians in every iteration", newton=Newton.FULL),
     *(replace(_once, label=extra.value, extra=extra) for extra in Extra if extra is not Extra.NOTHING),
 )
+iterations_needed = None  # Newton's method decides by itself
 
 
 def at_steps(steps: int) -> TimeStepping:

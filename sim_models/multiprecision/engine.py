@@ -30,6 +30,7 @@ LADDER = (DEFAULT,)
 LONG_LADDER: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
 FAST = EXACT = DEFAULT
 ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
+at_steps = iterations_needed = None  # it takes no steps of the time
 
 
 def version() -> str:
