@@ -1,4 +1,4 @@
-"""What a scene file says by its path, as `bodies.rocker.lengths.O-P3`: read and changed before it is checked."""
+"""Values in a scene file by path, as `bodies.rocker.lengths.O-P3`: read and changed before they are checked."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
@@ -32,13 +32,13 @@ def change(tables: Mapping[str, Any], changes: Mapping[str, Value]) -> None:
         table[key] = value
 
 
-def named(file: object, changes: Mapping[str, Value]) -> str:
-    """Return what messages call a scene: its file, and what was changed in it."""
-    return ", ".join([str(file), *(f"{path} = {said(value)}" for path, value in changes.items())])
+def label(file: object, changes: Mapping[str, Value]) -> str:
+    """Return the name of a scene in messages: its file, and what was changed in it."""
+    return ", ".join([str(file), *(f"{path} = {as_text(value)}" for path, value in changes.items())])
 
 
-def said(value: Value) -> str:
-    """Return how messages say a value; in full where a file does, since a ladder's steps may differ by very little."""
+def as_text(value: Value) -> str:
+    """Return a value as messages show it; in full, since the rungs of a ladder may differ by very little."""
     return value if isinstance(value, str) else f"{value:.15g}"
 
 

@@ -9,7 +9,7 @@ from .scene import GROUND, Body, Drive, ForceTable, MotionLaw, PressForce, Scene
 
 
 def check(scene: Scene, *, output_slides: bool) -> None:
-    """Check everything that a scene's tables say about each other.
+    """Check that a scene's tables fit together.
 
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
@@ -277,5 +277,5 @@ def _check_output(scene: Scene, output_slides: bool) -> None:
         raise InputError(f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, scene.moving_points)}")
     if output_slides and scene.guided(scene.output) is None:
         raise InputError(
-            f"output.slider: '{scene.output}' is on no body that slides on the ground; say 'point' instead"
+            f"output.slider: '{scene.output}' is on no body that slides on the ground; expected 'point' instead"
         )

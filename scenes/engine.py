@@ -36,12 +36,9 @@ class Status(Enum):
 
 
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
-    """A run that ended with a status other than ok.
+    """A run that ended with a status other than ok, and the particular reason in one sentence.
 
-    Args:
-        status: how it ended.
-        reason: the particular reason, one sentence.
-        motion: what was computed all the same and is not to be trusted, for those who ask how far off it is.
+    `motion` is what was computed all the same and is not to be trusted, for those who ask how far off it is.
     """
 
     def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
@@ -53,29 +50,16 @@ class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not a
 
 @dataclass(frozen=True)
 class Settings:
-    """Base of every engine's settings.
+    """Base of every engine's settings."""
 
-    Args:
-        label: the name of the settings in tables and figures, unique in its engine.
-        family: the name of those settings that differ in their steps a cycle alone; empty for none.
-        order: the order of convergence that theory expects within the family.
-        note: what a reader has to know before believing the result; empty for nothing.
-    """
-
-    label: str
-    family: str = field(default="", kw_only=True)
-    order: float | None = field(default=None, kw_only=True)
-    note: str = field(default="", kw_only=True)
+    label: str  # the name in tables and figures, of no other settings of the engine
+    family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
+    order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
+    note: str = field(default="", kw_only=True)  # what a reader has to know before believing it
 
 
 def equal_steps(request: Request) -> Sampling:
-    """Return a request as one of equal steps of the time, which is all that an integration in time can answer.
-
-    Args:
-        request: of either kind.
-
-    Returns:
-        The same request.
+    """Return a request that is one of equal steps of the time, all that an integration in time can answer.
 
     Raises:
         Failure: `unsupported`, the request is for positions of the drive.
@@ -92,11 +76,11 @@ class Simulation(Protocol):
         """Do the work; this alone is timed as the solve.
 
         Raises:
-            Failure: the run came to no end, or to one that the engine does not believe.
+            Failure: the engine gave up, or does not believe its own result.
         """
 
     def read(self) -> Motion:
-        """Return the channels asked for, each as float64 of shape (n,), SI, or unsupported with a reason.
+        """Return the channels asked for: each of shape (n,), float64, SI; or unsupported, with a reason.
 
         Raises:
             Failure: as of `solve`.
@@ -115,31 +99,14 @@ S = TypeVar("S", bound=Settings)
 
 
 class Engine(Protocol[S]):
-    """An engine, as its module offers it: its settings, its version, and how to build a run."""
+    """An engine, as its module offers it."""
 
-    @property
-    def DEFAULT(self) -> S:  # noqa: N802 - a module's constant
-        """The settings of a plain run."""
-
-    @property
-    def FAST(self) -> S:  # noqa: N802
-        """The cheapest settings that are good to a per cent."""
-
-    @property
-    def EXACT(self) -> S:  # noqa: N802
-        """The most accurate settings."""
-
-    @property
-    def LADDER(self) -> tuple[S, ...]:  # noqa: N802
-        """Settings from cheap to accurate, for the picture of speed against error in every report."""
-
-    @property
-    def LONG_LADDER(self) -> tuple[S, ...]:  # noqa: N802
-        """The slower settings that only `--full` takes, besides those of `LADDER`."""
-
-    @property
-    def ABLATIONS(self) -> tuple[S, ...]:  # noqa: N802
-        """`DEFAULT` with more than a scene needs, for `--full`: what modelling it would have cost."""
+    DEFAULT: S  # of a plain run
+    FAST: S  # the cheapest that are good to a per cent
+    EXACT: S  # the most accurate
+    LADDER: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
+    LONG_LADDER: tuple[S, ...]  # slower ones, that only `--full` takes besides
+    ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
 
     @property
     def at_steps(self) -> Callable[..., S] | None:
@@ -150,7 +117,7 @@ class Engine(Protocol[S]):
 
     @property
     def iterations_needed(self) -> Callable[[Scene, S], float] | None:
-        """How many iterations each step needs, by theory, infinite where none are enough; None where no step iterates.
+        """How many iterations each step needs by theory, infinite where none are enough; None where no step iterates.
 
         It raises `Failure` where the engine cannot model or assemble the scene.
         """
@@ -163,15 +130,12 @@ class Engine(Protocol[S]):
         """
 
     def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
-        """Prepare a run.
+        """Prepare a run; nothing is solved yet but the pose that it starts from.
 
         Args:
             scene: the mechanism.
             settings: one of the engine's own.
-            request: the instants or positions of the drive, n of them, and the channels that are wanted there.
-
-        Returns:
-            The run, of which nothing is solved yet but the pose that it starts from.
+            request: the n instants, s, or positions of the drive, rad or m, and the channels wanted there.
 
         Raises:
             Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.

@@ -1,4 +1,4 @@
-"""What a user is told about bad input: one line that names the place, the expectation and the nearest valid name."""
+"""Bad input from the user: one line that names the place, the expectation and the nearest valid name."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches

@@ -168,7 +168,7 @@ class LadderFile(Table):
 
 
 def explain(error: ValidationError, file: type[Table]) -> str:
-    """Say the first of the errors in a file; the rest is only counted, since one slip often causes several."""
+    """Return a line on the first of the errors in a file; the rest is counted, since one slip often causes several."""
     first, *rest = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     location = [part for part in first["loc"] if part != "[key]"]
     place = ".".join(str(part) for part in location)

@@ -1,9 +1,9 @@
 """Hard cases: ladders in one parameter of a scene, with what is to be expected on each rung, and why.
 
-A ladder file says which paths of a scene file change, and the value that all of them take on each rung:
+A ladder file names the paths of a scene file that change, and the value that all of them take on each rung:
 
     format = 1
-    title = "Rod close to its lock"
+    title = "Rod close to its locking pose"
     scene = "toggle_press"                     # a shipped scene, or a scene file beside the ladder
     parameter = "length of the rod"
     paths = ["bodies.rod.lengths.P4-P5"]       # or ["turns"], the cycles of the drive
@@ -25,7 +25,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from .changes import Value, change, said
+from .changes import Value, as_text, change
 from .engine import Status
 from .errors import InputError, nearest
 from .format import LadderFile, explain
@@ -71,15 +71,18 @@ class Ladder:
 
 
 def catalogue(*, long: bool = False) -> tuple[str, ...]:
-    """Return the names of the ladders that come with the project; the `long` ones, which take minutes, apart."""
+    """Return the names of the shipped ladders: of the `long` ones, which take minutes, or of the others."""
     return tuple(name for name, path in _shipped().items() if _file(path).long == long)
 
 
 def ladder(name_or_path: str | Path) -> Ladder:
-    """Read a ladder, by the name of a shipped one or from a .toml file.
+    """Read a ladder.
+
+    Args:
+        name_or_path: the name of a shipped ladder, or a .toml file.
 
     Raises:
-        InputError: the file cannot be read or says something impossible; the text is one line that names the file,
+        InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
             the path in it, what was expected, and the nearest valid name.
     """
     path = _shipped().get(str(name_or_path), Path(name_or_path))
@@ -123,7 +126,7 @@ def _rungs(file: LadderFile, path: Path) -> tuple[Rung, ...]:
 
 @contextmanager
 def _at(place: str) -> Iterator[None]:
-    """Say in every message from within at which place of the ladder file it came up."""
+    """Put the place in the ladder file before every message from within."""
     try:
         yield
     except InputError as error:
@@ -140,5 +143,5 @@ def _check_status(label: str, status: str, file: LadderFile) -> None:
 
 def _turns(value: Value) -> int:
     if isinstance(value, str) or value < 1 or value != int(value):
-        raise InputError(f"expected a whole number of turns, found {said(value)}")
+        raise InputError(f"expected a whole number of turns, found {as_text(value)}")
     return int(value)

@@ -17,8 +17,8 @@ Of the analytic core alone, since the other engines know no Assur groups, by the
 
 | channel | meaning |
 |---|---|
-| `P.transmission` | from 0 in a lock to a right angle: of two bars, or of a bar and the normal of a guide |
-| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group to lock as it stands |
+| `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
+| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group's pose to be singular |
 """
 
 from collections.abc import Mapping
@@ -100,7 +100,7 @@ class Motion:
         """Return the samples of a channel, shape (n,), in the unit of `UNITS`.
 
         Raises:
-            KeyError: the motion has no such channel; the message says why, or names the nearest one.
+            KeyError: the motion has no such channel; the message names the reason, or the nearest one.
         """
         if channel in self.samples:
             return self.samples[channel]

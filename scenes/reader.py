@@ -11,26 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from .changes import Value, change, named, numbers
+from .changes import Value, change, label, numbers
 from .consistency import check
+from .drive import ConstantSpeed, Drive, MotionLaw
 from .errors import InputError, nearest
 from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, Units, explain
-from .scene import (
-    GROUND,
-    Body,
-    ConstantSpeed,
-    Drive,
-    Force,
-    ForceTable,
-    Load,
-    MotionLaw,
-    PressForce,
-    Scene,
-    Sketch,
-    Slide,
-    Spring,
-    Vector,
-)
+from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
+from .scene import GROUND, Body, Scene, Sketch, Slide
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -44,16 +31,21 @@ def shipped() -> dict[str, Path]:
 
 
 def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyType({})) -> Scene:
-    """Read a scene, by the name of a shipped one or from a .toml file.
+    """Read a scene.
 
-    `changes` are what to take instead of some of its numbers and texts, by path, in the units of the file.
+    Args:
+        name_or_path: the name of a shipped scene, or a .toml file.
+        changes: other values for some of its numbers and texts, by path (`bodies.rod.mass`), in the units of the file.
+
+    Returns:
+        The scene in SI: complete, and consistent as far as counts and names show.
 
     Raises:
-        InputError: the file cannot be read or says something impossible; the text is one line that names the file, the
-            changes, the path in it, what was expected, and the nearest valid name.
+        InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
+            the changes, the path in it, what was expected, and the nearest valid name.
     """
     tables = tables_of(name_or_path)
-    file = named(name_or_path, changes)
+    file = label(name_or_path, changes)
     try:
         change(tables, changes)
         return _scene(SceneFile.model_validate(tables), file)
@@ -64,7 +56,11 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
 
 
 def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
-    """Return the numbers at these paths of a scene file, in its own units.
+    """Return numbers of a scene file, in its own units.
+
+    Args:
+        name_or_path: as of `load`.
+        paths: where the numbers are, as `bodies.rod.lengths.P4-P5`.
 
     Raises:
         InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
@@ -76,7 +72,7 @@ def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
 
 
 def tables_of(name_or_path: str | Path) -> dict[str, Any]:
-    """Return what a scene file says, unchecked.
+    """Return the tables of a scene file, unchecked.
 
     Raises:
         InputError: the file cannot be read.
@@ -85,7 +81,7 @@ def tables_of(name_or_path: str | Path) -> dict[str, Any]:
 
 
 def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) -> dict[str, Any]:
-    """Return what a file says, by the name of one of the known or by its path; `kind` is what messages call it.
+    """Return the tables of a file: one of the known by its name, any other by its path; messages name its `kind`.
 
     Raises:
         InputError: the file cannot be read.
@@ -184,7 +180,7 @@ def _drive(table: DriveTable, unit: float, speed_unit: float) -> Drive:
     if table.law is not None:
         for key in ("start", "end"):
             if getattr(table, key) is not None:
-                raise InputError(f"drive.{key}: expected none, since the law says it")
+                raise InputError(f"drive.{key}: expected none with a 'law'")
         times, positions = zip(*table.law, strict=True)
         return MotionLaw(table.body, times, tuple(p * unit for p in positions), periodic=bool(table.periodic))
     if table.periodic is not None:

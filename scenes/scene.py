@@ -1,6 +1,6 @@
 """The scene: everything the models share about a mechanism, in SI, and nothing they could share by mistake.
 
-A scene says what was written in its file: lengths, points, masses, joints by shared point names. It has no pose, no
+A scene holds what was written in its file: lengths, points, masses, joints by shared point names. It has no pose, no
 branch solver and no derived lengths or inertias; each model works those out by its own means, because a mistake shared
 by two models is one the comparison cannot see.
 """
@@ -162,7 +162,7 @@ class Scene:
         return "crank_angle" if self.driven_slide is None else "drive.displacement"
 
     def where(self, position: float) -> str:
-        """Say a position of the drive in messages: `crank angle 30.0000 deg`, `crosshead at 0.566041 m`."""
+        """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 0.56 m`."""
         if self.driven_slide is None:
             return f"crank angle {degrees(position):.4f} deg"
         return f"{self.drive.body} at {position:.6g} m"

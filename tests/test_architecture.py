@@ -111,7 +111,7 @@ ENGINES: tuple[Engine[Any], ...] = (  # mypy holds each module to the protocol
 
 
 def test_every_engine_has_all_of_the_protocol() -> None:
-    members = {name for name in vars(Engine) if not name.startswith("_")}
+    members = {name for name in (*vars(Engine), *Engine.__annotations__) if not name.startswith("_")}
     assert {"DEFAULT", "at_steps", "build"} < members
     assert [registry.engine(name) for name in registry.ENTRIES] == [*ENGINES]
     for engine in ENGINES:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
-from scenes.changes import named
+from scenes.changes import label
 from scenes.motion import Samples
 
 from ..engines import registry
@@ -53,7 +53,7 @@ def members(
         try:
             yield _member(load(file, change), change, engines, sampling, progress)
         except InputError as error:
-            yield Member(change, INVALID, str(error).removeprefix(f"{named(file, change)}: "))
+            yield Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
         except Failure as failure:
             yield Member(change, failure.status.name, failure.reason)
         except Exception as error:  # one odd linkage must not take the others with it

@@ -157,8 +157,8 @@ MECHANISM_SLIPS = {
     ),
     "law and speed": ("swinging_law", "law =", "speed = 60\nlaw =", ["drive", "either 'speed' or 'law'"]),
     "neither law nor speed": ("shaper", "speed = 60\n", "", ["drive", "either 'speed' or 'law'"]),
-    "start with a law": ("swinging_law", "law =", "start = 60\nlaw =", ["drive.start", "the law says it"]),
-    "end with a law": ("swinging_law", "law =", "end = 60\nlaw =", ["drive.end", "the law says it"]),
+    "start with a law": ("swinging_law", "law =", "start = 60\nlaw =", ["drive.start", "expected none with a 'law'"]),
+    "end with a law": ("swinging_law", "law =", "end = 60\nlaw =", ["drive.end", "expected none with a 'law'"]),
     "periodic without a law": (
         "shaper",
         "speed = 60",
