@@ -39,7 +39,7 @@ def scalar_channels(scene: Scene, linkage: Linkage) -> Iterator[Channels]:
             yield from _of_slider(body)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
     for group in linkage.groups:
-        yield from _lock_channels(linkage, group)
+        yield from _of_group(linkage, group)
 
 
 def _of_point(p: str) -> Iterator[Channels]:
@@ -63,8 +63,8 @@ def _of_slider(body: str) -> Iterator[Channels]:
     yield (f"{body}.guide_moment",), lambda _, on: on.guide[body][1]
 
 
-def _lock_channels(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
-    """Yield how near a group is to a lock; two crossing guides lock at no length."""
+def _of_group(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
+    """Yield how far a group is from a singular configuration; of two crossing guides that is no length."""
     joint = inner_joint(group)
     if isinstance(group, Group):
         yield (f"{joint}.to_lock",), lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint])

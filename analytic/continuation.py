@@ -18,7 +18,7 @@ from .group_equations import Group, GroupEquations, Placed, Pose, coordinates, e
 from .newton_group import ROUGHLY, assemble, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
-SMALLEST = 2.0**-20  # of a step: a lock is found to that
+SMALLEST = 2.0**-20  # of a step: a singular configuration is found to that
 ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
 SMOOTH = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
 SAME = 1e-6  # rad: two poses
@@ -37,7 +37,7 @@ class Track:
     q: Samples  # (N, m)
     dq: Samples  # (N, m), by unit of position
     ddq: Samples  # (N, m)
-    branch: float  # the sign of det J: it changes where the branch meets another, in a lock
+    branch: float  # the sign of det J: it changes where the branch meets another
 
     def at(self, position: Samples, placed: Pose) -> tuple[Pose, Samples]:
         """Return all frames and the Jacobian (n, m, m), NaN where the branch does not reach."""
@@ -60,7 +60,7 @@ class Track:
     def leads_back(self, before: "Track") -> bool:
         """Return whether the parabola through this pose is near the one before: else no position between may be found.
 
-        A step can leap over the narrow place near a lock, where a parabola holds for less than a step.
+        A step can leap over a singular configuration, near which a parabola holds for less than a step.
         """
         h, move = before.position - self.position, self.equations.length(self.q - before.q)
         off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
@@ -72,7 +72,7 @@ class Track:
 
 
 def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
-    """Follow the sketch's branch round the turn, along a driven slider's way, or to the locks on both sides.
+    """Follow the sketch's branch round the turn, along a driven slider's way, or to where it ends on both sides.
 
     Raises:
         Failure: `cannot_assemble` at the sketch; `unsupported` when a crank turns all the way and ends in another pose.
@@ -100,7 +100,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     if most - least > turn - step:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
         raise Failure(Status.unsupported, why)
-    middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, on which the angle does tell
+    middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, where one angle has one pose
     poses = [*_march(first, placed, -turn)[:0:-1], *forward]
     return _joined([pose for pose in poses if abs(pose.position[0] - middle) <= turn / 2])
 

@@ -30,7 +30,7 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
         unit = Driven(position, np.array(1.0), np.array(0.0))
-        with np.errstate(invalid="ignore", divide="ignore"):  # beyond a lock there is none
+        with np.errstate(invalid="ignore", divide="ignore"):  # there is none where it does not assemble
             k = kinematics(scene, linkage, unit)
         shape = np.zeros(np.shape(position))
         return tuple(dot(t, x) + shape for x in (k.z[point] - through, k.v[point], k.a[point]))  # type: ignore[return-value]

@@ -32,7 +32,7 @@ class Pinned:
 class Guided:
     """A leg that slides on the placed body `on`: its point F runs through G along t, both fixed in the frame of `on`.
 
-    It is all the same which of the two the scene calls the slider: the line through either's point has to pass through
+    Either of the two may be the slider of the scene: the line through either's point has to pass through
     the other's, and the frames are parallel.
     """
 
@@ -66,14 +66,13 @@ class InnerSlide:
 
 
 Dyad: TypeAlias = InnerPin | InnerSlide
-Driver: TypeAlias = Pinned | Guided
 
 
 @dataclass(frozen=True)
 class Decomposition:
     """A linkage in solving order: the driver, then one Assur group after the other."""
 
-    driver: Driver
+    driver: Leg
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
@@ -102,14 +101,16 @@ def decompose(scene: Scene) -> Decomposition:
 def route(scene: Scene) -> str:
     """Return how a scene is solved: `closed form: crank, RRR, RRP` or `crank, RRR, Newton on one-plate-two-three`.
 
+    Args:
+        scene: the mechanism.
+
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     groups = decompose(scene).groups
-    said = [kind(group) for group in groups]
     closed_form = not any(isinstance(group, Group) for group in groups)
     driver = "crank" if scene.driven_slide is None else "driven slider"
-    return ("closed form: " if closed_form else "") + ", ".join([driver, *said])
+    return ("closed form: " if closed_form else "") + ", ".join([driver, *map(kind, groups)])
 
 
 def kind(group: Dyad | Group) -> str:
@@ -121,7 +122,7 @@ def kind(group: Dyad | Group) -> str:
 
 
 def inner_joint(group: Dyad | Group) -> str:
-    """Return what a group is called by: its inner pin, or the slider of its inner slide."""
+    """Return the name of a group in channels: its inner pin, or the slider of its inner slide."""
     return group.guide.slider if isinstance(group, InnerSlide) else group.P
 
 

@@ -93,9 +93,9 @@ class Placed:
 class GroupEquations:
     """The constants of the joints, between the frames of the group's b bodies and, after them, of what they hang on.
 
-    S and T say which frames a joint is between: -1 for the one that a pin hangs on or that a slider slides on, 1 for
-    the other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and
-    of the guide's.
+    S and T mark the frames that a joint is between: -1 the one that a pin hangs on or that a slider slides on, 1 the
+    other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and of
+    the guide's.
     """
 
     bodies: int  # b

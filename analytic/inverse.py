@@ -45,6 +45,9 @@ def inverse(
         velocity: v, m/s, likewise.
         acceleration: a, m/s^2, likewise.
 
+    Returns:
+        One stroke from each dead point to the next, or to the end of the drive's way, in the order of the positions.
+
     Raises:
         Failure: the linkage does not decompose, or does not assemble all the way.
         ValueError: the output point does not slide on the ground, or does not move.
@@ -56,7 +59,7 @@ def inverse(
     if np.isnan(way).any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage))
     if not np.ptp(way) > STILL * _longest_arm(linkage):
-        raise ValueError(f"{scene.output} stands still wherever the drive is: no motion of it tells that of the drive")
+        raise ValueError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
     return [_stroke(displaced, start, end, s, v, a) for start, end in pairwise(_ends(scene, displaced))]
 
 

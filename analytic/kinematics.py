@@ -48,7 +48,7 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
     linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, tracks={})
     for group in whole.groups:
         if isinstance(group, Group):
-            with np.errstate(invalid="ignore", divide="ignore"):  # next to a lock
+            with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
                 track = follow(scene, group, whole.bodies, partial(_placed, scene, linkage, group))
             linkage = replace(linkage, tracks={**linkage.tracks, group: track})
         linkage = replace(linkage, groups=(*linkage.groups, group))

@@ -107,7 +107,7 @@ class _Balance:
             n, N = 1j * g2, dot(g1, force_1) / det
         on_1 = n * N
         self.found.pin[two.A, two.body] = on_1 - force_2
-        # Where either leg's balance tells M, take the slider's: its own lever is the short one, often none.
+        # Where either leg's balance gives M, take the slider's: its own lever is the short one, often none.
         at = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
         if dyad.guide.slider == one.body and isinstance(one, Pinned):
             M = -moment_1 - cross(at - self.k.z[one.A], on_1)

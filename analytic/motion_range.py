@@ -19,15 +19,15 @@ BISECTIONS = 50  # from one of them down to the last place
 
 @dataclass(frozen=True)
 class Interval:
-    """Positions of the drive, rad or m, between which the linkage assembles, and the inner joint that locks at either.
+    """Positions of the drive, rad or m, between which the linkage assembles, and the joint of the group singular there.
 
-    A driven slider's way may end before anything locks; then there is no joint.
+    A driven slider's way may end without a singular configuration; then there is no joint.
     """
 
     start: float
     end: float
-    start_lock: str
-    end_lock: str
+    start_joint: str
+    end_joint: str
 
 
 def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
@@ -40,7 +40,7 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     if scene.driven_slide is None:
         least, most = least, least + turn
     way = np.linspace(least, most, SAMPLES + 1)
-    assembled = _locked(scene, linkage, way) == ""
+    assembled = _unreached(scene, linkage, way) == ""
     edges = np.flatnonzero(assembled[1:] != assembled[:-1])
     if not len(edges):
         return []
@@ -48,9 +48,9 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     outside = np.where(assembled[edges], way[edges + 1], way[edges])
     for _ in range(BISECTIONS):
         middle = (inside + outside) / 2
-        fits = _locked(scene, linkage, middle) == ""
+        fits = _unreached(scene, linkage, middle) == ""
         inside, outside = np.where(fits, middle, inside), np.where(fits, outside, middle)
-    ends = [(float(x), str(lock)) for x, lock in zip(inside, _locked(scene, linkage, outside), strict=True)]
+    ends = [(float(x), str(joint)) for x, joint in zip(inside, _unreached(scene, linkage, outside), strict=True)]
     if assembled[0]:  # the way begins within an interval: round the turn it is the last one's
         ends = [*ends[1:], (ends[0][0] + turn, ends[0][1])] if turn < inf else [(least, ""), *ends]
     if len(ends) % 2:
@@ -58,7 +58,7 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     return [Interval(a, b, at_a, at_b) for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _locked(scene: Scene, linkage: Linkage, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
+def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
     """Return, for each position, the inner joint of the first group that does not reach, or an empty text."""
     with np.errstate(invalid="ignore", divide="ignore"):
         reach = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0))).reach
@@ -73,28 +73,28 @@ def describe(scene: Scene, linkage: Linkage) -> str:
     """Return in one sentence how far the drive moves, and what is in line where it stops."""
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
-    if not intervals and not _locked(scene, linkage, np.array([scene.drive.start]))[0]:
+    if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
         least, most = scene.drive.extent
         if turns:
             return f"the {body} turns freely but for gaps narrower than {360 / SAMPLES:g} deg"
         return f"the {body} slides freely all its way, from {least:.6g} m to {most:.6g} m"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
-    locks = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
+    stops = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
 
-    def end(position: float, lock: str) -> str:
-        return f"{f'{degrees(position):.4f} deg' if turns else f'{position:.6g} m'} ({locks[lock]})"
+    def end(position: float, joint: str) -> str:
+        return f"{f'{degrees(position):.4f} deg' if turns else f'{position:.6g} m'} ({stops[joint]})"
 
-    said = " and ".join(f"from {end(i.start, i.start_lock)} to {end(i.end, i.end_lock)}" for i in intervals)
-    return f"the {body} {'turns' if turns else 'slides'} only {said}; drive.start and drive.end can limit a run"
+    ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
+    return f"the {body} {'turns' if turns else 'slides'} only {ways}; drive.start and drive.end can limit a run"
 
 
 def in_line(group: Dyad | Group) -> str:
-    """Return what is in line, square or parallel where a group locks."""
+    """Return what is in line, square or parallel where a group is singular."""
     if isinstance(group, Group):
-        return f"{', '.join(group.bodies)} locked"
+        return f"{', '.join(group.bodies)} in a singular configuration"
     one, two = (leg.body for leg in group.legs)
     if isinstance(group, InnerSlide):
         return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
-    locks = {"RRR": f"{one} and {two} in line at {group.P}", "RRP": f"{one} square to the guide of {two}"}
-    return locks.get(kind(group), f"the guides of {one} and {two} parallel")
+    singular = {"RRR": f"{one} and {two} in line at {group.P}", "RRP": f"{one} square to the guide of {two}"}
+    return singular.get(kind(group), f"the guides of {one} and {two} parallel")

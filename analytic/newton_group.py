@@ -12,7 +12,7 @@ from scenes.motion import Samples
 from .group_equations import Complex, GroupEquations, Placed, Pose, coordinates, in_plane
 
 CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
-ROUGHLY = 1e-7  # of the group's size: Newton's last correction; near lock, roundings grow to their square root, 1e-8
+ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
 LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies about
 ITERATIONS = 200  # from the sketch
 

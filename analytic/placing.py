@@ -19,7 +19,7 @@ Spin: TypeAlias = tuple[Samples, Samples]  # omega, alpha
 
 
 class Closure(NamedTuple):
-    """How a dyad closes, and locks where det is zero.
+    """How a dyad closes; it is singular where det is zero.
 
     At an inner pin, g is what a leg moves the pin by per unit of its freedom. RPP: the directions of both guides. RPR:
     the guide's normal, and from the second leg's pin to the first's.

@@ -45,25 +45,25 @@ def solve(
         The channels, each of shape (n,), SI; where all are asked for, `transmission` and `to_lock` too.
 
     Raises:
-        Failure: `unsupported` when the sketch leaves a branch open, `cannot_assemble` at the first position where the
-            bodies do not reach.
+        Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
         ValueError: the drive follows a law, and no instants are given.
     """
     return solver(scene, channels)(position, time)
 
 
 def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
-    """Return `solve` of one scene, which is decomposed, and its larger groups followed, only once.
+    """Return `solve` of one scene for many calls: it is decomposed, and its larger groups are followed, only once.
 
     Args:
         scene: the mechanism.
         channels: as of `solve`.
 
     Returns:
-        A function of positions and instants, as `solve` takes them.
+        A function of positions and instants, both as of `solve`.
 
     Raises:
-        Failure: `unsupported` or `cannot_assemble`, as of `solve`.
+        Failure: `unsupported` when the sketch leaves a branch open or a part is held twice over, `cannot_assemble` when
+            a larger group does not close near the sketch.
     """
     return prepared(scene, decompose(scene), channels)
 
@@ -87,9 +87,12 @@ class Solver:
     request: Request
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
-        """Solve as `solve` does, by another way to the kinematics if one is given.
+        """Solve as `solve` does, with what it returns and raises.
 
-        The precision is single where that of the positions is.
+        Args:
+            position: as of `solve`; where it is an array in single precision, so is all that is computed.
+            time: as of `solve`.
+            motion_at: another way to the kinematics.
         """
         scene, linkage, wanted = self.scene, self.linkage, self.request.channels
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
@@ -124,8 +127,8 @@ def _driven(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Sa
     if time is not None:
         time = np.array(time, dtype=np.float64)
     if isinstance(scene.drive, ConstantSpeed):
-        told = (position - scene.drive.start) / scene.drive.speed if time is None else time
-        return told, Driven(position, np.array(scene.drive.speed), np.array(0.0))
+        instants = (position - scene.drive.start) / scene.drive.speed if time is None else time
+        return instants, Driven(position, np.array(scene.drive.speed), np.array(0.0))
     if time is None:
         raise ValueError("a drive that follows a law needs the instants")
     return time, scene.drive.at(time)._replace(position=position)

@@ -1,4 +1,27 @@
-"""What every model shares: the scene, what a model must return, and the scene files."""
+"""What every model shares: the scene, what a model must return, and the scene files.
+
+| word | meaning in the whole repository |
+|---|---|
+| Assur group | the fewest bodies that have no freedom left once they hang on what is placed: solved together |
+| dyad | an Assur group of two bodies, class II, solved in closed form; a larger group is solved by Newton's method |
+| branch, assembly mode | one of the ways to put the same bodies together at one position of the drive |
+| singular configuration, locking pose | a pose in which a group's Jacobian is singular: two branches meet |
+| change point | a singular configuration that the drive can go through, from either branch into the other |
+| dead point | a pose in which a slider stands still while the drive moves on |
+| transmission angle | at a dyad's inner joint, how far from singular it is: 0 there, a right angle at best |
+| `to_lock` | how far from singular a group is as a length: what an arm would have to be off |
+| kinetostatics | the forces at the joints and of the drive that a known motion asks for |
+| constraint residual | by how much the joints of a pose are open |
+| condition | by how much a small relative error of what goes in is larger in what comes out |
+| round-off | what doubles cost: their last place, 2.2e-16, times the condition |
+| floor | how far the reference itself may be off, measured against 50 digits; no error below it is shown |
+| promise | the largest relative error at which an engine's run may end `ok` |
+| silent | of a run that ended `ok` and broke its promise |
+| work-precision | time against error, over an engine's settings from cheap to accurate |
+| request | the instants, or positions of the drive, and the channels that a model is asked for |
+| channel, sample | one column of a motion, as `P5.y`, and one row, at one instant; a step is an engine's own |
+| ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
+"""
 
 from .engine import Engine, Failure, Settings, Simulation, Status
 from .errors import InputError

@@ -42,7 +42,7 @@ class ConstantSpeed:
 
     @property
     def advance(self) -> float:
-        """Return how far one cycle takes the body: a turn, or the way to the end."""
+        """Return how far one cycle takes the body, rad or m: a turn, or the way to the end."""
         return copysign(2 * pi, self.speed) if self.end is None else self.end - self.start
 
     @property
@@ -52,21 +52,21 @@ class ConstantSpeed:
 
     @property
     def peak_rate(self) -> float:
-        """Return the largest |rate|."""
+        """Return the largest |rate|, rad/s or m/s."""
         return abs(self.speed)
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Return the least and the largest position of a cycle."""
+        """Return the least and the largest position of a cycle, rad or m."""
         ends = self.start, self.start + self.advance
         return min(ends), max(ends)
 
     def after(self, cycles: ArrayLike) -> Samples:
-        """Return the position after that many cycles, not all of them whole."""
+        """Return the positions, rad or m, after numbers of cycles, whole or not, of any shape."""
         return self.start + np.asarray(cycles, np.float64) * self.advance
 
     def at(self, time: ArrayLike) -> Driven:
-        """Return what the drive asks for at some instants, s, before zero and after the end too."""
+        """Return what the drive asks for at instants of any shape, s, before zero and after the end too."""
         time = np.asarray(time, np.float64)
         return Driven(self.start + self.speed * time, np.full(time.shape, self.speed), np.zeros(time.shape))
 
@@ -91,7 +91,7 @@ class MotionLaw:
 
     @property
     def start(self) -> float:
-        """Return the position when time is zero."""
+        """Return the position when time is zero, rad or m."""
         return self.positions[0]
 
     @property
@@ -101,23 +101,23 @@ class MotionLaw:
 
     @cached_property
     def peak_rate(self) -> float:
-        """Return the largest |rate|; that of a spline's pieces, parabolas, is at an end or where they peak."""
+        """Return the largest |rate|, rad/s or m/s: of a spline's parabolas, at an end or where one peaks."""
         peaks = self._spline.derivative(2).roots(extrapolate=False)
         inside = peaks[np.isfinite(peaks) & (peaks > 0) & (peaks < self.cycle)]
         return float(np.abs(self.at([*self.times, *inside]).rate).max())
 
     @cached_property
     def extent(self) -> tuple[float, float]:
-        """Return the least and the largest position of a cycle."""
+        """Return the least and the largest position of a cycle, rad or m."""
         positions = self.at(np.linspace(0, self.cycle, 10_001)).position
         return float(positions.min()), float(positions.max())
 
     def after(self, cycles: ArrayLike) -> Samples:
-        """Return the position after that many cycles, not all of them whole."""
+        """Return the positions, rad or m, after numbers of cycles, whole or not, of any shape."""
         return self.at(np.asarray(cycles, np.float64) * self.cycle).position
 
     def at(self, time: ArrayLike) -> Driven:
-        """Return what the drive asks for at some instants, s, before zero and after the end too."""
+        """Return what the drive asks for at instants of any shape, s, before zero and after the end too."""
         time = np.asarray(time, np.float64)
         spline, trend = self._spline, self._trend
         return Driven(spline(time) + trend * time, spline(time, 1) + trend, spline(time, 2))

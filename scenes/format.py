@@ -149,7 +149,7 @@ class SceneFile(Table):
 
 
 class LadderFile(Table):
-    """A whole ladder file: one scene, with other values at some of its paths on every step."""
+    """A whole ladder file: one scene, with another value at some of its paths on every rung."""
 
     format: Literal[1]
     title: str

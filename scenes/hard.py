@@ -39,7 +39,7 @@ INVALID = "invalid"  # the status of a rung that the reader has to refuse, besid
 
 @dataclass(frozen=True)
 class Rung:
-    """One step of a ladder."""
+    """One value of a ladder's parameter."""
 
     label: str
     value: Value  # in the units of the scene file

@@ -37,7 +37,7 @@ class PressForce:
     closing: int  # the sign of the displacement's rate while the slider closes
 
     def acts(self, displacement: ArrayLike, velocity: ArrayLike, end: float) -> NDArray[np.bool_]:
-        """Return whether the force acts at a displacement, m, and velocity, m/s; `end` is where the stroke ends, m."""
+        """Return where the force acts: displacements, m, velocities, m/s, of one shape; the stroke ends at `end`, m."""
         before_end = (end - np.asarray(displacement)) * self.closing
         acts: NDArray[np.bool_] = (before_end <= self.last) & (np.asarray(velocity) * self.closing > 0)
         return acts
@@ -53,7 +53,7 @@ class ForceTable:
     forces: tuple[float, ...]  # N, along `along`
 
     def along(self, displacement: float | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the force along the guide, N, at a displacement, m."""
+        """Return the forces along the guide, N, at displacements of any shape, m."""
         return np.asarray(np.interp(displacement, self.displacements, self.forces))
 
 

@@ -34,26 +34,11 @@ from .scene import Scene
 Samples: TypeAlias = NDArray[np.float64]
 
 UNITS: Mapping[str, str] = {
-    "time": "s",
-    "crank_angle": "rad",
-    "displacement": "m",
-    "x": "m",
-    "y": "m",
-    "vx": "m/s",
-    "vy": "m/s",
-    "ax": "m/s^2",
-    "ay": "m/s^2",
-    "angle": "rad",
-    "omega": "rad/s",
-    "alpha": "rad/s^2",
-    "fx": "N",
-    "fy": "N",
-    "guide_force": "N",
-    "guide_moment": "N*m",
-    "torque": "N*m",
-    "force": "N",
-    "transmission": "rad",
-    "to_lock": "m",
+    **dict.fromkeys(("x", "y", "displacement", "to_lock"), "m"),
+    **dict.fromkeys(("crank_angle", "angle", "transmission"), "rad"),
+    **dict.fromkeys(("fx", "fy", "guide_force", "force"), "N"),
+    **dict.fromkeys(("guide_moment", "torque"), "N*m"),
+    **{"time": "s", "vx": "m/s", "vy": "m/s", "ax": "m/s^2", "ay": "m/s^2", "omega": "rad/s", "alpha": "rad/s^2"},
 }
 
 
@@ -68,14 +53,14 @@ def header(channel: str) -> str:
 
 
 def kinematic_channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of all channels that describe the motion, in the order of the files."""
+    """Return the names of a scene's channels that describe the motion, in the order of the files."""
     points = tuple(f"{point}.{q}" for point in scene.moving_points for q in ("x", "y", "vx", "vy", "ax", "ay"))
     turning = (f"{body}.{q}" for body in scene.turning for q in ("angle", "omega", "alpha"))
     return ("time", scene.drive_channel, *points, *turning)
 
 
 def force_channels(scene: Scene) -> tuple[str, ...]:
-    """Return the names of all channels that describe the forces; none in a kinematic scene."""
+    """Return the names of a scene's channels that describe the forces; none in a kinematic scene."""
     if not scene.has_masses:
         return ()
     pins = tuple(f"{pin.channel}.{q}" for pin in scene.pins for q in ("fx", "fy"))
@@ -97,7 +82,7 @@ class Motion:
     unsupported: Mapping[str, str] = field(default_factory=dict)  # channel -> reason
 
     def __getitem__(self, channel: str) -> Samples:
-        """Return the samples of a channel, shape (n,), in the unit of `UNITS`.
+        """Return the samples of a channel by its name, shape (n,), in the unit of `UNITS`.
 
         Raises:
             KeyError: the motion has no such channel; the message names the reason, or the nearest one.

@@ -11,13 +11,13 @@ from .scene import Scene
 
 @dataclass(frozen=True)
 class Request:
-    """Base of both kinds of request: equal steps of the time, or positions of the drive."""
+    """Base of both kinds of request: equal steps of the time, or positions of the drive. `scene` is whose they are."""
 
     channels: frozenset[str] | None = field(default=None, kw_only=True)  # besides the time and the drive's; None: all
 
     @property
     def count(self) -> int:
-        """The number of rows, n."""
+        """The number of samples, n."""
         raise NotImplementedError
 
     def times(self, scene: Scene) -> Samples:
@@ -29,7 +29,7 @@ class Request:
         raise NotImplementedError
 
     def wanted(self, scene: Scene) -> tuple[str, ...]:
-        """Return the names of the channels of the result, in the order of the files."""
+        """Return the names of the wanted channels, with time and drive, in the order of the files."""
         known = channels(scene)
         if self.channels is None:
             return known
@@ -43,18 +43,18 @@ class Request:
 
 @dataclass(frozen=True)
 class Sampling(Request):
-    """Rows at `samples` equal steps of the time a cycle of the drive, over `turns` cycles, both ends included."""
+    """Samples at equal steps of the time, `samples` a cycle of the drive, over `turns` cycles, both ends included."""
 
     samples: int = 360
     turns: int = 1
 
     @property
     def count(self) -> int:
-        """The number of rows, n."""
+        """The number of samples, n."""
         return self.samples * self.turns + 1
 
     def cycles(self) -> Samples:
-        """Return how many cycles have passed at each row, shape (n,)."""
+        """Return how many cycles have passed at each sample, shape (n,)."""
         return np.arange(self.count, dtype=np.float64) / self.samples
 
     def times(self, scene: Scene) -> Samples:
@@ -68,7 +68,7 @@ class Sampling(Request):
 
 @dataclass(frozen=True)
 class Positions(Request):
-    """Rows at some positions of a drive at constant speed, rad or m, in the order in which it passes them.
+    """Samples at positions of a drive at constant speed, rad or m, in the order in which it passes them.
 
     Only models without a time step can answer; the others refuse it as unsupported.
     """
@@ -77,7 +77,7 @@ class Positions(Request):
 
     @property
     def count(self) -> int:
-        """The number of rows, n."""
+        """The number of samples, n."""
         return len(self.positions)
 
     def times(self, scene: Scene) -> Samples:

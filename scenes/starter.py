@@ -12,7 +12,13 @@ SCHEMA = "scene.schema.json"
 
 
 def write_starter(path: Path) -> list[Path]:
-    """Write a commented scene, and the schema beside it; return both files.
+    """Write a commented scene, and the schema beside it.
+
+    Args:
+        path: the scene's name, and the folder to write to; the file gets the ending .toml.
+
+    Returns:
+        Both files.
 
     Raises:
         InputError: the name cannot be a scene's, the file is there already, or the folder cannot be written.

@@ -175,7 +175,7 @@ def test_a_lock_is_told_where() -> None:
     """With a longer crank, the lines of the three bars meet in one point at both ends of the range."""
     scene = scene_files.load("class_iii", LONG_CRANK)
     (interval,) = motion_range(scene, followed(scene, decompose(scene)))
-    assert interval.start_lock == interval.end_lock == "B"
+    assert interval.start_joint == interval.end_joint == "B"
     assert interval.end - interval.start < 2 * np.pi
     ends = analytic.solve(scene, [interval.start, interval.end])
     # The distance is as the root of the angle that is left, which is 1e-6 deg: 1e-4 of some 0.3 m.
@@ -185,7 +185,7 @@ def test_a_lock_is_told_where() -> None:
     ) as caught:
         analytic.solve(scene, TURN)
     assert caught.value.status is Status.cannot_assemble
-    assert "(coupler, plate, upper, lower locked)" in caught.value.reason
+    assert "(coupler, plate, upper, lower in a singular configuration)" in caught.value.reason
 
 
 def test_a_sketch_that_cannot_close_is_refused() -> None:

@@ -61,7 +61,7 @@ def test_rrr() -> None:
     limit = acos((2**2 + 3**2 - (1.5 + 1.2) ** 2) / (2 * 2 * 3))
     found = intervals(scene)
     assert_ends(found, (2 * pi - limit, 2 * pi + limit))
-    assert found[0].start_lock == found[0].end_lock == "B"
+    assert found[0].start_joint == found[0].end_joint == "B"
     assert "(coupler and rocker in line at B)" in reason(scene)
 
 
@@ -121,8 +121,8 @@ def test_driven_slider(start: float, end: float, least: float, most: float) -> N
     """Crank and rod are in line at 3 - 1 and at 3 + 1; between them the way may end."""
     found = intervals(driven(start, end))
     assert_ends(found, (least, most))
-    assert found[0].start_lock == ("A" if least == 2 else "")
-    assert found[0].end_lock == ("A" if most == 4 else "")
+    assert found[0].start_joint == ("A" if least == 2 else "")
+    assert found[0].end_joint == ("A" if most == 4 else "")
 
 
 def test_driven_slider_in_words() -> None:
