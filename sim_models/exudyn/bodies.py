@@ -5,10 +5,12 @@ A point of the plane is a complex number, x + iy.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import copysign, sqrt
+from math import copysign, log2, sqrt
+
+import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body
+from scenes.scene import Body, ForceTable
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,36 @@ def in_unit(body: RigidBody, force: float) -> RigidBody:
     return replace(body, mass=body.mass / force, inertia=body.inertia / force)
 
 
+def linkage_size(scene: Scene, bodies: Mapping[str, RigidBody]) -> float:
+    """Return the linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
+
+    It is at least a driven slider's travel, since all bodies may be points.
+    """
+    arms = [abs(point) for body in bodies.values() for point in body.points.values()]
+    ground = [complex(*point) for point in scene.ground.values()]
+    least, most = (0.0, 0.0) if scene.driven_slide is None else scene.drive.extent
+    return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
+
+
+def force_unit(scene: Scene, bodies: Mapping[str, RigidBody], size: float) -> float:
+    """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
+
+    Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
+    masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are.
+    """
+    least, most = scene.drive.extent
+    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+    acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
+    forces = [body.mass * acceleration for body in bodies.values()]
+    for load in scene.loads:
+        forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
+    forces += [spring.stiffness * size for spring in scene.springs]
+    largest = max(forces)
+    return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
+
+
 def sketched(scene: Scene) -> dict[str, complex]:
-    """Return where the points are, roughly: name -> m, for those that the scene says."""
+    """Return the sketched points and those of the ground: name -> m."""
     return {name: complex(*point) for name, point in (*scene.ground.items(), *scene.sketch.points.items())}
 
 

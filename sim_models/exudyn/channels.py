@@ -5,16 +5,13 @@ plane are complex numbers, x + iy.
 """
 
 from collections.abc import Set as AbstractSet
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes.scene import GROUND
 
-from .system import System
-
-Array: TypeAlias = NDArray[np.float64]
+from .system import Array, System
 
 
 def driven(system: System, q: Array) -> Array:

@@ -12,8 +12,7 @@ from scenes import Failure, Status
 from scenes.motion import quantity
 
 from . import channels
-from .equations import Array
-from .system import System
+from .system import Array, System
 
 OFF_LIMIT = 0.1  # relative; a run that is so far off has not converged
 

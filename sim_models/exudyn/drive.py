@@ -1,4 +1,4 @@
-"""Where the drive is to be, as Exudyn's constraint asks for it: at a time of Exudyn's clock, or held."""
+"""The position and rate of the drive by Exudyn's clock, as its constraint asks for them: held, or running in time."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -13,40 +13,55 @@ Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 SAME_INSTANT = 1e-9  # of a step; what rounding leaves between two ways of counting the clock
 
 
-class Course:
-    """The drive's position and rate by Exudyn's clock, which cannot start below zero: it runs ahead by `lead`, s."""
+class HeldDrive:
+    """The drive held at a position, rad or m, with a rate of one: velocities are then derivatives by the position."""
 
-    def __init__(self, drive: Drive) -> None:
-        self.drive, self.lead = drive, 0.0
+    pre_roll = 0.0  # s
+
+    def __init__(self, held: float) -> None:
+        self.held = held
+
+    def position(self, _clock: float) -> float:
+        """Return the position, rad or m."""
+        return self.held
+
+    def rate(self, _clock: float) -> float:
+        """Return one."""
+        return 1.0
+
+
+class RunningDrive:
+    """The drive in time, for a number of steps of one size, s, the first `pre_roll` s before the scene's time zero.
+
+    Exudyn's clock cannot be negative: it is `pre_roll` ahead of the scene's.
+    """
+
+    def __init__(self, drive: Drive, pre_roll: float, step: float, steps: int) -> None:
+        self.pre_roll = pre_roll
         self.position: Function
         self.rate: Function
-        self.hold(drive.start)
-
-    def hold(self, position: float) -> None:
-        """Keep the drive at one position, rad or m, with a rate of one, so that velocities are by the position."""
-        self.position = lambda _clock: position
-        self.rate = lambda _clock: 1.0
-
-    def run(self, lead: float, step: float, steps: int) -> None:
-        """Follow the drive in time, for a number of steps of the same size, s."""
-        self.lead = lead
-        if isinstance(self.drive, ConstantSpeed):
-            speed, zero = self.drive.speed, self.drive.start - self.drive.speed * lead
+        if isinstance(drive, ConstantSpeed):
+            speed, zero = drive.speed, drive.start - drive.speed * pre_roll
             self.position = lambda clock: zero + speed * clock
             self.rate = lambda _clock: speed
         else:
             # A law takes 20 us to evaluate, half as long as Exudyn's whole step, but not much longer for all at once.
-            position, rate, _ = self.drive.at(np.arange(steps + 1) * step - lead)
-            self.position = self._tabulated(position, step, lambda time: float(self.drive.at(time).position))
-            self.rate = self._tabulated(rate, step, lambda time: float(self.drive.at(time).rate))
+            position, rate, _ = drive.at(np.arange(steps + 1) * step - pre_roll)
+            self.position = _tabulated(position, step, lambda clock: float(drive.at(clock - pre_roll).position))
+            self.rate = _tabulated(rate, step, lambda clock: float(drive.at(clock - pre_roll).rate))
 
-    def _tabulated(self, table: NDArray[np.float64], step: float, at: Function) -> Function:
-        lead, values = self.lead, [float(value) for value in table]
 
-        def value(clock: float) -> float:
-            number = round(clock / step)
-            if 0 <= number < len(values) and abs(clock - number * step) <= SAME_INSTANT * step:
-                return values[number]
-            return at(clock - lead)
+ExudynDrive: TypeAlias = HeldDrive | RunningDrive
 
-        return value
+
+def _tabulated(table: NDArray[np.float64], step: float, between: Function) -> Function:
+    """Return the function with these values at the steps."""
+    values = table.tolist()
+
+    def value(clock: float) -> float:
+        number = round(clock / step)
+        if 0 <= number < len(values) and abs(clock - number * step) <= SAME_INSTANT * step:
+            return float(values[number])
+        return between(clock)
+
+    return value

@@ -1,6 +1,6 @@
 """The equations of an Exudyn system, C(q) = 0 and M a + C_q^T lambda = f, term by term as Exudyn itself evaluates them.
 
-Its solver computes every term of a step's residual and Jacobian; what is solved with them is for others to say.
+Its solver computes every term of a step's residual and Jacobian.
 """
 
 from collections.abc import Callable
@@ -8,11 +8,10 @@ from functools import wraps
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .system import System, engine
+from .drive import HeldDrive
+from .system import Array, System, engine
 
-Array: TypeAlias = NDArray[np.float64]
 Term: TypeAlias = Callable[..., Array]
 
 
@@ -31,8 +30,8 @@ def _of_many(term: Term) -> Term:
 class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
-    def __init__(self, system: System) -> None:
-        self._mbs, self._state, self._course = system.mbs, system.state, system.course
+    def __init__(self, system: System, drive: HeldDrive) -> None:
+        self._mbs, self._state, self._drive = system.mbs, system.state, drive
         self._solver: Any = engine().MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)
         self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
@@ -46,7 +45,7 @@ class Equations:
     def residual(self, q: Array, position: float) -> Array:
         """Return C(q) with the drive at a position, shape (constraints,), m and rad."""
         self._state.SetODE2Coordinates(q)
-        self._course.hold(position)
+        self._drive.held = position
         self._solver.ComputeAlgebraicEquations(self._mbs)
         return self._constraint_rows()
 
@@ -68,13 +67,13 @@ class Equations:
         return self._constraint_rows()
 
     @_of_many
-    def forces(self, q: Array, clock: float) -> Array:
-        """Return f at an instant of Exudyn's clock, s: N and N m, shape (3 bodies,).
+    def forces(self, q: Array, time: float) -> Array:
+        """Return f at an instant, s: in the system's unit of force, and that times m, shape (3 bodies,).
 
-        Of loads, springs and gravity none looks at velocities; a press load knows its instants.
+        Loads, springs and gravity do not depend on velocities; a press load is a function of the time.
         """
         self._state.SetODE2Coordinates(q)
-        self._state.SetTime(clock)
+        self._state.SetTime(time)
         self._solver.ComputeODE2RHS(self._mbs)
         forces: Array = self._solver.GetSystemResidual()[: self._n]
         return forces

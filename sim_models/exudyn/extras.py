@@ -1,4 +1,4 @@
-"""What one might also ask of Exudyn and no scene needs: sensors, text files, a Python function in every step."""
+"""Features of Exudyn that no scene needs: sensors, text files, a Python function in every step."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,24 +13,23 @@ from .settings import Extra, Textbook, TimeStepping
 from .system import System, engine
 
 
-class Extras:
-    """Sensors on a system, a folder for its files that lives as long as this does, and a callback."""
-
-    def __init__(self, system: System, options: TimeStepping, step: float, *, forces: bool) -> None:
-        extra, settings = options.extra, system.settings
-        if extra is Extra.TEXT or isinstance(options, Textbook):
-            self.folder = Path(mkdtemp(prefix="exudyn_"))
-            finalize(self, rmtree, self.folder)
-            settings.solution.file.write = True  # as it is preset, but not into the working folder
-            settings.solution.file.name = str(self.folder / "coordinates.txt")
-        if extra in (Extra.SENSORS, Extra.TEXT):
-            settings.solution.sensors.writePeriod = step
-            for number, sensor in enumerate(_sensors(system, forces=forces)):
-                file = str(self.folder / f"sensor{number}.txt") if extra is Extra.TEXT else ""
-                system.mbs.AddSensor(sensor(fileName=file, storeInternal=not file))
-            system.mbs.Assemble()
-        if extra is Extra.CALLBACK:
-            system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
+def add_extras(system: System, options: TimeStepping, step: float, *, forces: bool) -> None:
+    """Add sensors, text files or a callback to a system with steps of that size, s; files are deleted with it."""
+    extra, solution = options.extra, system.settings.solution
+    folder = None
+    if extra is Extra.TEXT or isinstance(options, Textbook):
+        folder = Path(mkdtemp(prefix="exudyn_"))
+        finalize(system, rmtree, folder)
+        solution.file.write = True  # as it is preset, but not into the working folder
+        solution.file.name = str(folder / "coordinates.txt")
+    if extra in (Extra.SENSORS, Extra.TEXT):
+        solution.sensors.writePeriod = step
+        for number, sensor in enumerate(_sensors(system, forces=forces)):
+            file = str(folder / f"sensor{number}.txt") if folder and extra is Extra.TEXT else ""
+            system.mbs.AddSensor(sensor(fileName=file, storeInternal=not file))
+        system.mbs.Assemble()
+    if extra is Extra.CALLBACK:
+        system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
 
 
 def _sensors(system: System, *, forces: bool) -> Iterator[Any]:

@@ -1,24 +1,32 @@
-"""The pointwise route: states that meet the constraints at every sample, and what Exudyn's own terms make of them."""
+"""The pointwise route: poses that meet the constraints at every sample, and the rest from Exudyn's own terms there."""
 
-from dataclasses import dataclass
+from scenes import Request, Scene
+from scenes.engine import equal_steps
 
-from scenes import Request, Scene, Settings
+from .loads import add_loads
+from .poses import Poses, State
+from .simulation import Run, wants_accelerations
+from .start import start
+from .stroke import press_switches
+from .system import Array
 
-from .simulation import Array, Run, wants_accelerations
 
-
-@dataclass(frozen=True)
-class Pointwise(Settings):
-    """Solve position, velocity, acceleration and reactions at every sample, without integrating."""
+def build(scene: Scene, request: Request) -> "PointwiseRun":
+    """Assemble the linkage at the drive's start, see `engine.build`."""
+    poses = Poses(scene)
+    at_start = start(poses)
+    add_loads(poses.system, press_switches(poses, at_start))
+    return PointwiseRun(request, poses, at_start)
 
 
 class PointwiseRun(Run):
-    """A motion made of its states."""
+    """Poses through the samples, and velocities, accelerations and reactions in them."""
 
-    def __init__(self, scene: Scene, request: Request) -> None:
-        super().__init__(scene, request)
-        self._driven = scene.drive.at(self.times)
-        self._samples = self._buffer(accelerations=wants_accelerations(scene, request))
+    def __init__(self, request: Request, poses: Poses, start: State) -> None:
+        super().__init__(equal_steps(request), poses)
+        self._start = start
+        self._driven = self.scene.drive.at(self.times)
+        self._samples = self._buffer(accelerations=wants_accelerations(self.scene, request))
 
     def solve(self) -> None:
         """Follow the pose through the samples, cycle by cycle.
@@ -26,7 +34,7 @@ class PointwiseRun(Run):
         Raises:
             Failure: the pose cannot follow the drive.
         """
-        state, before, curved = self.start, self.poses.newton_iterations, self.poses.curvatures
+        state, before, curved = self._start, self.poses.newton_iterations, self.poses.curvatures
         for turn in range(self.sampling.turns):
             rows = slice(turn * self.sampling.samples, (turn + 1) * self.sampling.samples + 1)
             position, rate, acceleration = (values[rows] for values in self._driven)

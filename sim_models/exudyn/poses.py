@@ -13,10 +13,11 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Failure, Status
+from scenes import Failure, Scene, Status
 
-from .equations import Array, Equations
-from .system import System
+from .drive import HeldDrive
+from .equations import Equations
+from .system import Array, System
 
 KNOTS = 18  # poses of a cycle that are followed one by one; those between are then found from them all at once
 ITERATIONS = 12  # from a predicted pose, with the Jacobian there
@@ -56,10 +57,12 @@ class State(NamedTuple):
 
 
 class Poses:
-    """The poses of one system."""
+    """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
-    def __init__(self, system: System) -> None:
-        self.system, self.equations = system, Equations(system)
+    def __init__(self, scene: Scene, *, si: bool = False) -> None:
+        drive = HeldDrive(scene.drive.start)
+        self.system = system = System(scene, drive, si=si)
+        self.equations = Equations(system, drive)
         self.newton_iterations = self.curvatures = 0  # found so far
         # Corrections are measured with lengths over the linkage's size and angles in rad.
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
@@ -149,9 +152,9 @@ class Poses:
         curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
         return State(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
-    def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, clock: ArrayLike) -> Array:
-        """Return the Lagrange multipliers of a motion that is there at an instant of Exudyn's clock, s."""
-        forces = self.equations.forces(state.q, clock)
+    def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
+        """Return the Lagrange multipliers of a motion that is there at an instant, s."""
+        forces = self.equations.forces(state.q, time)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 

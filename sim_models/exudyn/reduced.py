@@ -13,9 +13,8 @@ import numpy as np
 
 from scenes.scene import GROUND, Pin
 
-from .equations import Array
 from .poses import Poses
-from .system import System
+from .system import Array, System
 
 
 class ReducedSystem(System):
@@ -61,9 +60,9 @@ class ReducedSystem(System):
                 narrow[self._own(name)] = planar
         return narrow
 
-    def widened(self, samples: Array, poses: Poses, clock: Array) -> Array:
+    def widened(self, samples: Array, poses: Poses, times: Array) -> Array:
         """Return what a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
-        wide = np.zeros((len(samples), len(clock), 3 * len(self.bodies)))
+        wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
         for number, name in enumerate(self.bodies):
             own, planar = samples[:3, :, self._own(name)], wide[:3, :, 3 * number : 3 * number + 3]
             if name in self.pivots:
@@ -78,7 +77,7 @@ class ReducedSystem(System):
             com = np.stack([x, v, a])
             planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
         if len(samples) > 3:
-            wide[3] = self._all_multipliers(poses, wide[0], wide[2], samples[3], clock)
+            wide[3] = self._all_multipliers(poses, wide[0], wide[2], samples[3], times)
         return wide
 
     def _turned(self, body: str, phi: Array, omega: Array, alpha: Array) -> tuple[Any, Any, Any]:
@@ -86,7 +85,7 @@ class ReducedSystem(System):
         arm = -self._pivot(body) * np.exp(1j * phi)
         return self._origin(body) + arm, 1j * omega * arm, (1j * alpha - omega**2) * arm
 
-    def _all_multipliers(self, poses: Poses, q: Array, a: Array, multipliers: Array, clock: Array) -> Array:
+    def _all_multipliers(self, poses: Poses, q: Array, a: Array, multipliers: Array, times: Array) -> Array:
         """Return those of all joints, shape (n, constraints), from those that this system has."""
         whole, equations = poses.system, poses.equations
         found = np.zeros(q.shape)
@@ -96,7 +95,7 @@ class ReducedSystem(System):
         effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
         found[:, whole.columns(whole.drive)] = effort / whole.drive_factor
         jacobian = equations.jacobian(q)
-        rest = equations.forces(q, clock) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, found)
+        rest = equations.forces(q, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, found)
         for number, name in enumerate(self.bodies):
             if name in self.reduced:
                 turns = name in self.pivots

@@ -1,22 +1,15 @@
 """What both ways to solve an Exudyn system share: the system at its start, and the checks of what comes out."""
 
 from math import pi
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Request, Scene, Status
-from scenes.engine import equal_steps
+from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.motion import quantity
 
 from . import channels
-from .loads import add_loads
 from .poses import Poses
-from .start import start
-from .system import System, engine
-
-Array: TypeAlias = NDArray[np.float64]
+from .system import Array, engine
 
 SPRING_LIMIT = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
 DRIVE_LIMIT = 1e-9  # rad, or of a slider's travel; held at position level, more than round-off is a failed run
@@ -35,19 +28,15 @@ def wants_accelerations(scene: Scene, request: Request) -> bool:
 
 
 class Run:
-    """One scene's system at its start, to be solved at some instants."""
+    """A scene to be solved at equal steps of the time; `poses` are of its system, with loads."""
 
     drive_limit = DRIVE_LIMIT
 
-    def __init__(self, scene: Scene, request: Request, *, si: bool = False) -> None:
-        self.scene = scene
-        self.system = System(scene, si=si)
-        self.poses = Poses(self.system)
-        self.start = start(self.poses)
-        add_loads(self.system, self.poses, self.start)
-        self.sampling = equal_steps(request)
-        self.times = request.times(scene)
-        self.positions = request.commanded(scene)
+    def __init__(self, sampling: Sampling, poses: Poses) -> None:
+        self.sampling, self.poses, self.system = sampling, poses, poses.system
+        self.scene = poses.system.scene
+        self.times = sampling.times(self.scene)
+        self.positions = sampling.commanded(self.scene)
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
 

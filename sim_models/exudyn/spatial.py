@@ -8,8 +8,8 @@ import numpy as np
 from scenes import Failure, Status
 from scenes.scene import Body, Slide
 
-from .equations import Array
-from .system import Chosen, System
+from .drive import ExudynDrive
+from .system import Array, Chosen, System
 
 
 class SpatialSystem(System):
@@ -51,7 +51,7 @@ class SpatialSystem(System):
             Status.unsupported, f"{body.name} slides on {slide.on}, for which there is no joint in space here"
         )
 
-    def _add_drive(self) -> tuple[Any, float]:
+    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
         for name in self.bodies:
             self._hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
-        return super()._add_drive()
+        return super()._add_drive(drive)

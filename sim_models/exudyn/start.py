@@ -9,9 +9,8 @@ from scenes import Failure, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
-from .equations import Array
 from .poses import Poses, State
-from .system import System, engine
+from .system import Array, System, engine
 
 
 def start(poses: Poses) -> State:

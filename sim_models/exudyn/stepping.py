@@ -1,4 +1,4 @@
-"""Time stepping: the whole motion integrated with a constant step, and what the poses know about it checked."""
+"""Time stepping: the whole motion integrated with a constant step, and compared with the poses."""
 
 from collections.abc import Callable
 from itertools import count
@@ -8,96 +8,120 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Request, Scene, Status
-from scenes.engine import ESTIMATE
+from scenes import Failure, Motion, Request, Sampling, Scene, Status
+from scenes.engine import ESTIMATE, equal_steps
 from scenes.scene import ConstantSpeed
 
 from .checks import check_channels
-from .extras import Extras
+from .drive import RunningDrive
+from .extras import add_extras
 from .loads import add_loads
-from .poses import State
+from .poses import Poses, State
 from .reduced import ReducedSystem
-from .settings import Extra, Textbook, TimeStepping, configure
-from .simulation import Array, Run, failure
+from .settings import Extra, Newton, Textbook, TimeStepping
+from .simulation import Run, failure
 from .spatial import SpatialSystem
-from .system import System, engine
+from .start import start
+from .stroke import press_switches
+from .system import Array, System, engine
 
 BRANCH_LIMIT = 0.05  # of the linkage's size; a body that far from its assembled place is on another branch
-PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to where the linkage locks
-LOCK_NEARS = 2.0  # times as fast as anywhere in the cycle, for the same drive: it is not worth starting there
+PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
+SINGULAR_SPEED = 2.0  # times the largest of the cycle, at the same rate of the drive: no integration begins there
 DRIFT_LIMIT = 1e-3  # of the drive, as DRIVE_LIMIT: steps of index 2 hold the rate only, and integrate one that varies
+TRAPEZOIDAL = "TrapezoidalIndex2"
+ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
+
+
+def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun":
+    """Assemble the linkage through a cycle and set up its integration from before zero, see `engine.build`."""
+    sampling, si = equal_steps(request), isinstance(settings, Textbook)
+    poses = Poses(scene, si=si)
+    at_start = start(poses)
+    switches = press_switches(poses, at_start)
+    add_loads(poses.system, switches)
+    one_cycle = slice(sampling.samples if scene.drive.repeats else None)
+    cycle = poses.through(at_start, sampling.commanded(scene)[one_cycle])
+    stride, begin = _pre_rolled(poses, at_start, cycle, settings, sampling.samples)
+    step = scene.drive.cycle / (stride * sampling.samples)
+    pre_roll, finest = settings.pre_roll * step, 2 if settings.richardson else 1
+    steps = finest * (settings.pre_roll + stride * (sampling.count - 1))
+    drive = RunningDrive(scene.drive, pre_roll, step / finest, steps)
+    kind = ReducedSystem if settings.reduced else SpatialSystem if settings.extra is Extra.SPATIAL else System
+    model = kind(scene, drive, si=si)
+    add_loads(model, switches)
+    add_extras(model, settings, step, forces=sampling.wants_forces(scene))
+    _configure(model, settings)
+    _set_initial(model, begin, scene)
+    return SteppedRun(sampling, poses, settings, model, stride, cycle)
+
+
+def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping, samples: int) -> tuple[int, State]:
+    """Return the steps from sample to sample, and the state in which the integration begins.
+
+    Before its start, a drive that does not repeat leads where the scene never goes. Where the linkage is singular
+    there, or nearly, smaller steps bring the beginning nearer to the start.
+    """
+    drive = poses.system.scene.drive
+    stride = ceil(settings.steps / samples)
+    if settings.solver == TRAPEZOIDAL and settings.richardson:
+        stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
+    for _ in range(PRE_ROLL_HALVINGS + 1):
+        try:
+            return stride, _before(poses, start, cycle, drive.cycle / (stride * samples), settings.pre_roll)
+        except Failure as singular:
+            reason = singular.reason
+        stride *= 2
+    raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
+
+
+def _before(poses: Poses, start: State, cycle: State, step: float, steps: int) -> State:
+    """Return the state that many steps, s each, before the start."""
+    scene = poses.system.scene
+    positions = scene.drive.at(-step * np.arange(steps + 1)).position
+    way = poses.through(start, positions, curved=False)
+    fast = ~(poses.speed(way) <= SINGULAR_SPEED * poses.speed(cycle).max())
+    if fast.any() and not scene.drive.repeats:
+        where = scene.where(float(positions[fast.argmax()]))
+        raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {where}")
+    return way.rows(-1)
+
+
+def _configure(model: System, options: TimeStepping) -> None:
+    """Choose the integrator in Exudyn's simulation settings."""
+    integration = model.settings.timeIntegration
+    integration.solverType = getattr(engine().DynamicSolverType, options.solver)
+    integration.generalizedAlpha.spectralRadius = options.spectral_radius
+    if isinstance(options, Textbook):
+        return
+    integration.generalizedAlpha.computeInitialAccelerations = False  # those take no account of the drive's own
+    integration.adaptiveStep = False  # it adds up time, and ends on a tiny step with absurd forces
+    integration.newton.relativeTolerance = options.tolerance
+    integration.newton.absoluteTolerance = ROUND_OFF * model.size * options.tolerance
+    integration.newton.useModifiedNewton = options.newton is not Newton.FULL
+    integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP
+
+
+def _set_initial(model: System, begin: State, scene: Scene) -> None:
+    """Set the initial coordinates, velocities and accelerations."""
+    _, rate, acceleration = scene.drive.at(-model.pre_roll)
+    values, initial = model.state, engine().ConfigurationType.Initial
+    values.SetODE2Coordinates(model.narrowed(begin.q), initial)
+    values.SetODE2Coordinates_t(model.narrowed(begin.velocities(rate)), initial)
+    values.SetODE2Coordinates_tt(model.narrowed(begin.accelerations(rate, acceleration)), initial)
 
 
 class SteppedRun(Run):
-    """One integration in time, or two whose results are extrapolated."""
+    """One integration in time, or two whose results are extrapolated; `cycle` is of the poses at a cycle's samples."""
 
-    def __init__(self, scene: Scene, settings: TimeStepping, request: Request) -> None:
-        self.options = settings
-        super().__init__(scene, request, si=isinstance(settings, Textbook))
-        self.stride = ceil(settings.steps / self.sampling.samples)  # steps from sample to sample
-        if settings.solver == "TrapezoidalIndex2":
-            if settings.richardson:
-                self.stride += self.stride % 2  # what rings in every other step cancels between two even numbers
-            if not isinstance(scene.drive, ConstantSpeed):
-                self.drive_limit = DRIFT_LIMIT
-        self._runs = [self._buffer() for _ in range(2 if settings.richardson else 1)]
-        self._assembled = self._assembled_cycle()
-        begin = self._rolled_back()
-        self.model = self._integrated()
-        self._prepare(begin)
-
-    def _assembled_cycle(self) -> State:
-        """Return the states at a cycle's samples, which prove it possible and tell the branch."""
-        one = slice(self.sampling.samples if self.scene.drive.repeats else None)
-        return self.poses.through(self.start, self.positions[one])
-
-    def _rolled_back(self) -> State:
-        """Return the state in which the integration begins.
-
-        Before its start, a drive that does not repeat leads where the scene never goes. Where the linkage locks there,
-        or nearly, smaller steps bring the beginning nearer to the start.
-        """
-        for _ in range(PRE_ROLL_HALVINGS + 1):
-            self.step = self.scene.drive.cycle / (self.stride * self.sampling.samples)
-            try:
-                return self._before(self.options.pre_roll)
-            except Failure as locked:
-                reason = locked.reason
-            self.stride *= 2
-        raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
-
-    def _before(self, steps: int) -> State:
-        """Return the state that many steps before the start."""
-        positions = self.scene.drive.at(-self.step * np.arange(steps + 1)).position
-        way = self.poses.through(self.start, positions, curved=False)
-        fastest = LOCK_NEARS * self.poses.speed(self._assembled).max()
-        fast = ~(self.poses.speed(way) <= fastest)
-        if fast.any() and not self.scene.drive.repeats:
-            where = self.scene.where(float(positions[fast.argmax()]))
-            raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {where}")
-        return way.rows(-1)
-
-    def _integrated(self) -> System:
-        """Return the system that moves in time: the one of the poses, unless another is asked for."""
-        if not self.options.reduced and self.options.extra is not Extra.SPATIAL:
-            return self.system
-        kind = ReducedSystem if self.options.reduced else SpatialSystem
-        model = kind(self.scene, si=isinstance(self.options, Textbook))
-        add_loads(model, self.poses, self.start)
-        return model
-
-    def _prepare(self, begin: State) -> None:
-        """Set the integrator, and its initial values."""
-        self.lead = self.options.pre_roll * self.step
-        self._extras = Extras(self.model, self.options, self.step, forces=len(self._runs[0]) > 3)
-        configure(self.model.settings, self.options, self.system.size)
-        drive, values, initial = self.scene.drive.at(-self.lead), self.model.state, engine().ConfigurationType.Initial
-        for place, of_plane in (
-            (values.SetODE2Coordinates, begin.q),
-            (values.SetODE2Coordinates_t, begin.velocities(drive.rate)),
-            (values.SetODE2Coordinates_tt, begin.accelerations(drive.rate, drive.acceleration)),
-        ):
-            place(self.model.narrowed(of_plane), initial)
+    def __init__(
+        self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int, cycle: State
+    ) -> None:
+        super().__init__(sampling, poses)
+        self.options, self.model, self.stride, self._assembled = options, model, stride, cycle
+        self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]
+        if options.solver == TRAPEZOIDAL and not isinstance(self.scene.drive, ConstantSpeed):
+            self.drive_limit = DRIFT_LIMIT
 
     def solve(self) -> None:
         """Integrate.
@@ -113,8 +137,7 @@ class SteppedRun(Run):
         before, stride = refinement * self.options.pre_roll, refinement * self.stride
         integration = self.model.settings.timeIntegration
         integration.numberOfSteps = before + stride * (self.sampling.count - 1)
-        integration.endTime = self.lead + self.times[-1]
-        self.model.course.run(self.lead, self.step / refinement, integration.numberOfSteps)
+        integration.endTime = self.model.pre_roll + self.times[-1]
         reduced = self.model if isinstance(self.model, ReducedSystem) else None
         recorded = samples if reduced is None else np.empty((*samples.shape[:2], reduced.unknowns))
         recorded.fill(np.nan)
@@ -162,12 +185,12 @@ class SteppedRun(Run):
         where = f"at {self._where(solver.it.currentTime)}"
         if solver.output.simulationTimeout:
             raise Failure(Status.timed_out, f"Exudyn's own time limit ended the run {where}")
-        early = solver.it.currentTime < (self.lead + self.times[-1]) * (1 - 1e-9)
+        early = solver.it.currentTime < (self.model.pre_roll + self.times[-1]) * (1 - 1e-9)
         if early or solver.output.simulationStoppedByUserFunction:
             raise Failure(Status.diverged, f"the run ended early, {where}")
 
     def _where(self, clock: float) -> str:
-        return self.scene.where(float(self.scene.drive.at(clock - self.lead).position))
+        return self.scene.where(float(self.scene.drive.at(clock - self.model.pre_roll).position))
 
     def _result(self) -> Array:
         samples = self._runs[-1]
@@ -192,7 +215,7 @@ class SteppedRun(Run):
         _, rate, acceleration = self.scene.drive.at(times)
         asked = [states.q, states.velocities(rate), states.accelerations(rate, acceleration)]
         if levels > 3:
-            asked.append(self.poses.multipliers(states, rate, acceleration, times + self.system.course.lead))
+            asked.append(self.poses.multipliers(states, rate, acceleration, times))
         return np.array(asked)
 
     def _check_branch(self, q: Array) -> None:

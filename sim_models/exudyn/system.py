@@ -7,8 +7,6 @@ drive are constraints on coordinates. All hold at position level. What acts on t
 
 import os
 from collections.abc import Set as AbstractSet
-from functools import cached_property
-from math import log2
 from types import ModuleType
 from typing import Any, TypeAlias
 
@@ -16,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Body, ForceTable, Slide
+from scenes.scene import GROUND, Body, Slide
 
-from .bodies import in_unit, rigid_body
-from .drive import Course
+from .bodies import force_unit, in_unit, linkage_size, rigid_body
+from .drive import ExudynDrive
 
+Array: TypeAlias = NDArray[np.float64]
 Chosen: TypeAlias = slice | NDArray[np.intp]
 
 
@@ -34,19 +33,20 @@ def engine() -> ModuleType:
 
 
 class System:
-    """One scene as an assembled Exudyn system, yet without loads; a point of the plane is a complex number, x + iy."""
+    """One scene as an assembled Exudyn system, at first without loads; a point of the plane is a complex number."""
 
     node_size = 3  # coordinates of a body
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
 
-    def __init__(self, scene: Scene, *, si: bool = False) -> None:
-        """Build the system in units of its own, or in SI."""
-        self.scene, self.course = scene, Course(scene.drive)
+    def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
+        """Build the system with a drive, in a unit of force of its own, or in SI."""
+        self.scene, self.pre_roll = scene, drive.pre_roll
         exudyn = engine()
         self._items: Any = exudyn.itemInterface
-        self.bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
-        self.force_unit = 1.0 if si else self._force_unit()
-        self.bodies = {name: in_unit(body, self.force_unit) for name, body in self.bodies.items()}
+        bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
+        self.size = linkage_size(scene, bodies)  # m
+        self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N
+        self.bodies = {name: in_unit(body, self.force_unit) for name, body in bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
         self.mbs: Any = self._container.AddSystem()
         self._ground_node = self.mbs.AddNode(self._items.NodePointGround())
@@ -63,39 +63,11 @@ class System:
             for name, body in scene.bodies.items()
             if body.slide is not None and not (body.slide.on == GROUND and name in self.reduced)
         }
-        self.drive, self.drive_factor = self._add_drive()
+        self.drive, self.drive_factor = self._add_drive(drive)
         self.mbs.Assemble()
         self.state: Any = self.mbs.systemData
         self.settings: Any = exudyn.SimulationSettings()
         self.settings.solution.file.write = False  # else a folder of results appears in the working folder
-
-    @cached_property
-    def size(self) -> float:
-        """The linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
-
-        It is at least what a driven slider travels, since all bodies may be points.
-        """
-        arms = [abs(point) for body in self.bodies.values() for point in body.points.values()]
-        ground = [complex(*point) for point in self.scene.ground.values()]
-        least, most = (0.0, 0.0) if self.scene.driven_slide is None else self.scene.drive.extent
-        return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
-
-    def _force_unit(self) -> float:
-        """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
-
-        Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
-        masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are.
-        """
-        scene = self.scene
-        least, most = scene.drive.extent
-        rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
-        pull = self.size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
-        forces = [body.mass * pull for body in self.bodies.values()]
-        for load in scene.loads:
-            forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
-        forces += [spring.stiffness * self.size for spring in scene.springs]
-        largest = max(forces)
-        return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
 
     @property
     def coordinates(self) -> Chosen:
@@ -239,9 +211,9 @@ class System:
         factor = -1 / parts[large]
         return factor, self._coordinate(name, large), self._coordinate(name, 1 - large), factor * parts[1 - large]
 
-    def _add_drive(self) -> tuple[Any, float]:
-        """Hold factor * (position - what the drive asks for) at zero; return constraint and factor."""
-        name, course = self.scene.drive.body, self.course
+    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
+        """Hold factor * (position - the drive's) at zero; return constraint and factor."""
+        name, position, rate = self.scene.drive.body, drive.position, drive.rate
         factor, first, second, ratio = self._drive_markers()
         zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
@@ -249,8 +221,8 @@ class System:
             self._items.CoordinateConstraint(
                 markerNumbers=[first, second],
                 factor1=ratio,
-                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (course.position(clock) - zero),
-                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * course.rate(clock),
+                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (position(clock) - zero),
+                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * rate(clock),
             )
         )
         return constraint, factor

@@ -11,7 +11,7 @@ from scenes import Sampling, Settings, Status
 from scenes.engine import ESTIMATE
 from sim_models.exudyn import engine as exudyn_model
 from sim_models.exudyn import stepping as exudyn_stepping
-from sim_models.exudyn.system import engine
+from sim_models.exudyn.system import System, engine
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import start as pymunk_start
 from sim_models.pymunk import stepping as pymunk_run
@@ -21,14 +21,14 @@ WORTH = {"exudyn": 1e-3, "pymunk": 1e-2}  # what an engine that says ok is worth
 
 
 def spoil_exudyn(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
-    prepare = exudyn_stepping.SteppedRun._prepare
+    set_initial = exudyn_stepping._set_initial
 
-    def spoilt(run: exudyn_stepping.SteppedRun, *begin: Any) -> None:
-        prepare(run, *begin)
-        state, initial = run.model.state, engine().ConfigurationType.Initial
+    def spoilt(model: System, *begin: Any) -> None:
+        set_initial(model, *begin)
+        state, initial = model.state, engine().ConfigurationType.Initial
         state.SetODE2Coordinates_t(factor * state.GetODE2Coordinates_t(initial), initial)
 
-    monkeypatch.setattr(exudyn_stepping.SteppedRun, "_prepare", spoilt)
+    monkeypatch.setattr(exudyn_stepping, "_set_initial", spoilt)
 
 
 def spoil_pymunk(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scenes import Motion, Sampling, Scene
 from scenes.motion import quantity
 from sim_models.exudyn import engine as model
-from sim_models.exudyn.engine import DEFAULT, EXACT, ExudynSettings
+from sim_models.exudyn.engine import DEFAULT, EXACT
+from sim_models.exudyn.settings import ExudynSettings
 from tests import scene_files
 from tests.absolute_coordinates import solve
 

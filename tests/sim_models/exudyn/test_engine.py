@@ -14,7 +14,8 @@ import scenes
 from scenes import Sampling
 from scenes.motion import channels
 from sim_models.exudyn import engine as model
-from sim_models.exudyn.engine import DEFAULT, EXACT, FAST, ExudynSettings, TimeStepping
+from sim_models.exudyn.engine import DEFAULT, EXACT, FAST
+from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from tests import scene_files
 
 from .helpers import BOTH_ROUTES, dot, errors, force, point, run

@@ -8,7 +8,8 @@ from scenes import Failure, Sampling, Scene, Status
 from scenes.engine import ESTIMATE
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import stepping as exudyn_stepping
-from sim_models.exudyn.engine import DEFAULT, EXACT, FAST, ExudynSettings, TimeStepping
+from sim_models.exudyn.engine import DEFAULT, EXACT, FAST
+from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.stepping import SteppedRun
 from tests import scene_files
 
@@ -113,9 +114,9 @@ def test_one_sample_off_by_a_tenth(level: int, column: int, share: float) -> Non
     assert set(raised.value.motion.samples) == set(motion.samples)
 
 
-def test_ringing_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Trapezoidal steps damp nothing: begun next to a lock, they ring for ever, 130 times as high as all else."""
-    monkeypatch.setattr(exudyn_stepping, "LOCK_NEARS", np.inf)
+def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Trapezoidal steps do not damp: begun nearly singular, they oscillate, 130 times as high as all else."""
+    monkeypatch.setattr(exudyn_stepping, "SINGULAR_SPEED", np.inf)
     settings = TimeStepping("", steps=360, richardson=False, solver="TrapezoidalIndex2")
     failed = failure(referred("slotted_class_iii")[0], settings)
     assert failed.status is Status.not_converged

@@ -8,13 +8,13 @@ from scenes import Failure, Sampling, Scene, Status
 from scenes.motion import channels
 from scenes.scene import MotionLaw, PressForce
 from sim_models.exudyn import engine as model
-from sim_models.exudyn.drive import Course
-from sim_models.exudyn.engine import DEFAULT, EXACT, ExudynSettings, TimeStepping
-from sim_models.exudyn.loads import PressStroke
+from sim_models.exudyn.drive import RunningDrive
+from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.poses import Poses
+from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.start import start
 from sim_models.exudyn.stepping import SteppedRun
-from sim_models.exudyn.system import System
+from sim_models.exudyn.stroke import press_switches
 from tests import scene_files
 
 from .helpers import BOTH_ROUTES, NAMES, check, errors, locking, referred, run
@@ -112,24 +112,22 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
     load = scene.loads[0]
     assert isinstance(load, PressForce)
     assert load.closing == direction
-    system = System(scene)
-    poses = Poses(system)
-    found = PressStroke(system, poses, start(poses), load).switches()
+    poses = Poses(scene)
+    found = press_switches(poses, start(poses))[load]
     on = brentq(lambda a: np.cos(a) + np.sqrt(9 - np.sin(a) ** 2) - 4 + 1e-6, -0.01, 0, xtol=1e-15)
     dead, on = (-begin % (2 * np.pi)) / 2, ((on - begin) % (2 * np.pi)) / 2
     # s; displacements of 4 m are good to 4e-16, and at that instant change by 3e-3 m/s; half as steep a velocity
     assert found == pytest.approx([on, dead] if begin > 0 else [0.0, dead, on], abs=1e-12)
 
 
-def test_course_between_its_steps() -> None:
+def test_running_drive_between_its_steps() -> None:
     """Exudyn asks at its steps, of which there is a table; whatever else it asks for comes from the law."""
     drive = referred("turning_law")[0].drive
-    course = Course(drive)
-    course.run(lead=0.05, step=0.01, steps=100)
+    running = RunningDrive(drive, pre_roll=0.05, step=0.01, steps=100)
     for clock in (0.0, 0.05, 0.37, 0.374, 0.9999, 1.0, 1.3):
         position, rate, _ = drive.at(clock - 0.05)
-        assert course.position(clock) == pytest.approx(float(position), abs=1e-14)
-        assert course.rate(clock) == pytest.approx(float(rate), abs=1e-13)
+        assert running.position(clock) == pytest.approx(float(position), abs=1e-14)
+        assert running.rate(clock) == pytest.approx(float(rate), abs=1e-13)
 
 
 def test_way_to_the_start_stays_in_the_range() -> None:

@@ -9,6 +9,7 @@ import scenes
 from scenes import Sampling
 from scenes.motion import channels
 from scenes.scene import MotionLaw
+from sim_models.exudyn.drive import HeldDrive
 from sim_models.exudyn.engine import DEFAULT, build
 from sim_models.exudyn.equations import Equations
 from sim_models.exudyn.reduced import ReducedSystem
@@ -22,7 +23,7 @@ IN_PAIRS = replace(DEFAULT, reduced=True)
 
 def reduced(name: str) -> tuple[int, int, set[str], set[str]]:
     """Return how many coordinates and constraints are left, and which bodies have but one coordinate."""
-    system = ReducedSystem(scene_files.load(name))
+    system = ReducedSystem(scene_files.load(name), HeldDrive(0.0))
     return system.unknowns, system.counts()["constraints"], set(system.pivots), set(system.sliders)
 
 

@@ -16,26 +16,22 @@ from scenes import Failure, Motion, Sampling, Scene, Settings
 from sim_models.exudyn import checks as exudyn_checks
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
-from sim_models.exudyn.engine import (
-    ABLATIONS,
-    DEFAULT,
-    EXACT,
-    FAST,
-    LADDER,
+from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER
+from sim_models.exudyn.poses import Poses
+from sim_models.exudyn.settings import (
     LITTLE_DAMPED,
-    LONG_LADDER,
     REDUCED,
     TIGHT,
     TRAPEZOIDAL,
+    Extra,
     ExudynSettings,
+    Newton,
     Textbook,
     TimeStepping,
 )
-from sim_models.exudyn.poses import Poses
-from sim_models.exudyn.settings import Extra, Newton
 from sim_models.exudyn.start import start
 from sim_models.exudyn.stepping import SteppedRun
-from sim_models.exudyn.system import System, engine
+from sim_models.exudyn.system import engine
 from tests import scene_files
 from tests.absolute_coordinates import solve
 
@@ -148,7 +144,7 @@ def test_more_than_the_scene_needs_changes_nothing_but_the_cost(
         assert (extra.counters["sensors"] > 2 * len(scene.pins)) == (settings.extra in (Extra.SENSORS, Extra.TEXT))
         assert (extra.model.mbs.GetPreStepUserFunction() != 0) == (settings.extra is Extra.CALLBACK)
         if settings.extra is Extra.TEXT:
-            folder = extra._extras.folder
+            folder = Path(extra.model.settings.solution.file.name).parent
             assert len(list(folder.iterdir())) == extra.counters["sensors"] + 1
             del extra
             assert not folder.exists()
@@ -274,7 +270,7 @@ def without_steps(settings: Settings) -> dict[str, Any]:
 def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """From a single knot they are too far to be guessed, and each has to be followed."""
     monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
-    poses = Poses(System(scene_files.load("loaded_four_bar")))
+    poses = Poses(scene_files.load("loaded_four_bar"))
     first = start(poses)
     there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
     positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
@@ -288,14 +284,14 @@ def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch
 
 
 def test_curvature_is_the_change_of_the_tangent() -> None:
-    poses = Poses(System(scene_files.load("loaded_four_bar")))
+    poses = Poses(scene_files.load("loaded_four_bar"))
     state, h = start(poses), 1e-4
     after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
     assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
 
 
 def test_extrapolated_trapezoidal_runs_have_an_even_number_of_steps_a_sample() -> None:
-    """They ring in every other step, and between odd and even numbers that would not cancel."""
+    """Their errors have a period of two steps, and do not cancel between odd and even numbers of steps."""
     for steps, made in ((24, 48), (48, 48), (72, 96)):
         simulation = model.build(scenes.load("toggle_press"), TimeStepping("", steps=steps, **TIGHT), Sampling(24))
         simulation.solve()
