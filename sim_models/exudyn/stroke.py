@@ -5,7 +5,8 @@ from poses.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from functools import cache
+from itertools import chain, pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -27,49 +28,33 @@ def press_switches(poses: Poses, start: State) -> Switches:
         Failure: the stroke in which a press load acts cannot be followed.
     """
     presses = [load for load in poses.system.scene.loads if isinstance(load, PressForce)]
-    return {load: PressStroke(poses, start, load).switches() for load in presses}
+    return {load: _switches(poses, start, load) for load in presses}
 
 
-class PressStroke:
-    """A slider's motion through a cycle, and when its press load acts on it."""
+def _switches(poses: Poses, start: State, load: PressForce) -> list[float]:
+    system, drive = poses.system, poses.system.scene.drive
+    grid = np.linspace(0, drive.cycle, GRID + 1)
+    states = poses.through(start, drive.at(grid).position)
 
-    def __init__(self, poses: Poses, start: State, load: PressForce) -> None:
-        self.system, self.poses, self.load = poses.system, poses, load
-        grid = np.linspace(0, self.system.scene.drive.cycle, GRID + 1)
-        self._states = poses.through(start, self.system.scene.drive.at(grid).position)
-        times: list[float] = grid.tolist()
-        self._known = {time: self._of(self._states.rows(number), time) for number, time in enumerate(times)}
-        self._times = sorted({*times, *self._reversals(times)})
-        self._end = max(self._slider(time)[0] * load.closing for time in self._times) * load.closing
+    @cache
+    def slider(time: float) -> tuple[float, float]:
+        """Return the slider's displacement, m, and velocity, m/s."""
+        position, rate, _ = map(float, drive.at(time))
+        state = poses.follow(states.rows(round(time / drive.cycle * GRID)), position)
+        com, tangent = (system.com(load.body, q) for q in (state.q, state.tangent))
+        return system.displaced(load.body, com), (system.along(load.body).conjugate() * tangent).real * rate
 
-    def switches(self) -> list[float]:
-        """Return the instants of a cycle, s, at which the load starts and stops acting, in turn."""
-        switches = [after for _, after in _changes(self._acts, self._times)]
-        return [0.0, *switches] if self._acts(0.0) else switches
+    def closes(time: float) -> bool:
+        return slider(time)[1] * load.closing > 0
 
-    def _reversals(self, times: Sequence[float]) -> Iterator[float]:
-        """Yield the instants just before and after each dead point."""
-        for change in _changes(lambda time: self._slider(time)[1] * self.load.closing > 0, times):
-            yield from change
+    def acts(time: float) -> bool:
+        return bool(load.acts(*slider(time), end))
 
-    def _acts(self, time: float) -> bool:
-        return bool(self.load.acts(*self._slider(time), self._end))
-
-    def _slider(self, time: float) -> tuple[float, float]:
-        """Return displacement, m, and velocity, m/s, of the slider at an instant of the scene's clock."""
-        if time not in self._known:
-            drive = self.system.scene.drive
-            near = self._states.rows(round(time / drive.cycle * GRID))
-            self._known[time] = self._of(self.poses.follow(near, float(drive.at(time).position)), time)
-        return self._known[time]
-
-    def _of(self, state: State, time: float) -> tuple[float, float]:
-        place, tangent = (self.system.com(self.load.body, q) for q in (state.q, state.tangent))
-        along = self.system.along(self.load.body)
-        return (
-            self.system.displaced(self.load.body, place),
-            (along.conjugate() * tangent).real * float(self.system.scene.drive.at(time).rate),
-        )
+    times: list[float] = grid.tolist()
+    times = sorted({*times, *chain.from_iterable(_changes(closes, times))})  # with the dead points
+    end = max(slider(time)[0] * load.closing for time in times) * load.closing
+    switches = [after for _, after in _changes(acts, times)]
+    return [0.0, *switches] if acts(0.0) else switches
 
 
 def _changes(holds: Callable[[float], bool], times: Sequence[float]) -> Iterator[tuple[float, float]]:
