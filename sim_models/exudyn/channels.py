@@ -1,4 +1,4 @@
-"""The scene's channels from Exudyn's coordinates and Lagrange multipliers; none is made that nobody asked for.
+"""The scene's channels from Exudyn's coordinates and Lagrange multipliers; only those requested.
 
 Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in turn, or their rates. Points of the
 plane are complex numbers, x + iy.

@@ -1,4 +1,4 @@
-"""The position and rate of the drive by Exudyn's clock, as its constraint asks for them: held, or running in time."""
+"""Position and rate of the drive by Exudyn's clock, the input of its constraint: held, or running in time."""
 
 from collections.abc import Callable
 from typing import TypeAlias

@@ -46,11 +46,11 @@ def _vector(system: System, load: Load, switches: Switches) -> dict[str, Any]:
 
 def _tabulated(system: System, table: ForceTable) -> ForceFunction:
     along, zero, node = system.along(table.body), system.displaced(table.body, 0j), system.nodes[table.body]
-    way, unit = system.way(table.body), system.force_unit
+    factors, unit = system.displacement_factors(table.body), system.force_unit
     coordinates = engine().OutputVariableType.Coordinates
 
     def force(mbs: Any, _clock: float, _unused: Any) -> list[float]:
-        f = 1 / unit * float(table.along(zero + float(np.dot(way, mbs.GetNodeOutput(node, coordinates)))))
+        f = 1 / unit * float(table.along(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
         return [f * along.real, f * along.imag, 0]
 
     return force

@@ -1,11 +1,11 @@
 """Poses of an Exudyn system: Newton's method on the constraints C(q) = 0 as Exudyn itself evaluates them.
 
-A pose belongs to a position s of the drive, whenever that may be, and is followed from one to others. With it come its
-derivatives by s, of which velocities and accelerations of any motion are made, and the multipliers by its forces:
+A pose is a function of the drive's position s, whatever the time; continuation takes it from one position to others.
+Its derivatives by s give velocities and accelerations of any motion, and with the forces the multipliers:
 
     C_q q' = -C_s,    C_q q'' = -(C_q q')_q q',    C_q^T lambda = f - M a.
 
-Arrays of one state have the shapes given; those of many have a leading axis besides.
+Arrays of one state have the shapes given; those of many have one more axis in front.
 """
 
 from typing import NamedTuple, cast
@@ -19,13 +19,13 @@ from .drive import HeldDrive
 from .equations import Equations
 from .system import Array, System
 
-KNOTS = 18  # poses of a cycle that are followed one by one; those between are then found from them all at once
+KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
 ITERATIONS = 12  # from a predicted pose, with the Jacobian there
-PATIENT_ITERATIONS = 60  # from a rough sketch, or next to a lock, where Newton's method gains a bit a step
-LOOKS = 9  # for a pose beyond where the motion cannot be followed
+PATIENT_ITERATIONS = 60  # from a rough sketch, or nearly singular, where Newton's method gains one bit per step
+TRIALS = 9  # for a pose beyond where the motion cannot be followed
 CONVERGED = 1e-9  # the largest last correction, over the size
-ROUND_OFF = 1e-15  # of the size: what is left after it, going by how fast corrections get smaller
-STRAY = 0.1  # largest correction of a predicted pose, over the length of the step to it
+ROUND_OFF = 1e-15  # of the size: the error left after it, estimated from the rate of convergence
+LARGEST_CORRECTION = 0.1  # of a predicted pose, over the length of the step to it
 BISECTIONS = 30  # of a step, before it counts as impossible
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
@@ -106,7 +106,7 @@ class Poses:
         return np.flatnonzero(ends)
 
     def follow(self, state: State, position: float, bisections: int = BISECTIONS, goal: float | None = None) -> State:
-        """Return the state at another position: predicted, corrected, in smaller steps towards a goal if it strays.
+        """Return the state at another position: predicted and corrected, in smaller steps if the correction is large.
 
         Raises:
             Failure: no pose continues the motion on this branch.
@@ -123,17 +123,17 @@ class Poses:
         return self.follow(middle, position, bisections - 1, goal)
 
     def _stuck(self, state: State, goal: float) -> Failure:
-        """Return why no pose follows: somewhere on the way to the goal is none, or there are two, too close to tell."""
+        """Return why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
         past = self.system.scene.where(float(state.position))
-        way = np.linspace(float(state.position), goal, LOOKS)[1:].tolist()
+        way = np.linspace(float(state.position), goal, TRIALS)[1:].tolist()
         if any(self.nearest(state.q, position) is None for position in way):
             reason = f"the bodies cannot follow the drive past {past}: the linkage locks there"
             return Failure(Status.cannot_assemble, reason)
-        reason = f"which way the bodies follow the drive past {past} cannot be told: two ways of assembling them meet"
+        reason = f"the assembly branch past {past} cannot be decided: two branches meet there"
         return Failure(Status.not_converged, reason)
 
     def nearest(self, q: Array, position: float) -> Array | None:
-        """Return a pose near q that meets the constraints, by damped Gauss-Newton, which redundant ones do not stop."""
+        """Return a pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
         for _ in range(PATIENT_ITERATIONS):
             residual = self.equations.residual(q, position)
             step = cast("Array", np.linalg.lstsq(self.equations.jacobian(q), -residual, rcond=None)[0])
@@ -153,13 +153,13 @@ class Poses:
         return State(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
     def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
-        """Return the Lagrange multipliers of a motion that is there at an instant, s."""
+        """Return the Lagrange multipliers of a motion that has this state at an instant, s."""
         forces = self.equations.forces(state.q, time)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 
     def speed(self, state: State) -> Array:
-        """Return how fast the bodies move when the drive's rate is one, over the linkage's size, or turn."""
+        """Return the largest velocity at a drive rate of one, over the linkage's size, or angular velocity."""
         return self.length(state.tangent)
 
     def branch(self, jacobian: Array) -> Array:
@@ -187,9 +187,9 @@ class Poses:
     def _at(
         self, guess: Array, position: Array, start: State, *, curved: bool = True
     ) -> tuple[State, NDArray[np.bool_]]:
-        """Return the state that is near a guess, which was made from a first one; and whether it was found."""
+        """Return the state near a guess, which was predicted from `start`; and whether it was found."""
         try:
-            q, found = self._corrected(guess, position, STRAY * self.length(guess - start.q) + CONVERGED)
+            q, found = self._corrected(guess, position, LARGEST_CORRECTION * self.length(guess - start.q) + CONVERGED)
             reached = self.state(np.where(found[..., np.newaxis], q, start.q), position, curved=curved)
         except np.linalg.LinAlgError:  # two branches meet at one of them
             return start, np.zeros(position.shape, dtype=bool)

@@ -1,8 +1,8 @@
-"""The same scene with one coordinate for every body to which the ground leaves no more.
+"""The same scene with one coordinate for every body that only turns or slides on the ground.
 
 A body that only turns about a pin of the ground is a RotationalMass1D, one that slides on the ground a Mass1D, and its
-joint with the ground is no constraint any more. All others are as before. What those joints carry is found from the
-equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
+joint with the ground is no constraint any more. All others are as before. The reactions of those joints follow from
+the equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
 """
 
 from collections.abc import Set as AbstractSet
@@ -18,7 +18,7 @@ from .system import Array, System
 
 
 class ReducedSystem(System):
-    """A scene as an Exudyn system in which the ground's pins and guides are in the coordinates where they can be."""
+    """A scene as an Exudyn system whose coordinates satisfy the ground's pins and guides where they can."""
 
     @cached_property
     def pivots(self) -> dict[str, Pin]:
@@ -36,7 +36,7 @@ class ReducedSystem(System):
 
     @property
     def reduced(self) -> AbstractSet[str]:
-        """The bodies with one coordinate, which leaves their joint with the ground nothing to hold."""
+        """The bodies with one coordinate, whose joint with the ground is no constraint."""
         return self.pivots.keys() | self.sliders
 
     @property
@@ -44,9 +44,9 @@ class ReducedSystem(System):
         """How many coordinates there are, and as many multipliers."""
         return len(self.mbs.systemData.GetODE2Coordinates())
 
-    def way(self, body: str) -> Any:
-        """Return the factors of a slider's own coordinates that make its way along its guide, but for a constant."""
-        return 1.0 if body in self.sliders else super().way(body)
+    def displacement_factors(self, body: str) -> Any:
+        """Return the factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
+        return 1.0 if body in self.sliders else super().displacement_factors(body)
 
     def narrowed(self, q: Array) -> Array:
         """Return this system's coordinates from x, y and angle of every body, or their rates."""
@@ -106,16 +106,16 @@ class ReducedSystem(System):
         return found
 
     def _own(self, body: str) -> slice:
-        """Return where a body's coordinates are among all."""
+        """Return the indices of a body's coordinates among all."""
         first = self.mbs.systemData.GetObjectLTGODE2(self.objects[body])[0]
         return slice(first, first + (1 if body in self.reduced else 3))
 
     def _pivot(self, body: str) -> complex:
-        """Return where a body's pivot is, from its centre of mass, along its own axes."""
+        """Return a body's pivot, from its centre of mass along its own axes, m."""
         return self.bodies[body].points[self.pivots[body].point]
 
     def _origin(self, body: str) -> complex:
-        """Return a body's pivot on the ground, or where a slider's centre of mass is with its coordinate at zero."""
+        """Return a body's pivot on the ground, or a slider's centre of mass with its coordinate at zero."""
         if body in self.pivots:
             return complex(*self.scene.ground[self.pivots[body].point])
         normal = 1j * self.along(body)

@@ -35,7 +35,7 @@ class Pointwise(Settings):
 class TimeStepping(Settings):
     """Integrate in time with a constant step."""
 
-    steps: int  # a cycle, at least: rounded up to a multiple of the samples
+    steps: int  # per cycle, at least: rounded up to a multiple of the samples
     solver: str = "GeneralizedAlpha"  # or TrapezoidalIndex2
     richardson: bool = True  # also take twice the steps, and extrapolate: cancels the error's h^2
     spectral_radius: float = 0.5  # of generalised-alpha at high frequency; damps the start transient by this per step
@@ -140,7 +140,7 @@ def at_steps(steps: int) -> TimeStepping:
     """Return the settings of one integration, for maps of where time steps are stable.
 
     Args:
-        steps: of a cycle
+        steps: per cycle
     """
     (settings,) = _single("generalised-alpha 0.5", steps)
     return settings

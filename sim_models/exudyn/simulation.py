@@ -1,4 +1,4 @@
-"""What both ways to solve an Exudyn system share: the system at its start, and the checks of what comes out."""
+"""The part that both routes share: the system at its start, its channels, and the checks of the result."""
 
 from math import pi
 
@@ -41,7 +41,7 @@ class Run:
         self.residuals: dict[str, float] = {}
 
     def _buffer(self, *, accelerations: bool = True) -> Array:
-        """Return room for samples of position, velocity, acceleration and, where forces are asked for, multipliers."""
+        """Return room for samples of position, velocity, acceleration and, where forces are requested, multipliers."""
         levels = 4 if self.sampling.wants_forces(self.scene) else 3 if accelerations else 2
         return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
 
@@ -64,7 +64,7 @@ class Run:
         raise NotImplementedError
 
     def _channels(self, samples: Array) -> dict[str, Array]:
-        """Return the channels asked for."""
+        """Return the channels requested."""
         q, v, *others = samples
         wanted = set(self.sampling.wanted(self.scene))
         forces = channels.forces(self.system, others[1], wanted) if len(others) > 1 else {}

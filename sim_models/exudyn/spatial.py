@@ -1,4 +1,4 @@
-"""The same scene with bodies in space: what a planar linkage costs where the plane is not made use of."""
+"""The same scene with bodies in space: the cost of a planar linkage in a general multibody model."""
 
 from functools import cached_property
 from typing import Any
@@ -20,12 +20,12 @@ class SpatialSystem(System):
 
     @cached_property
     def coordinates(self) -> Chosen:
-        """Where x, y and angle of every body in turn stand among all coordinates."""
+        """The indices of x, y and angle of every body in turn among all coordinates."""
         return np.array([6 * number + one for number in range(len(self.bodies)) for one in self.in_plane])
 
     @cached_property
     def multipliers(self) -> Chosen:
-        """Where two of every pin, two of every slide and the drive's stand among all multipliers."""
+        """The indices of two of every pin, two of every slide and the drive's among all multipliers."""
         joints = (*self.pins.values(), *self.slides.values())
         return np.array([column for joint in joints for column in self.columns(joint)[:2]] + self.columns(self.drive))
 

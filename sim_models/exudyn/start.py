@@ -36,7 +36,7 @@ def _sketched_position(system: System) -> float:
     drawn, begin = scene.sketch.drive, scene.drive.start
     if scene.driven_slide is not None:
         return drawn
-    # Any way will do for a crank that turns; another has only its own range.
+    # A crank that turns may go either way; another only within its range.
     near = begin if scene.drive.repeats else sum(scene.drive.extent) / 2
     return near - remainder(near - drawn, tau)
 
@@ -44,7 +44,7 @@ def _sketched_position(system: System) -> float:
 def _rough(system: System, position: float) -> Array:
     """Return every body laid on the sketch as well as a rigid body can be, shape (3 bodies,).
 
-    A body of which the sketch shows no point has only slides, which take it to its place from anywhere.
+    A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
     """
     scene, places = system.scene, sketched(system.scene)
     own, drawn = {}, {}
@@ -82,7 +82,7 @@ def _assembled(poses: Poses, rough: Array, position: float) -> Array:
 
 
 def _check_freedoms(system: System, q: Array) -> None:
-    """Refuse a system that Exudyn finds to be movable with the drive held, or held twice."""
+    """Refuse a system in which Exudyn counts a degree of freedom or a redundant constraint with the drive held."""
     system.state.SetODE2Coordinates(q, engine().ConfigurationType.Initial)
     counts = system.mbs.ComputeSystemDegreeOfFreedom()
     free, redundant = int(counts["degreeOfFreedom"]), int(counts["redundantConstraints"])
@@ -90,7 +90,7 @@ def _check_freedoms(system: System, q: Array) -> None:
         raise Failure(
             Status.unsupported,
             f"with the drive held, Exudyn counts {free} degrees of freedom and {redundant} redundant constraints;"
-            " it needs 0 and 0 to tell every reaction",
+            " every reaction is determined with 0 and 0 only",
         )
 
 
@@ -100,6 +100,6 @@ def _check_branch(poses: Poses, rough: Array, state: State) -> None:
     if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != state.branch:
         raise Failure(
             Status.wrong_branch,
-            f"the sketch, {poses.system.scene.where(float(state.position))}, is too rough to tell"
-            " which of two ways of assembling the bodies it shows",
+            f"the sketch, {poses.system.scene.where(float(state.position))}, is too rough to decide"
+            " between two ways of assembling the bodies",
         )

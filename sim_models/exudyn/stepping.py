@@ -59,8 +59,8 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun
 def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping, samples: int) -> tuple[int, State]:
     """Return the steps from sample to sample, and the state in which the integration begins.
 
-    Before its start, a drive that does not repeat leads where the scene never goes. Where the linkage is singular
-    there, or nearly, smaller steps bring the beginning nearer to the start.
+    Before its start, a drive that does not repeat is outside the scene's range. Where the linkage is singular there, or
+    nearly, smaller steps bring the beginning nearer to the start.
     """
     drive = poses.system.scene.drive
     stride = ceil(settings.steps / samples)
@@ -112,7 +112,7 @@ def _set_initial(model: System, begin: State, scene: Scene) -> None:
 
 
 class SteppedRun(Run):
-    """One integration in time, or two whose results are extrapolated; `cycle` is of the poses at a cycle's samples."""
+    """One integration in time, or two whose results are extrapolated; `cycle` holds the poses of one cycle."""
 
     def __init__(
         self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int, cycle: State
@@ -157,7 +157,7 @@ class SteppedRun(Run):
             samples[:] = reduced.widened(recorded, self.poses, self.times)
 
     def _recorder(self, samples: Array, before: int, stride: int) -> Callable[[Any, float], bool]:
-        """Return what Exudyn calls at the start and after every step: it keeps the state of those that are samples."""
+        """Return the function that Exudyn calls at the start and after every step: it records the samples."""
         state, coordinates = self.model.state, self.model.coordinates
         getters = [
             (state.GetODE2Coordinates, coordinates),

@@ -71,12 +71,12 @@ class System:
 
     @property
     def coordinates(self) -> Chosen:
-        """Where x, y and angle of every body in turn stand among all coordinates."""
+        """The indices of x, y and angle of every body in turn among all coordinates."""
         return slice(None)
 
     @property
     def multipliers(self) -> Chosen:
-        """Where two of every pin, two of every slide and the drive's stand among all multipliers."""
+        """The indices of two of every pin, two of every slide and the drive's among all multipliers."""
         return slice(None)
 
     def narrowed(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -85,7 +85,7 @@ class System:
 
     @property
     def reduced(self) -> AbstractSet[str]:
-        """The bodies with one coordinate, which leaves their joint with the ground nothing to hold."""
+        """The bodies with one coordinate, whose joint with the ground is no constraint."""
         return frozenset()
 
     def counts(self) -> dict[str, int]:
@@ -113,16 +113,16 @@ class System:
         return complex(*self.slide(body).along)
 
     def lever(self, body: str) -> complex:
-        """Return where the first point of a body is, seen from its centre of mass, along its own axes."""
+        """Return the first point of a body, from its centre of mass along its own axes, m."""
         return self.bodies[body].points[self.scene.bodies[body].points[0]]
 
     def displaced(self, body: str, com: Any) -> Any:
-        """Return the displacement on the ground of a slider, m, whose centre of mass is there."""
+        """Return the displacement on the ground of a slider, m, with its centre of mass at `com`."""
         first = com + self.lever(body) - complex(*self.slide(body).through)
         return (self.along(body).conjugate() * first).real
 
-    def way(self, body: str) -> Any:
-        """Return the factors of a slider's own coordinates that make its way along its guide, but for a constant."""
+    def displacement_factors(self, body: str) -> Any:
+        """Return the factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
         factors = np.zeros(self.node_size)
         factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
         return factors
@@ -138,7 +138,7 @@ class System:
         return self._marker(body, self.bodies[body].points[point])
 
     def columns(self, constraint: Any) -> list[int]:
-        """Return where the multipliers of a constraint stand among all."""
+        """Return the indices of a constraint's multipliers among all."""
         return list(self.mbs.systemData.GetObjectLTGAE(constraint))
 
     def _add_body(self, name: str) -> Any:
@@ -164,7 +164,7 @@ class System:
         )
 
     def _add_guide(self, name: str, slide: Slide) -> Any:
-        """Hold normal . (x, y) at what the ground's guide gives it, and the angle at zero."""
+        """Hold normal . (x, y) on the line of the ground's guide, and the angle at zero."""
         normal = 1j * self.along(name)
         com = complex(*slide.through) - self.lever(name)
         rows = np.zeros((2, self.node_size))
