@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from scenes import Motion, Sampling, Scene
 from scenes.motion import quantity
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk.engine import DEFAULT, PymunkSettings, Textbook
+from sim_models.pymunk.engine import DEFAULT
+from sim_models.pymunk.settings import AnySettings
 from tests import absolute_coordinates, scene_files
 
 Array = NDArray[np.float64]
@@ -37,7 +38,7 @@ def driven_slider(start: float) -> Scene:
     return slider_crank({"drive": drive, "sketch": {"displacement": 3.8, "A": [1, 0.3], "B": [3.8, 0]}})
 
 
-def solve(scene: Scene, settings: PymunkSettings | Textbook = DEFAULT, sampling: Sampling | None = None) -> Motion:
+def solve(scene: Scene, settings: AnySettings = DEFAULT, sampling: Sampling | None = None) -> Motion:
     simulation = pymunk_model.build(scene, settings, sampling or Sampling())
     simulation.solve()
     return simulation.read()

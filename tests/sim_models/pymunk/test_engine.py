@@ -8,7 +8,7 @@ from scipy.optimize import fsolve
 import scenes
 from scenes import Motion, Sampling, Scene
 from scenes.motion import channels
-from sim_models.pymunk.engine import PymunkSettings
+from sim_models.pymunk.settings import PymunkSettings
 from tests import scene_files
 
 from .runs import Array, off, slider_crank, solve

@@ -10,8 +10,9 @@ from scenes import Failure, Sampling, Scene, Status
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk.checks import check_path
 from sim_models.pymunk.constraints import Linkage, branch
-from sim_models.pymunk.engine import DEFAULT, PymunkSettings
+from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
+from sim_models.pymunk.settings import PymunkSettings
 from sim_models.pymunk.start import start
 from sim_models.pymunk.stepping import Run
 from tests import scene_files

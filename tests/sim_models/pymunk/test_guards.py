@@ -14,8 +14,9 @@ from scenes.scene import ConstantSpeed
 from sim_models.pymunk import simulation as pymunk_simulation
 from sim_models.pymunk.closed import closed, largest_errors
 from sim_models.pymunk.constraints import Linkage, solved
-from sim_models.pymunk.engine import DEFAULT, EXACT, FAST, PymunkSettings, Textbook, build
+from sim_models.pymunk.engine import DEFAULT, EXACT, FAST, build
 from sim_models.pymunk.masses import fictitious_masses
+from sim_models.pymunk.settings import AnySettings, PymunkSettings, Textbook
 from sim_models.pymunk.start import start
 from tests import scene_files
 
@@ -25,7 +26,7 @@ SAMPLING = Sampling(72)
 COARSE = PymunkSettings("", 144, 1, 100)
 
 
-def refused(scene: Scene, settings: PymunkSettings | Textbook) -> Failure:
+def refused(scene: Scene, settings: AnySettings) -> Failure:
     with pytest.raises(Failure) as caught:
         solve(scene, settings, SAMPLING)
     return caught.value
@@ -86,7 +87,7 @@ def test_nothing_else_would_have_told(monkeypatch: pytest.MonkeyPatch) -> None:
         (Textbook("", 2304), Status.not_converged),  # measured: 12 % off at the start, whose velocities it takes late
     ],
 )
-def test_every_refused_motion_is_handed_over(settings: PymunkSettings | Textbook, status: Status) -> None:
+def test_every_refused_motion_is_handed_over(settings: AnySettings, status: Status) -> None:
     failure = refused(scenes.load("toggle_press"), settings)
     assert failure.status is status
     assert failure.motion is not None

@@ -13,8 +13,9 @@ from scenes import Failure, Sampling, Scene, Settings, Status
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import space as pymunk_space
 from sim_models.pymunk.constraints import Linkage
-from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER, PymunkSettings, Textbook
+from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER
 from sim_models.pymunk.masses import ballasted_masses, fictitious_masses, groups, own_masses
+from sim_models.pymunk.settings import PymunkSettings, Textbook
 from sim_models.pymunk.start import start
 from tests import scene_files
 
