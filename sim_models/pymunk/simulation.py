@@ -28,8 +28,9 @@ from .constraints import Linkage, Poses, branch, planes, with_ground
 from .loads import Acts, acting
 from .masses import ballasted_masses, fictitious_masses, own_masses
 from .settings import PymunkSettings
-from .start import start, stroke_ends
+from .start import start
 from .stepping import Run
+from .stroke import stroke_ends
 
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 

@@ -4,8 +4,7 @@ pymunk closes open joints by itself, but onto whichever branch is near. Hence th
 little, and the drive is moved little by little, with Newton's method after each step; no step may change the branch.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Callable, Iterable, Iterator
 from math import pi, radians, remainder
 from typing import TypeAlias
 
@@ -13,9 +12,9 @@ import numpy as np
 
 from scenes import Failure, Status
 from scenes.motion import Samples
-from scenes.scene import GROUND, PressForce
+from scenes.scene import GROUND
 
-from .constraints import Linkage, Poses, branch, planes
+from .constraints import Linkage, Poses, branch
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
@@ -24,7 +23,6 @@ SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is lo
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to somewhere else
 PATIENT_NEWTON_STEPS = 60  # next to a lock it gains a bit a step
 CLOSED = 1e-12  # how far from zero a constraint may stay, by the linkage's size; well above rounding
-HALVINGS = 25  # of a continuation step that holds a dead point; the displacement there is then known to rounding
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
 
@@ -52,51 +50,11 @@ def move(linkage: Linkage, q: Poses, here: float, there: float) -> Poses:
     return q
 
 
-def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
-    """Return where the closing strokes of the press forces end, m, having moved the pose q through the drive's range.
-
-    Raises:
-        Failure: cannot_assemble somewhere on the way, with the drive's position.
-    """
-    drive = linkage.scene.drive
-    paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
-    return [
-        load.closing * max(_furthest(linkage, load, path) for path in paths)
-        for load in linkage.scene.loads
-        if isinstance(load, PressForce)
-    ]
-
-
 def rates(linkage: Linkage, q: Poses, drive_rate: float) -> Poses:
     """Return dq/dt on the constraints, shape (1, bodies, 3)."""
     prescribed = np.zeros(q.size)
     prescribed[-1] = drive_rate
     return np.linalg.solve(linkage.jacobian(q)[0], prescribed).reshape(q.shape)
-
-
-def _furthest(linkage: Linkage, load: PressForce, path: Sequence[Place]) -> float:
-    """Return the slider's largest displacement in its closing direction, m; between places it has a dead point."""
-    i, along = linkage.index[load.body], linkage.slides[load.body].along
-
-    def closing(q: Poses) -> float:
-        z, turn = planes(q[0, i])
-        return load.closing * float(linkage.displacement(load.body, z, turn))
-
-    def opens(q: Poses, forward: float) -> bool:
-        return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
-
-    furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))
-    largest = closing(path[furthest][1])
-    for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):
-        half = (there - here) / 2
-        if opens(after, half) and not opens(q, half):
-            for _ in range(HALVINGS):
-                middle = move(linkage, q, here, here + half)
-                if not opens(middle, half):
-                    here, q = here + half, middle
-                half /= 2
-            largest = max(largest, closing(q))
-    return largest
 
 
 # --- the sketch ------------------------------------------------------------------------------------------------------

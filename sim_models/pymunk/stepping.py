@@ -8,10 +8,10 @@ import numpy as np
 from scenes import Failure, Sampling
 from scenes.scene import ConstantSpeed
 
-from .applied_forces import Push, VaryingForces, constant_forces
+from .applied_forces import AppliedForces
 from .checks import Path
 from .constraints import Linkage, Poses
-from .loads import Acts, varying
+from .loads import Acts
 from .record import BatchRecord, PropertyRecord, Record
 from .settings import PymunkSettings
 from .space import Model, pair
@@ -67,14 +67,8 @@ class Run:
         self._model = Model(linkage, pose, rate, settings.error_bias(self.dt), settings.extra)
         self._space, self._bodies = self._model.space, self._model.bodies
         self.joints = self._model.joints if loaded else {}
-        self._push: list[Push] = []
-        if loaded:
-            self._space.gravity = scene.gravity or (0, 0)
-            self._push += constant_forces(linkage, self._bodies, self.dt)
-        self._forces: VaryingForces | None = None
-        if loaded and varying(linkage):
-            self._forces = VaryingForces(linkage, self._bodies, stroke_ends, self.dt)
-            self._push.append(self._forces.push)
+        self._space.gravity = (scene.gravity if loaded else None) or (0, 0)
+        self._forces = AppliedForces(linkage, self._bodies, stroke_ends, self.dt) if loaded else None
         self._follows_law = not isinstance(scene.drive, ConstantSpeed)
 
         bodies = self._bodies.values()
@@ -108,18 +102,17 @@ class Run:
         record.append()
         space.iterations = FIRST_SWEEPS * self.iterations
         for k in range(1 - self.preroll, self.steps + 1):
-            for push in self._push:
-                push()
+            if self._forces:
+                self._forces.apply()
             if self._follows_law:
                 self._drive(k)
             space.step(self.dt)
             record.append()
             if k <= 0:
                 space.iterations = self.iterations
-            if self._loaded and k >= 0 and k % self.stride == 0:
+            if self._forces and k >= 0 and k % self.stride == 0:
                 self.impulses[k // self.stride] = [joint.impulse for joint in joints]
-                if self._forces:
-                    self.acts[k // self.stride] = self._forces.acts
+                self.acts[k // self.stride] = self._forces.active
         self.record[:] = record.rows()[self.preroll - 1 :]
 
     def _drive(self, k: int) -> None:

@@ -6,7 +6,8 @@ import scenes
 from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import simulation as pymunk_simulation
-from sim_models.pymunk.engine import DEFAULT, FAST, PymunkSettings, Textbook
+from sim_models.pymunk.engine import DEFAULT, FAST
+from sim_models.pymunk.settings import AnySettings, Textbook
 
 from .runs import off, solve
 
@@ -15,7 +16,7 @@ SAMPLING = Sampling(72)
 
 @pytest.mark.parametrize("settings", [FAST, DEFAULT, Textbook("", 4608)])
 @pytest.mark.parametrize("asked", [("P5.y",), ("P4.ax", "toggle.omega"), ("P4.fx", "P5.vy"), ("drive.torque",)])
-def test_exactly_the_channels_asked_for(settings: PymunkSettings | Textbook, asked: tuple[str, ...]) -> None:
+def test_exactly_the_channels_asked_for(settings: AnySettings, asked: tuple[str, ...]) -> None:
     scene = scenes.load("toggle_press")
     narrow = Sampling(72, channels=frozenset(asked))
     motion, whole = solve(scene, settings, narrow), solve(scene, settings, SAMPLING)
@@ -34,8 +35,7 @@ def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> N
     for name in ("joint_forces", "check_impulses"):
         monkeypatch.setattr(pymunk_simulation, name, unwanted)
     monkeypatch.setattr("sim_models.pymunk.channels.reaction_channels", unwanted)
-    monkeypatch.setattr("sim_models.pymunk.stepping.constant_forces", unwanted)
-    monkeypatch.setattr("sim_models.pymunk.stepping.VaryingForces", unwanted)
+    monkeypatch.setattr("sim_models.pymunk.stepping.AppliedForces", unwanted)
     narrow = Sampling(72, channels=frozenset((f"{scene.output}.y",)))
     simulation = pymunk_model.build(scene, DEFAULT, narrow)
     simulation.solve()

@@ -8,9 +8,11 @@ from scenes import Sampling, Scene
 from scenes.motion import channels
 from scenes.scene import MotionLaw
 from sim_models.pymunk.constraints import Linkage
-from sim_models.pymunk.engine import DEFAULT, PymunkSettings
+from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
-from sim_models.pymunk.start import start, stroke_ends
+from sim_models.pymunk.settings import PymunkSettings
+from sim_models.pymunk.start import start
+from sim_models.pymunk.stroke import stroke_ends
 from tests import scene_files
 from tests.absolute_coordinates import Absolute
 

@@ -1,0 +1,51 @@
+"""The ends of the closing strokes, within which the press forces act."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from scenes.scene import PressForce
+
+from .constraints import Linkage, Poses, planes
+from .start import Place, move, rates, way
+
+HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
+
+
+def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
+    """Return where the closing strokes of the press forces end, m, having moved the pose q through the drive's range.
+
+    Raises:
+        Failure: cannot_assemble somewhere on the way, with the drive's position.
+    """
+    drive = linkage.scene.drive
+    paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
+    return [
+        load.closing * max(_furthest(linkage, load, path) for path in paths)
+        for load in linkage.scene.loads
+        if isinstance(load, PressForce)
+    ]
+
+
+def _furthest(linkage: Linkage, load: PressForce, path: Sequence[Place]) -> float:
+    """Return the slider's largest displacement in its closing direction, m; between places it has a dead point."""
+    i, along = linkage.index[load.body], linkage.slides[load.body].along
+
+    def closing(q: Poses) -> float:
+        z, turn = planes(q[0, i])
+        return load.closing * float(linkage.displacement(load.body, z, turn))
+
+    def opens(q: Poses, forward: float) -> bool:
+        return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
+
+    furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))
+    largest = closing(path[furthest][1])
+    for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):
+        half = (there - here) / 2
+        if opens(after, half) and not opens(q, half):
+            for _ in range(HALVINGS):
+                middle = move(linkage, q, here, here + half)
+                if not opens(middle, half):
+                    here, q = here + half, middle
+                half /= 2
+            largest = max(largest, closing(q))
+    return largest
