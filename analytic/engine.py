@@ -29,13 +29,13 @@ def _differences(steps: int) -> AnalyticSettings:
 
 
 DEFAULT = AnalyticSettings("vector equations")
-LADDER = (
+WORK_PRECISION = (
     DEFAULT,
     AnalyticSettings("half-angle form", half_angles=True, note="the source paper's form, its misprints corrected"),
     AnalyticSettings("single precision", single=True),
     *map(_differences, (72, 360, 3600)),
 )
-LONG_LADDER = tuple(map(_differences, (720, 1440, 36_000, 360_000)))
+LONG_WORK_PRECISION = tuple(map(_differences, (720, 1440, 36_000, 360_000)))
 FAST = EXACT = DEFAULT
 ABLATIONS: tuple[AnalyticSettings, ...] = ()
 at_steps = iterations_needed = None  # it takes no steps

@@ -22,9 +22,9 @@ PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on togg
 
 
 def main() -> None:
-    """Run the toggle press with its long ladders, and write tables and pictures."""
+    """Run the toggle press with all settings of every engine, and write tables and pictures."""
     scene = scenes.load("toggle_press")
-    result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(20, 30.0, long_ladders=True), print)
+    result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(20, 30.0, full=True), print)
     hard = hard_cases(catalogue(), DEFAULT_ENGINES, FOLDER, print)
     forget(FOLDER)
     FOLDER.mkdir(exist_ok=True)

@@ -49,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
         metavar="PATH=FROM:TO:COUNT",
         help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
     )
-    parser.add_argument("--full", action="store_true", help="take the long ladders, and time them for longer")
+    parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
     parser.add_argument("--new", type=Path, metavar="NAME", help="write NAME.toml, a commented scene to change")

@@ -75,7 +75,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
         numbers_in(scene.file, [variation.path for variation in options.vary])
     for name, why in (
-        ("full", "a family takes no ladders"),
+        ("full", "a family takes one setting of an engine"),
         ("accuracy", "a family takes the engines' defaults"),
         ("channels", "a family is about all of them"),
     ):
@@ -101,7 +101,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
 
     budget = Budget(rounds=10, seconds=1.0)
     if options.full:
-        budget = Budget(rounds=100, seconds=60.0, long_ladders=True, point_s=10.0)
+        budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:
         with stoppable() as stopping:
             result = study(scene, options.engines, request, budget, progress, options.accuracy or "balanced")

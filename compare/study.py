@@ -16,7 +16,7 @@ from .judge.escalation import escalated
 from .judge.gates import Gate, gate_table, gates, missed
 from .judge.measure import Measurement, measure
 from .judge.round_off import Explained, explain
-from .speed.ladders import speed_table
+from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
 from .speed.work_precision import cheapest_within
 
@@ -173,6 +173,6 @@ def _left_out(
     """Yield what is not there because the user stopped."""
     if left := engines[len(measurements) :]:
         yield f"stopped before running {', '.join(left)}"
-    settings = sum(len(settings_of(engine, long_ladders=budget.long_ladders)) for engine in able)
+    settings = sum(len(settings_of(engine, full=budget.full)) for engine in able)
     if len(speed) < settings:
         yield f"stopped when {len(speed)} of {settings} settings had been measured, and none timed"

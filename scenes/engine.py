@@ -104,8 +104,8 @@ class Engine(Protocol[S]):
     DEFAULT: S  # of a plain run
     FAST: S  # the cheapest that are good to a per cent
     EXACT: S  # the most accurate
-    LADDER: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
-    LONG_LADDER: tuple[S, ...]  # slower ones, that only `--full` takes besides
+    WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
+    LONG_WORK_PRECISION: tuple[S, ...]  # slower ones, that only `--full` takes besides
     ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
 
     @property

@@ -31,8 +31,8 @@ class Stub:
     """An engine, and its simulation, with a given outcome."""
 
     DEFAULT = Settings("stub")
-    LADDER = (DEFAULT,)
-    LONG_LADDER: tuple[Settings, ...] = ()
+    WORK_PRECISION = (DEFAULT,)
+    LONG_WORK_PRECISION: tuple[Settings, ...] = ()
     FAST = EXACT = DEFAULT
     ABLATIONS: tuple[Settings, ...] = ()
     at_steps = iterations_needed = None

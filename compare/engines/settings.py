@@ -10,7 +10,8 @@ from . import registry
 TIERS = ("fast", "balanced", "exact")  # settings by name
 Accuracy: TypeAlias = str | float  # one of `TIERS`, or the largest relative error
 
-LADDER, ABLATION = "ladder", "ablation"  # roles of settings: from coarse to fine, and with more than a scene needs
+# Roles of settings: from cheap to accurate, and with more than a scene needs.
+WORK_PRECISION, ABLATION = "work-precision", "ablation"
 
 
 def tiers(engine: str) -> Mapping[str, Settings]:
@@ -19,10 +20,10 @@ def tiers(engine: str) -> Mapping[str, Settings]:
     return dict(zip(TIERS, (module.FAST, module.DEFAULT, module.EXACT), strict=True))
 
 
-def settings_of(engine: str, *, long_ladders: bool) -> Mapping[Settings, str]:
-    """Return all settings of an engine with the role of each; `long_ladders` adds those that only `--full` takes."""
+def settings_of(engine: str, *, full: bool) -> Mapping[Settings, str]:
+    """Return all settings of an engine with the role of each; `full` adds those that only `--full` takes."""
     module = registry.engine(engine)
-    if not long_ladders:
-        return dict.fromkeys(module.LADDER, LADDER)
-    ladder = dict.fromkeys((*module.LADDER, *module.LONG_LADDER, *tiers(engine).values()), LADDER)
-    return dict.fromkeys(module.ABLATIONS, ABLATION) | ladder
+    if not full:
+        return dict.fromkeys(module.WORK_PRECISION, WORK_PRECISION)
+    settings = (*module.WORK_PRECISION, *module.LONG_WORK_PRECISION, *tiers(engine).values())
+    return dict.fromkeys(module.ABLATIONS, ABLATION) | dict.fromkeys(settings, WORK_PRECISION)

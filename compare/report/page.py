@@ -5,7 +5,7 @@ from html import escape
 from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, cycle_name, position_name
-from ..speed.ladders import SAMPLING
+from ..speed.speed_table import SAMPLING
 from ..speed.work_precision import TIE
 from ..study import Study
 from . import tables

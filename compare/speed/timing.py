@@ -22,7 +22,7 @@ class Budget:
 
     rounds: int
     seconds: float  # of timing, with all that is not under the clock
-    long_ladders: bool = False
+    full: bool = False
     point_s: float = 1.0  # one run of one setting; what takes longer is not repeated
 
 

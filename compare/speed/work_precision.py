@@ -13,7 +13,7 @@ import pandas as pd
 from scenes import Settings, Status
 from scenes.motion import Samples
 
-from ..engines.settings import LADDER, settings_of
+from ..engines.settings import WORK_PRECISION, settings_of
 from ..judge.errors import SHOWN_GROUPS
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
@@ -29,8 +29,8 @@ def groups(speed: pd.DataFrame) -> list[str]:
 
 
 def solved(speed: pd.DataFrame) -> pd.DataFrame:
-    """Return the settings of the ladders that solved the scene."""
-    return speed[(speed["status"] == Status.ok.name) & (speed["role"] == LADDER)] if len(speed) else speed
+    """Return the work-precision settings that solved the scene."""
+    return speed[(speed["status"] == Status.ok.name) & (speed["role"] == WORK_PRECISION)] if len(speed) else speed
 
 
 def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
@@ -87,7 +87,7 @@ def cheapest_within(engine: str, accuracy: float, speed: pd.DataFrame) -> Settin
     best = cheapest(points.assign(worst=worst), "worst", accuracy)
     if best is None:
         return None
-    return next(s for s in settings_of(engine, long_ladders=True) if s.label == best["setting"])
+    return next(s for s in settings_of(engine, full=True) if s.label == best["setting"])
 
 
 def _arrays(points: pd.DataFrame, error: str) -> tuple[Samples, Samples]:

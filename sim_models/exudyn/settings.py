@@ -1,4 +1,4 @@
-"""Settings of Exudyn: what can be chosen, and every named setting of the ladders in one place."""
+"""Settings of Exudyn: what can be chosen, and every named setting in one place."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -97,23 +97,23 @@ REDUCED: Options = {"reduced": True}
 # pointwise route is faster. Accelerations oscillate where a run begins near a singular configuration: it is refused.
 FAST, *_more_loose = _single("trapezoidal, loose Newton", 144, 72, **LOOSE)
 # Independent of the poses found by Newton's method; robust where a motion law has knots or a start is nearly singular.
-*_pairs_in_ladder, DEFAULT = _pairs("generalised-alpha 0.5", 3, 72, 360, 720)
+*_coarser_pairs, DEFAULT = _pairs("generalised-alpha 0.5", 3, 72, 360, 720)
 EXACT = Pointwise("pointwise", family="pointwise")
 
-LADDER: tuple[ExudynSettings, ...] = (
+WORK_PRECISION: tuple[ExudynSettings, ...] = (
     FAST,
     *_more_loose,
     *_single("generalised-alpha 0.5", 72, 360),
     *_single("generalised-alpha 0.5, reduced", 72, 360, **REDUCED),
     *_single("trapezoidal", 72, 360, **TRAPEZOIDAL),
-    *_pairs_in_ladder,
+    *_coarser_pairs,
     DEFAULT,
     *_pairs("trapezoidal", 4, 144, **TIGHT),
     EXACT,
     *_textbook(72, 360),
 )
 
-LONG_LADDER: tuple[ExudynSettings, ...] = (
+LONG_WORK_PRECISION: tuple[ExudynSettings, ...] = (
     *_single("trapezoidal, loose Newton", 288, **LOOSE),
     *_single("generalised-alpha 0.5", 144, 1440, 2880, 7200),
     *_single("generalised-alpha 0.5, reduced", 144, 1440, 2880, 7200, **REDUCED),

@@ -26,8 +26,8 @@ class MultiprecisionSettings(Settings):
 
 
 DEFAULT = MultiprecisionSettings("50 digits")
-LADDER = (DEFAULT,)
-LONG_LADDER: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
+WORK_PRECISION = (DEFAULT,)
+LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
 FAST = EXACT = DEFAULT
 ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
 at_steps = iterations_needed = None  # it takes no steps of the time

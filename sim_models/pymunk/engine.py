@@ -15,12 +15,32 @@ enough.
 
 from scenes import Request, Scene
 
-from .settings import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER, AnySettings, Textbook, at_steps
+from .settings import (
+    ABLATIONS,
+    DEFAULT,
+    EXACT,
+    FAST,
+    LONG_WORK_PRECISION,
+    WORK_PRECISION,
+    AnySettings,
+    Textbook,
+    at_steps,
+)
 from .simulation import PymunkSimulation
 from .sweeps import iterations_needed
 from .textbook import TextbookSimulation
 
-__all__ = ["ABLATIONS", "DEFAULT", "EXACT", "FAST", "LADDER", "LONG_LADDER", "at_steps", "build", "iterations_needed"]
+__all__ = [
+    "ABLATIONS",
+    "DEFAULT",
+    "EXACT",
+    "FAST",
+    "LONG_WORK_PRECISION",
+    "WORK_PRECISION",
+    "at_steps",
+    "build",
+    "iterations_needed",
+]
 
 
 def version() -> str:

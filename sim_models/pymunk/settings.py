@@ -115,7 +115,7 @@ FAST = _fictitious(144, 2, 20)
 DEFAULT = _true(360, 2, 500)
 EXACT = _fictitious(288, 4, 200)
 
-LADDER: tuple[AnySettings, ...] = (
+WORK_PRECISION: tuple[AnySettings, ...] = (
     FAST,
     _fictitious(144, 3, 20),
     *(_true(steps, 1, 100) for steps in (144, 288)),
@@ -125,7 +125,7 @@ LADDER: tuple[AnySettings, ...] = (
     _correcting(720, 100, None),
     *(_textbook(steps) for steps in (60, 2304)),
 )
-LONG_LADDER: tuple[AnySettings, ...] = (
+LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_fictitious(steps, 1, 20) for steps in (72, 144, 288, 576, 1152, 2304, 4608, 9216)),
     *(_fictitious(steps, 2, 20) for steps in (72, 288, 576, 1152)),
     *(_fictitious(steps, 3, 20) for steps in (72, 288, 576)),

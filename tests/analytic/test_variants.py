@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic.engine import LADDER, AnalyticSettings
+from analytic.engine import WORK_PRECISION, AnalyticSettings
 from compare.engines import registry
 from compare.engines.reference import establish, relative_errors
 from compare.judge.errors import GROUPS
@@ -58,7 +58,7 @@ def test_differences_are_of_second_order(name: str) -> None:
 
 
 def test_labels_are_told_apart() -> None:
-    assert len({settings.label for settings in LADDER}) == len(LADDER)
+    assert len({settings.label for settings in WORK_PRECISION}) == len(WORK_PRECISION)
 
 
 def test_single_precision_is_told_from_the_reference(toggle_press: Scene) -> None:

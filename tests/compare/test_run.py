@@ -103,7 +103,7 @@ def test_speed_file(results: Path) -> None:
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
     assert (speed["timed_runs"] >= 3).all()
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
-    for engine in ("exudyn", "pymunk"):  # more work, less error: the ladder is one
+    for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]
         assert rows["reaction_max"].max() > 1e4 * rows["reaction_max"].min()
 

@@ -52,7 +52,7 @@ def stopped_after(words: str) -> list[str]:
 
 def test_a_study_that_is_stopped_says_what_is_left_out() -> None:
     engines = list(DEFAULT_ENGINES)
-    settings = sum(len(registry.engine(engine).LADDER) for engine in engines)
+    settings = sum(len(registry.engine(engine).WORK_PRECISION) for engine in engines)
     none, some = f"0 of {settings} settings", f"3 of {settings} settings"
     assert stopped_after("running analytic") == [
         "analytic",
@@ -61,7 +61,7 @@ def test_a_study_that_is_stopped_says_what_is_left_out() -> None:
         f"stopped when {none} had been measured, and none timed",
     ]
     assert stopped_after("running pymunk") == [*engines, "0", f"stopped when {none} had been measured, and none timed"]
-    third = registry.engine("analytic").LADDER
+    third = registry.engine("analytic").WORK_PRECISION
     assert len(third) >= 3
     assert stopped_after(f"analytic, {third[2].label}") == [
         *engines,
@@ -74,7 +74,7 @@ def test_a_study_that_is_stopped_says_what_is_left_out() -> None:
 def test_a_stopped_run_leaves_a_report(
     tmp_path: Path, plug: Plug, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The engine itself presses Ctrl-C in its error run of the ladder; that one is still finished."""
+    """The engine itself presses Ctrl-C in its error run of the speed table; that one is still finished."""
     scene = scenes.load("toggle_press")
     motion = registry.reference(scene)(Sampling(72).commanded(scene), Sampling(72).times(scene))
 

@@ -13,7 +13,7 @@ from compare.speed.timing import Budget
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 
 STEPS = (72, 144, 360, 720, 1440, 7200)
-FULL = Budget(10, inf, long_ladders=True, point_s=inf)
+FULL = Budget(10, inf, full=True, point_s=inf)
 
 
 class Clock:
@@ -35,8 +35,8 @@ def quiet(_: str) -> None:
 def table(*rows: tuple[str, str, float, float], **columns: Any) -> pd.DataFrame:
     """Return a speed table of engine, setting, seconds and largest reaction error."""
     known = pd.DataFrame(rows, columns=["engine", "setting", "solve_min_s", "reaction_max"])
-    rest: dict[str, Any] = {"note": "", "role": "ladder", "status": "ok", "family": "", "expected_order": nan} | columns
-    return known.assign(**rest)
+    rest: dict[str, Any] = {"note": "", "role": "work-precision", "status": "ok", "family": "", "expected_order": nan}
+    return known.assign(**(rest | columns))
 
 
 def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> pd.DataFrame:
@@ -56,9 +56,9 @@ def second_order(steps: int, note: str = "") -> StubSettings:
 class StubEngine:
     """An engine of second order, a millisecond a step, that is off in one component of one joint."""
 
-    LADDER: tuple[Settings, ...] = tuple(map(second_order, (72, 100, 360)))
-    LONG_LADDER: tuple[Settings, ...] = (second_order(3600),)
-    FAST, DEFAULT, EXACT = LADDER[0], second_order(720), LONG_LADDER[0]
+    WORK_PRECISION: tuple[Settings, ...] = tuple(map(second_order, (72, 100, 360)))
+    LONG_WORK_PRECISION: tuple[Settings, ...] = (second_order(3600),)
+    FAST, DEFAULT, EXACT = WORK_PRECISION[0], second_order(720), LONG_WORK_PRECISION[0]
     ABLATIONS: tuple[Settings, ...] = (StubSettings("in space", 720),)
 
     def __init__(self, reference: Reference, clock: Clock) -> None:

@@ -16,7 +16,7 @@ from compare.judge.round_off import explain
 from compare.report.page import page
 from compare.report.speed import tables as speed_tables
 from compare.report.speed.figure import work_precision as picture
-from compare.speed.ladders import speed_table
+from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget, take_turns
 from compare.speed.work_precision import choices, orders, solved, step_costs
 from compare.study import Study, settings_by_error, settings_by_name, study
@@ -33,7 +33,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", "", 1e-3))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
     monkeypatch.setattr("compare.engines.runner.perf_counter", clock)
-    monkeypatch.setattr("compare.speed.ladders.take_turns", partial(take_turns, clock=clock, wall=clock))
+    monkeypatch.setattr("compare.speed.speed_table.take_turns", partial(take_turns, clock=clock, wall=clock))
     return engine
 
 
@@ -84,7 +84,7 @@ def test_ablations_are_compared_with_the_default_and_nothing_else(reference: Ref
 
 @pytest.mark.usefixtures("stub")
 def test_a_failed_setting_stays(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(StubEngine, "LADDER", (StubSettings("fails"), *StubEngine.LADDER))
+    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (StubSettings("fails"), *StubEngine.WORK_PRECISION))
     speed = speed_table(reference, ["stub"], Budget(10, inf), quiet)
     row = rows_of(speed)["fails"]
     assert (row["status"], row["reason"], row["timed_runs"]) == ("diverged", "it ran away", 0)
@@ -96,7 +96,7 @@ def test_a_failed_setting_stays(reference: Reference, monkeypatch: pytest.Monkey
 def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
     """With 0.3 s for one setting the 360 steps are not repeated, and the 720 and 3600 of their family are not run."""
     noted = second_order(3600, note="of another family")
-    monkeypatch.setattr(StubEngine, "LADDER", (*StubEngine.LADDER, noted))
+    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (*StubEngine.WORK_PRECISION, noted))
     rows = rows_of(speed_table(reference, ["stub"], replace(FULL, point_s=0.3), quiet))
     assert {name: row["timed_runs"] for name, row in rows.items() if row["status"] == "ok"} == {
         "72 steps": 3, "100 steps": 3, "360 steps": 0, noted.label: 0, "in space": 0,
@@ -144,9 +144,9 @@ def test_an_accuracy_by_number(reference: Reference, level: float, label: str, s
 
 @pytest.mark.usefixtures("stub")
 def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(StubEngine, "LADDER", (second_order(72, note="for show"), *StubEngine.LADDER))
+    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (second_order(72, note="for show"), *StubEngine.WORK_PRECISION))
     speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
-    assert settings_by_error("stub", 1e-2, speed)[0] is StubEngine.LADDER[1]
+    assert settings_by_error("stub", 1e-2, speed)[0] is StubEngine.WORK_PRECISION[1]
 
 
 def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
@@ -208,7 +208,7 @@ def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.Monke
 @pytest.mark.usefixtures("stub")
 def test_the_picture(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
     noted, failing = second_order(144, note="for show, only"), StubSettings("fails")
-    monkeypatch.setattr(StubEngine, "LADDER", (*StubEngine.LADDER, noted, failing))
+    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (*StubEngine.WORK_PRECISION, noted, failing))
     result = study(reference.scene, ["analytic", "stub"], Sampling(72), Budget(1, 0.0), quiet)
     figure = picture(result)
     reactions = [(number, trace) for number, trace in enumerate(figure.data) if trace.xaxis == "x4"]

@@ -16,7 +16,7 @@ from scenes import Failure, Motion, Sampling, Scene, Settings
 from sim_models.exudyn import checks as exudyn_checks
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
-from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER
+from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
 from sim_models.exudyn.poses import Poses
 from sim_models.exudyn.settings import (
     LITTLE_DAMPED,
@@ -177,7 +177,7 @@ def test_pointwise_is_far_more_accurate_and_faster_than_two_integrations() -> No
 
 
 def test_reactions_to_1e_8_cost_little_more_than_to_a_per_cent() -> None:
-    cheap = next(s for s in LADDER if s.label == "trapezoidal, loose Newton, 72")
+    cheap = next(s for s in WORK_PRECISION if s.label == "trapezoidal, loose Newton, 72")
     assert error("toggle_press", cheap) <= 1e-2
     exact, percent = fastest(25, *(built(settings) for settings in (EXACT, cheap)))
     assert exact <= 4 * percent  # measured 2.6 times
@@ -244,14 +244,14 @@ def test_springs_are_checked_though_nobody_asks_for_their_ends() -> None:
         run(scene_files.load("slider_crank", meeting_spring(0.1)), EXACT, channels=frozenset({"drive.torque"}))
 
 
-# --- the ladders -----------------------------------------------------------------------------------------------------
+# --- the settings ----------------------------------------------------------------------------------------------------
 
 
-def test_ladders_hold_what_they_promise() -> None:
-    every = [*LADDER, *LONG_LADDER, *ABLATIONS]
+def test_settings_hold_what_they_promise() -> None:
+    every = [*WORK_PRECISION, *LONG_WORK_PRECISION, *ABLATIONS]
     assert len({settings.label for settings in every}) == len(set(every)) == len(every)
-    assert {FAST, DEFAULT, EXACT} <= set(LADDER)
-    steps = [settings.steps for settings in (*LADDER, *LONG_LADDER) if isinstance(settings, TimeStepping)]
+    assert {FAST, DEFAULT, EXACT} <= set(WORK_PRECISION)
+    steps = [s.steps for s in (*WORK_PRECISION, *LONG_WORK_PRECISION) if isinstance(s, TimeStepping)]
     assert max(steps) >= 100 * min(steps)
     for family in {settings.family for settings in every if settings.family}:
         members = [settings for settings in every if settings.family == family]

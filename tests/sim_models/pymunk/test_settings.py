@@ -13,7 +13,7 @@ from scenes import Failure, Sampling, Scene, Settings, Status
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import space as pymunk_space
 from sim_models.pymunk.constraints import Linkage
-from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LADDER, LONG_LADDER
+from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
 from sim_models.pymunk.masses import ballasted_masses, fictitious_masses, groups, own_masses
 from sim_models.pymunk.settings import PymunkSettings, Textbook
 from sim_models.pymunk.start import start
@@ -198,12 +198,12 @@ def test_settings_reach_what_they_are_for() -> None:
         assert worst("toggle_press", settings)["fx"] <= reaction, settings
 
 
-def test_ladders_are_told_apart() -> None:
-    points = {*LADDER, *LONG_LADDER, *ABLATIONS, FAST, DEFAULT, EXACT}
+def test_settings_have_labels_of_their_own() -> None:
+    points = {*WORK_PRECISION, *LONG_WORK_PRECISION, *ABLATIONS, FAST, DEFAULT, EXACT}
     assert len({settings.label for settings in points}) == len(points)
     # what a new user meets is told apart, but no theory expects an order of it
     assert all(settings.family and (settings.order or settings.family == "textbook") for settings in points)
-    steps = [settings.steps for settings in (*LADDER, *LONG_LADDER) if settings.family == "one level, 100 sweeps"]
+    steps = [s.steps for s in (*WORK_PRECISION, *LONG_WORK_PRECISION) if s.family == "one level, 100 sweeps"]
     assert max(steps) >= 100 * min(steps)
 
 

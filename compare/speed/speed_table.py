@@ -1,4 +1,4 @@
-"""Every setting of every engine's ladder: errors and times, taken in separate runs."""
+"""Every setting of every engine: errors and times, taken in separate runs."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -76,7 +76,7 @@ def _error_runs(
 ) -> Iterator[Point]:
     """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps a cycle, by family
-    for settings, role in settings_of(engine, long_ladders=budget.long_ladders).items():
+    for settings, role in settings_of(engine, full=budget.full).items():
         steps, least = steps_a_cycle(settings) or 0, too_slow.get(settings.family, inf)
         if steps > least:
             reason = f"{least} steps a cycle took longer than {budget.point_s:g} s already"
