@@ -128,7 +128,7 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     from .hard.stability import stability_table
 
     able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
-    to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).steps]
+    to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).rungs]
     maps = stability_table(result.scene, able, to_lock, progress)
     return replace(result, maps=maps, hard=hard_cases(catalogue(), able, options.out, progress))
 

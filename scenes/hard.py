@@ -67,7 +67,7 @@ class Ladder:
     expected: str  # what should happen
     why: str  # where the difficulty comes from
     digits: bool  # whether the digits that the reference loses are counted
-    steps: tuple[Rung, ...]
+    rungs: tuple[Rung, ...]
 
 
 def catalogue(*, long: bool = False) -> tuple[str, ...]:
@@ -88,10 +88,10 @@ def ladder(name_or_path: str | Path) -> Ladder:
     path = _shipped().get(str(name_or_path), Path(name_or_path))
     file = _file(name_or_path)
     try:
-        steps = _rungs(file, path)
+        rungs = _rungs(file, path)
     except InputError as error:
         raise InputError(f"{name_or_path}: {error}") from None
-    return Ladder(path.stem, file.title, file.parameter, file.expected, file.why, file.digits, steps)
+    return Ladder(path.stem, file.title, file.parameter, file.expected, file.why, file.digits, rungs)
 
 
 def _shipped() -> dict[str, Path]:

@@ -56,7 +56,7 @@ Row = dict[str, Any]
 def examine(case: Case) -> list[Row]:
     """Return one row an attempt of the engine; of the reference one, measured by arbitrary precision."""
     ladder = hard.ladder(case.ladder)
-    rung = next(step for step in ladder.steps if step.label == case.rung)
+    rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
     try:
         scene = rung.scene()
     except InputError as error:

@@ -19,7 +19,7 @@ PARTIAL = "hard.partial.jsonl"
 def cases(ladders: Iterable[str], engines: Sequence[str]) -> list[Case]:
     """Return every engine on every rung."""
     return [
-        Case(name, rung.label, engine) for name in ladders for rung in hard.ladder(name).steps for engine in engines
+        Case(name, rung.label, engine) for name in ladders for rung in hard.ladder(name).rungs for engine in engines
     ]
 
 

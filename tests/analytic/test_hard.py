@@ -71,7 +71,7 @@ def test_a_block_without_inertia_takes_no_moment() -> None:
 @pytest.mark.parametrize("label", ["1e-5", "1e-7", "1e-9"])
 def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
     """The dyad as a group, against its closed form: the branch is followed through where it turns in no time."""
-    scene = next(step for step in hard.ladder(name).steps if step.label == label).scene()
+    scene = next(step for step in hard.ladder(name).rungs if step.label == label).scene()
     by_dyads = decompose(scene)
     by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
     least, most = scene.drive.extent
@@ -90,7 +90,7 @@ def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
 @pytest.mark.parametrize("guard", ["branch", "parabola"])
 def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard: str) -> None:
     """Without the sign of the determinant it ends on the other branch; without looking back it leaps over the lock."""
-    scene = next(step for step in hard.ladder("lock_rrr_folded").steps if step.label == "1e-7").scene()
+    scene = next(step for step in hard.ladder("lock_rrr_folded").rungs if step.label == "1e-7").scene()
     by_dyads = decompose(scene)
     by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
     position = np.linspace(*scene.drive.extent, 3601)

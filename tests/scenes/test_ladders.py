@@ -58,15 +58,15 @@ def test_no_ladder_is_a_shipped_scene() -> None:
 def test_long_ladders_are_apart() -> None:
     assert "turns_long" in hard.catalogue(long=True)
     assert not set(hard.catalogue()) & set(hard.catalogue(long=True))
-    assert max(rung.turns for name in hard.catalogue() for rung in hard.ladder(name).steps) <= 100
-    assert [rung.turns for rung in hard.ladder("turns_long").steps] == [1000, 10000]
+    assert max(rung.turns for name in hard.catalogue() for rung in hard.ladder(name).rungs) <= 100
+    assert [rung.turns for rung in hard.ladder("turns_long").rungs] == [1000, 10000]
 
 
 def test_a_ladder_says_everything(ladder: Ladder) -> None:
     assert ladder.name in NAMES
     assert all((ladder.title, ladder.parameter, ladder.expected, ladder.why))
     assert "\n" not in ladder.title + ladder.parameter + ladder.expected + ladder.why
-    assert len({rung.label for rung in ladder.steps}) == len({rung.value for rung in ladder.steps}) == len(ladder.steps)
+    assert len({rung.label for rung in ladder.rungs}) == len({rung.value for rung in ladder.rungs}) == len(ladder.rungs)
     assert pickle.loads(pickle.dumps(ladder)) == ladder
 
 
@@ -74,7 +74,7 @@ def test_a_ladder_says_everything(ladder: Ladder) -> None:
 
 
 def test_the_reference_ends_as_expected(ladder: Ladder) -> None:
-    for rung in ladder.steps:
+    for rung in ladder.rungs:
         if rung.status == hard.INVALID:
             with pytest.raises(InputError, match="over-constrained"):
                 rung.scene()
@@ -85,7 +85,7 @@ def test_the_reference_ends_as_expected(ladder: Ladder) -> None:
 
 def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
     """The kite's is at 0 deg; without it, and on the way back from beyond it, there is one motion."""
-    (rung,) = (rung for rung in hard.ladder("kite_passed").steps if rung.label == "0.5 deg")
+    (rung,) = (rung for rung in hard.ladder("kite_passed").rungs if rung.label == "0.5 deg")
     scene = rung.scene()
     assert isinstance(scene.drive, ConstantSpeed)
     away = replace(scene, drive=replace(scene.drive, start=np.radians(30), end=np.radians(330)))
@@ -102,7 +102,7 @@ def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
 @pytest.mark.parametrize("name", LOCKS)
 def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
     """To 6e-16 m: three roundings of lengths of up to 1.5 m, of the file's and of their sum; 6e-7 of the last rung."""
-    rungs = [rung for rung in hard.ladder(name).steps if rung.status == "ok"]
+    rungs = [rung for rung in hard.ladder(name).rungs if rung.status == "ok"]
     for rung in rungs:
         found = solved(rung)
         assert found.motion is not None
@@ -128,20 +128,20 @@ GROWTH = {
 @pytest.mark.parametrize("name", GROWTH)
 def test_peaks_grow_as_the_ladder_says(name: str) -> None:
     """Over the last decade but for terms of the next order, the square root of 1e-8."""
-    near, nearest = (solved(rung) for rung in hard.ladder(name).steps if rung.label in DECADES[-2:])
+    near, nearest = (solved(rung) for rung in hard.ladder(name).rungs if rung.label in DECADES[-2:])
     grown = [np.log10(peak(nearest, *of) / peak(near, *of)) for of in (("ax", "ay", "alpha"), ("fx", "fy"))]
     assert grown == pytest.approx(GROWTH[name], abs=1e-3)
 
 
 def test_the_kite_whirls_as_the_ladder_says() -> None:
-    rungs = [rung for rung in hard.ladder("kite").steps if rung.status == "ok"]
+    rungs = [rung for rung in hard.ladder("kite").rungs if rung.status == "ok"]
     for rung in rungs:
         assert peak(solved(rung), "omega") == pytest.approx(2 * np.pi * 0.5 / float(rung.label), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["sketch_rrp", "sketch_rrr"])
 def test_the_sketch_changes_nothing(name: str) -> None:
-    first, *others = (solved(rung).motion for rung in hard.ladder(name).steps)
+    first, *others = (solved(rung).motion for rung in hard.ladder(name).rungs)
     assert first is not None
     for other in others:
         assert other is not None
@@ -151,7 +151,7 @@ def test_the_sketch_changes_nothing(name: str) -> None:
 @pytest.mark.parametrize(("name", "link"), [("sketch_rrp", 0.5), ("sketch_rrr", 1.0)])
 def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> None:
     """The nearest rung is off by 1e-12 of the link's length, m; rounding leaves 2e-16."""
-    rung = hard.ladder(name).steps[0]
+    rung = hard.ladder(name).rungs[0]
     scene = rung.scene()
     assert isinstance(scene.drive, ConstantSpeed)
     drawn = run("analytic", replace(scene, drive=replace(scene.drive, start=scene.sketch.drive)), Sampling(1)).motion
@@ -164,7 +164,7 @@ def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> Non
 @pytest.mark.parametrize("name", ["dead_point_toggle", "dead_point_press"])
 def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
     """Its velocity there is its acceleration's times how long the crank takes for what the label says it is off."""
-    for rung in hard.ladder(name).steps:
+    for rung in hard.ladder(name).rungs:
         scene, found = rung.scene(), solved(rung).motion
         assert found is not None
         v, a = found[f"{scene.output}.vy"], found[f"{scene.output}.ay"]
@@ -175,14 +175,14 @@ def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
 
 
 def test_a_press_force_that_no_sample_meets_is_in_none() -> None:
-    forces = [peak(solved(rung), "fx", "fy") for rung in hard.ladder("press_last").steps]
+    forces = [peak(solved(rung), "fx", "fy") for rung in hard.ladder("press_last").rungs]
     assert min(forces[:-2]) > 1.59e6
     assert max(forces[-2:]) < 5e3
 
 
 def test_each_turn_is_as_the_first() -> None:
     """The core drifts by what the angle is off: three roundings, of the turns, of 2 pi and of their product."""
-    *_, rung = hard.ladder("turns").steps
+    *_, rung = hard.ladder("turns").rungs
     found = solved(rung).motion
     assert found is not None
     y = found["P5.y"]
@@ -245,19 +245,19 @@ def test_a_ladder_of_ones_own(tmp_path: Path) -> None:
     file.write_text(MINE, encoding="utf-8")
     mine = hard.ladder(file)
     assert mine.name == "mine"
-    assert [(rung.label, rung.value, rung.turns, rung.status) for rung in mine.steps] == [
+    assert [(rung.label, rung.value, rung.turns, rung.status) for rung in mine.rungs] == [
         ("shorter", 290, 1, "ok"),
         ("as_is", 300, 1, "ok"),
         ("locking", 20, 1, "cannot_assemble"),
     ]
-    assert [solved(rung).status.name for rung in mine.steps] == ["ok", "ok", "cannot_assemble"]
+    assert [solved(rung).status.name for rung in mine.rungs] == ["ok", "ok", "cannot_assemble"]
 
 
 def test_a_scene_beside_the_ladder(tmp_path: Path) -> None:
     (tmp_path / "press.toml").write_bytes(scenes.shipped()["toggle_press"].read_bytes())
     file = tmp_path / "mine.toml"
     file.write_text(MINE.replace('"toggle_press"', '"press.toml"'), encoding="utf-8")
-    assert hard.ladder(file).steps[0].scene().file == f"{tmp_path / 'press.toml'}, bodies.rod.lengths.P4-P5 = 290"
+    assert hard.ladder(file).rungs[0].scene().file == f"{tmp_path / 'press.toml'}, bodies.rod.lengths.P4-P5 = 290"
 
 
 @pytest.mark.parametrize("name", ["lock_rpr_", "no/such.toml"])
@@ -284,6 +284,6 @@ def test_what_is_changed_keeps_its_kind(path: str, value: float | str, kind: str
 
 
 def test_two_rungs_are_told_apart_in_messages() -> None:
-    near, nearest = (rung for rung in hard.ladder("lock_rrr").steps if rung.label in DECADES[-2:])
+    near, nearest = (rung for rung in hard.ladder("lock_rrr").rungs if rung.label in DECADES[-2:])
     assert near.scene().file.endswith("= 0.50000001")
     assert nearest.scene().file.endswith("= 0.500000001")

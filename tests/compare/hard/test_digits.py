@@ -23,7 +23,7 @@ CASES += [("lock_rrr_folded", "1e-9"), ("lock_rpr", "1e-9")]
 
 
 def rung(name: str, label: str) -> Scene:
-    return next(step for step in hard.ladder(name).steps if step.label == label).scene()
+    return next(step for step in hard.ladder(name).rungs if step.label == label).scene()
 
 
 def explained(table: pd.DataFrame) -> bool:
@@ -116,7 +116,7 @@ def test_every_input_is_off_by_a_step() -> None:
 def test_a_switch_of_a_press_force_has_no_condition() -> None:
     """The start is the dead point, where the force comes or goes with the last digit."""
     ladder = hard.ladder("dead_point_press")
-    (at_it,) = (step.scene() for step in ladder.steps if step.label == "lower")
+    (at_it,) = (step.scene() for step in ladder.rungs if step.label == "lower")
     table = digits_lost(at_it)
     assert explained(table)
     assert (table["condition"] < 1e3).all()

@@ -19,7 +19,7 @@ TURN = Sampling(360)
 
 
 def near_lock(rung: str) -> Reference:
-    (step,) = (step for step in hard.ladder("lock_rrr").steps if step.label == rung)
+    (step,) = (step for step in hard.ladder("lock_rrr").rungs if step.label == rung)
     return found(step.scene())
 
 
@@ -54,7 +54,7 @@ def test_a_few_draws_find_nearly_the_worst(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_in_a_lock_doubles_can_tell_nothing() -> None:
     """The change point itself, where scenes that differ by nothing to speak of do not assemble, or jump."""
-    (rung,) = (rung for rung in hard.ladder("parallelogram").steps if rung.label == "0")
+    (rung,) = (rung for rung in hard.ladder("parallelogram").rungs if rung.label == "0")
     scene = rung.scene()
     solve = registry.reference(scene)
     motion = solve(TURN.commanded(scene), TURN.times(scene))
