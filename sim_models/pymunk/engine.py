@@ -40,6 +40,7 @@ __all__ = [
     "at_steps",
     "build",
     "iterations_needed",
+    "version",
 ]
 
 
