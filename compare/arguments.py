@@ -32,7 +32,7 @@ def parser() -> argparse.ArgumentParser:
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(*SAMPLES), default=360, help="samples a cycle of the drive (360)")
+    parser.add_argument("--samples", type=_count(*SAMPLES), default=360, help="samples per cycle of the drive (360)")
     parser.add_argument("--turns", type=_count(*TURNS), default=1, help="cycles of the drive (1)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")

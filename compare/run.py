@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .judge.measure import Measurement
     from .study import Study
 
-TO_LOCK = "lock_rrr"  # the ladder in a map of every report
+TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
 
 
 @command
@@ -52,12 +52,12 @@ def _run(options: argparse.Namespace) -> int:
     _check(options, scenes)
 
     from .report import (
-        files as output,  # late: the tables and plots are slow to import, and bad input should be told at once
+        files as output,  # late: the tables and plots are slow to import, and bad input should be named at once
     )
 
     output.check_writable(options.out)
     run = _family if options.vary else _report
-    with Console(stderr=True).status("") as status:  # says nothing when it is not a terminal
+    with Console(stderr=True).status("") as status:  # prints nothing when it is not a terminal
         missed = [run(scene, request, options, status) for scene, request in zip(scenes, requests, strict=True)]
     if options.full:
         from .hard.cases import forget
@@ -114,7 +114,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
         result.reasons.append("stopped by the user; what is not here was not done")
     status.update(f"{scene.name}: writing the report")
     folder = output.write(result, options.out)
-    _tell(result)
+    _print_result(result)
     page = folder / "report.html"
     print(f"report: {page}")
     if stopped:
@@ -173,7 +173,7 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status
     return bool(options.check) and _stops(scene, able)
 
 
-def _tell(result: "Study") -> None:
+def _print_result(result: "Study") -> None:
     from .judge.errors import SHOWN_GROUPS
     from .report.speed.tables import verdict
     from .report.tables import overview
@@ -184,8 +184,8 @@ def _tell(result: "Study") -> None:
     for m in result.measurements:
         if m.run.reason:
             print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
-    for said in (*result.reasons, verdict(result)):
-        print(f"{result.scene.name}  {said}")
+    for sentence in (*result.reasons, verdict(result)):
+        print(f"{result.scene.name}  {sentence}")
 
 
 def _stops(scene: Scene, judged: Mapping[str, tuple[Sequence["Measurement"], Sequence["Gate"]]]) -> bool:

@@ -50,12 +50,12 @@ class Judgement:
 
     @property
     def errors(self) -> pd.DataFrame:
-        """One row an engine and channel: its errors against the reference."""
+        """One row per engine and channel: its errors against the reference."""
         return pd.concat([m.errors for m in self.measurements], ignore_index=True)
 
     @property
     def gates(self) -> pd.DataFrame:
-        """One row a tolerance of the scene: the error measured, and whether it was met."""
+        """One row per tolerance of the scene: the error measured, and whether it was met."""
         return gate_table(self.held)
 
 
@@ -64,9 +64,9 @@ class Study(Judgement):
     """Everything that is reported about one scene."""
 
     motion: Motion  # the reference's, as commanded
-    speed: pd.DataFrame  # one row a setting
-    maps: pd.DataFrame = field(default_factory=pd.DataFrame)  # of stability, one row a cell
-    hard: pd.DataFrame = field(default_factory=pd.DataFrame)  # one row an attempt at a hard case
+    speed: pd.DataFrame  # one row per setting
+    maps: pd.DataFrame = field(default_factory=pd.DataFrame)  # of stability, one row per cell
+    hard: pd.DataFrame = field(default_factory=pd.DataFrame)  # one row per attempt at a hard case
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:

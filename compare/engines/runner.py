@@ -30,6 +30,11 @@ class Run:
     counters: Mapping[str, int] = field(default_factory=dict)
     residuals: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def seconds(self) -> float:
+        """Return the time of build, solve and read together, s."""
+        return self.build_s + self.solve_s + self.read_s
+
 
 def run(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
     """Build, solve and read, each timed apart; `settings` of None means the engine's default."""

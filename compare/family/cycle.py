@@ -1,4 +1,4 @@
-"""One cycle of one linkage by the reference: the output's curves, and what a designer compares linkages by."""
+"""One cycle of one linkage by the reference: the output's curves, and quantities by which linkages are compared."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -66,8 +66,8 @@ def cycle(scene: Scene, motion: Motion, solve: Solve) -> Cycle:
     else:
         quantities["stroke"] = float(np.hypot(*(np.ptp(extremes[axis]) for axis in ("x", "y"))))
     joints = {}
-    for name, of, worst in (("peak reaction", ".reaction", max), ("least transmission", ".transmission", min)):
-        values = {joint.removesuffix(of): ends[worst is max] for joint, ends in extremes.items() if joint.endswith(of)}
+    for name, curve, worst in (("peak reaction", ".reaction", max), ("least transmission", ".transmission", min)):
+        values = {key.removesuffix(curve): ends[worst is max] for key, ends in extremes.items() if key.endswith(curve)}
         if values:
             joints[name] = worst(values, key=values.__getitem__)
             quantities[name] = values[joints[name]]

@@ -15,12 +15,12 @@ from ..judge.measure import Measurement, measure
 from .cycle import SAMPLING, Cycle, cycle
 from .grid import Variation
 
-INVALID = "invalid"  # the status of a member that is no scene, beside those of an engine
+INVALID = "invalid"  # status of a member that is no scene, beside those of an engine
 
 
 @dataclass(frozen=True)
 class Member:
-    """One linkage of a family: what it does, or why it cannot run."""
+    """One linkage of a family: its cycle and its judged engines, or the reason why it cannot run."""
 
     changes: Mapping[str, float]  # path in the scene file -> value, in the units of the file
     status: str

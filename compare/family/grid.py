@@ -1,4 +1,4 @@
-"""What a family varies: numbers of the scene file by their paths, over a grid of values."""
+"""The variations of a family: numbers of the scene file by their paths, over a grid of values."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

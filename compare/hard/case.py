@@ -115,8 +115,8 @@ def _attempted(case: Case, scene: Scene, reference: Reference, measured: Measure
         denied = run.status is Status.cannot_assemble and explained.decidable
         outcome = Outcome.false_alarm if kept or denied else Outcome.refused
     setting = run.settings.label if run.settings else ""
-    seconds = run.build_s + run.solve_s + run.read_s
-    row = case_row(case, run.status.name, run.reason, run.found_by, outcome) | {"setting": setting, "seconds": seconds}
+    attempt = {"setting": setting, "seconds": run.seconds}
+    row = case_row(case, run.status.name, run.reason, run.found_by, outcome) | attempt
     return row | _figures(measured, reference, explained)
 
 

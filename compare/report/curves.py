@@ -122,7 +122,7 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
 
 
 def assur_groups(study: Study) -> go.Figure | None:
-    """Draw how far every Assur group is from its lock, by the reference; None where it has no such channel."""
+    """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = prefixed(study.reference.stroke, "m")
     angles = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}

@@ -1,10 +1,10 @@
-"""The files of a study. They are written aside and moved in place when all are complete."""
+"""The files of studies and families. They are written aside and moved in place when all are complete."""
 
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from enum import Enum
 from math import isfinite
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from scenes import InputError, Motion
+from scenes import InputError
 from scenes.motion import header
 
 from ..engines.axis import axis
@@ -21,6 +21,7 @@ from ..engines.environment import environment
 from ..engines.registry import route
 from ..family.family import Family
 from ..judge.errors import group_floors
+from ..judge.measure import Measurement
 from ..speed import work_precision
 from ..study import Study
 from .family.page import page as family_page
@@ -44,9 +45,17 @@ def write(study: Study, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
+    tables = {"errors": study.errors, "speed": study.speed}
+    tables |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if len(table)}
+    for engine, motion in study.motions.items():
+        named = {header(channel): values for channel, values in motion.samples.items()}
+        tables[f"motion.{engine}"] = pd.DataFrame(named)
     stale = ("motion.*.csv", "stability.csv", "hard.csv")  # what was not run this time must not look as if it had
     with placed(folder, study.scene.name, *stale) as aside:
-        _write_all(study, aside)
+        for name, table in tables.items():
+            table.to_csv(aside / f"{name}.csv", index=False)
+        (aside / "summary.json").write_text(json_text(_summary(study)), encoding="utf-8")
+        (aside / "report.html").write_text(page(study), encoding="utf-8")
     return folder / study.scene.name
 
 
@@ -83,48 +92,14 @@ def placed(folder: Path, name: str, *stale: str) -> Iterator[Path]:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
 
 
-def _write_all(study: Study, folder: Path) -> None:
-    study.errors.to_csv(folder / "errors.csv", index=False)
-    study.speed.to_csv(folder / "speed.csv", index=False)
-    for name, table in (("stability", study.maps), ("hard", study.hard)):
-        if len(table):
-            table.to_csv(folder / f"{name}.csv", index=False)
-    for m in study.measurements:
-        if m.run.motion is not None:
-            _table(m.run.motion).to_csv(folder / f"motion.{m.run.engine}.csv", index=False)
-    (folder / "summary.json").write_text(json_text(_summary(study)), encoding="utf-8")
-    (folder / "report.html").write_text(page(study), encoding="utf-8")
-
-
-def _table(motion: Motion) -> pd.DataFrame:
-    return pd.DataFrame({header(channel): values for channel, values in motion.samples.items()})
-
-
 def _summary(study: Study) -> dict[str, Any]:
+    scene = study.scene
     return {
-        "scene": study.scene,
-        "sampling": asdict(study.sampling),
-        "axis": asdict(axis(study.scene)),
-        "reference": {
-            "route": route(study.scene),
-            "stroke_m": study.reference.stroke,
-            "floor": asdict(study.reference.floor),
-        },
-        "engines": {
-            m.run.engine: {
-                "version": m.run.version,
-                "status": m.run.status.name,
-                "reason": m.run.reason,
-                "found_by": m.run.found_by,
-                "settings": asdict(m.run.settings) if m.run.settings else None,
-                "seconds": {"build": m.run.build_s, "solve": m.run.solve_s, "read": m.run.read_s},
-                "counters": m.run.counters,
-                "residuals": m.run.residuals,
-                "unsupported": m.run.motion.unsupported if m.run.motion else {},
-                "checks": [asdict(check) for check in m.checks],
-            }
-            for m in study.measurements
-        },
+        "scene": scene,
+        "sampling": study.sampling,
+        "axis": axis(scene),
+        "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
+        "engines": {m.run.engine: _engine(m) for m in study.measurements},
         "errors": study.errors.to_dict("records"),
         "gates": study.gates.to_dict("records"),
         "cheapest": work_precision.choices(study.speed).to_dict("records"),
@@ -132,6 +107,22 @@ def _summary(study: Study) -> dict[str, Any]:
         "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],
         "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
         "environment": environment(),
+    }
+
+
+def _engine(measurement: Measurement) -> dict[str, Any]:
+    run = measurement.run
+    return {
+        "version": run.version,
+        "status": run.status.name,
+        "reason": run.reason,
+        "found_by": run.found_by,
+        "settings": run.settings,
+        "seconds": {"build": run.build_s, "solve": run.solve_s, "read": run.read_s},
+        "counters": run.counters,
+        "residuals": run.residuals,
+        "unsupported": run.motion.unsupported if run.motion else {},
+        "checks": measurement.checks,
     }
 
 

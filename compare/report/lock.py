@@ -1,4 +1,4 @@
-"""Errors of one run against the distance to the nearest lock, sample by sample."""
+"""Errors of one run against the distance to the nearest singular configuration, sample by sample."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ PLOTTED = ("velocity", "acceleration", "reaction")
 
 
 def over_distance(study: Study) -> go.Figure | None:
-    """Draw every engine's errors over the distance to the nearest lock; None where no other engine ran.
+    """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran.
 
     Where the core knows no distance in metres, it is the relative one to the nearest singular Jacobian, 1/κ.
     """
@@ -37,7 +37,7 @@ def over_distance(study: Study) -> go.Figure | None:
                 draw(figure, m.run.engine, distance, shown, 1, column, mode="markers", marker=mark)
         explained = np.maximum(_largest(group, study.explained.sensitivity), EPS * study.explained.condition)
         draw(figure, ROUND_OFF, distance[order], explained[order], 1, column, line=BOUND)
-    error_axes(figure, "nearest distance to lock [m]" if locks else "1/κ [-]")
+    error_axes(figure, "distance to lock [m]" if locks else "1/κ [-]")
     return figure.update_layout(layout(380, titled=True))
 
 

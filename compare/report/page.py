@@ -23,8 +23,8 @@ TABLES = (
 )  # each at the place of its name in the template
 
 ONLY_ANALYTIC = (
-    "By the inner joint of each group. From the reference: only the analytic core knows Assur groups. To lock: by how"
-    " much the nearest length, or guide, would have to be off for the group to lock as it stands."
+    "By the inner joint of each group, from the reference: only the analytic core knows Assur groups. To lock: by how"
+    " much the nearest length, or guide, would have to be off for the pose to be a singular configuration of the group."
 )
 
 ROUND_OFF = (
@@ -75,9 +75,13 @@ def _curves(study: Study) -> str:
     ]
     groups, distance = assur_groups(study), over_distance(study)
     if groups is not None:
-        sections.append(section_html("Assur groups: transmission angle, and distance to lock", groups, ONLY_ANALYTIC))
+        sections.append(
+            section_html(
+                "Assur groups: transmission angle, and distance to the singular configuration", groups, ONLY_ANALYTIC
+            )
+        )
     if distance is not None:
-        sections.append(section_html("Errors against the distance to lock", distance, ROUND_OFF))
+        sections.append(section_html("Errors against the distance to the singular configuration", distance, ROUND_OFF))
     return "".join(sections)
 
 

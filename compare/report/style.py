@@ -78,12 +78,12 @@ def stacked(*heights: float) -> go.Figure:
 
 
 def side_by_side(titles: Sequence[str], gap: float = 0.03) -> go.Figure:
-    """Return an empty panel a title, all in one row with one vertical axis; `gap` is a share of the width."""
+    """Return an empty panel per title, all in one row with one vertical axis; `gap` is a share of the width."""
     return make_subplots(1, len(titles), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=gap)
 
 
 def grid(titles: Sequence[str], columns: int) -> go.Figure:
-    """Return an empty panel a title, row by row, each with axes of its own; see `cell`."""
+    """Return an empty panel per title, row by row, each with axes of its own; see `cell`."""
     rows = max(-(-len(titles) // columns), 1)
     return make_subplots(
         rows, columns, subplot_titles=titles, horizontal_spacing=0.18 / columns, vertical_spacing=0.3 / rows

@@ -21,7 +21,7 @@ FIGURES = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "comman
 
 
 def overview(study: Study) -> pd.DataFrame:
-    """Return one row an engine: status, largest error by group, times. Failed engines keep their row."""
+    """Return one row per engine: status, largest error by group, times. Failed engines keep their row."""
     rows = []
     for run, worst in ((m.run, m.worst()) for m in study.measurements):
         named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
@@ -80,7 +80,7 @@ def setup(study: Study) -> str:
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
     stroke = 1e3 * study.reference.stroke
     return (
-        f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples a {cycle};"
+        f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle};"
         f" stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
     )
 

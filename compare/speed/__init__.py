@@ -1,1 +1,1 @@
-"""Speed against error: settings, the clock, and what they say."""
+"""Speed against error: settings, the clock, and what follows from both."""

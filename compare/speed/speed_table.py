@@ -1,10 +1,11 @@
 """Every setting of every engine: errors and times, taken in separate runs."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import chain
 from math import ceil, inf
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,8 +23,7 @@ from .timing import NO_CLOCK, Budget, Times, take_turns
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """One setting of one engine, after its error run."""
 
     role: str
@@ -35,11 +35,6 @@ class Point:
         """Return the error run."""
         return self.measurement.run
 
-    @property
-    def seconds(self) -> float:
-        """Return what one run takes from end to end."""
-        return self.run.build_s + self.run.solve_s + self.run.read_s
-
 
 def speed_table(
     reference: Reference,
@@ -48,7 +43,7 @@ def speed_table(
     progress: Callable[[str], None],
     channels: frozenset[str] | None = None,
 ) -> pd.DataFrame:
-    """Return one row a setting: status, times, errors by group, counters. Failed settings stay in the table.
+    """Return one row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
     The error run comes first and warms everything up. Then all settings take turns under the clock; those that failed,
     and those that take longer than the budget has for one, keep the times of their error run. A stop leaves what is
@@ -57,7 +52,7 @@ def speed_table(
     sampling = replace(SAMPLING, channels=channels)
     runs = (_error_runs(reference, engine, sampling, budget, progress) for engine in engines)
     points = list(kept(chain.from_iterable(runs)))
-    able = (point for point in points if point.run.status is Status.ok and point.seconds <= budget.point_s)
+    able = (point for point in points if point.run.status is Status.ok and point.run.seconds <= budget.point_s)
     timed = [] if budget == NO_CLOCK else list(able)
     scene = reference.scene
     builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
@@ -75,17 +70,17 @@ def _error_runs(
     reference: Reference, engine: str, sampling: Sampling, budget: Budget, progress: Callable[[str], None]
 ) -> Iterator[Point]:
     """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
-    too_slow: dict[str, int] = {}  # steps a cycle, by family
+    too_slow: dict[str, int] = {}  # steps per cycle, by family
     for settings, role in settings_of(engine, full=budget.full).items():
         steps, least = steps_a_cycle(settings) or 0, too_slow.get(settings.family, inf)
         if steps > least:
-            reason = f"{least} steps a cycle took longer than {budget.point_s:g} s already"
+            reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
             run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
             yield Point(role, settings, Measurement(run, None, [], pd.DataFrame()))
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
         point = Point(role, settings, measure(reference, engine, sampling, settings))
-        if settings.family and point.seconds > budget.point_s:
+        if settings.family and point.run.seconds > budget.point_s:
             too_slow[settings.family] = steps
         yield point
 

@@ -1,7 +1,7 @@
 """The clock: prepared runs take turns under it, round after round, until the fastest time of each is known.
 
 It counts processor time, of all threads together. On an idle machine that is the time on the wall, which stands beside
-it; on a busy one other programs make a run wait, and the time on the wall says more about them than about the run.
+it; on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -31,7 +31,7 @@ NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are th
 
 @dataclass
 class Times:
-    """What the clock said about one setting, s, one entry a round."""
+    """Times of one setting, s, one entry per round."""
 
     build: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
@@ -68,8 +68,8 @@ def take_turns(
                     progress(f"timing {len(unknown)} settings, round {done + 1}")
                     yield pair
 
-    for build, of in kept(due()):
-        _time(build, of, clock, wall)
+    for build, record in kept(due()):
+        _time(build, record, clock, wall)
     return times
 
 

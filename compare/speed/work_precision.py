@@ -1,10 +1,11 @@
-"""What a speed table says: the cheapest setting for every error, orders of convergence, what a step costs.
+"""Results of a speed table: the cheapest setting for every error, orders of convergence, the cost of a step.
 
 Settings with a note, such as an engine's own defaults or fictitious masses, compete apart: they have their own rows in
-every comparison and are never called the cheapest, since they are not what one should take, or no independent check.
+every comparison and are never the cheapest, since nobody should take them, or since they are no independent check.
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -44,16 +45,19 @@ def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
 
 def cheapest(points: pd.DataFrame, error: str, level: float) -> "pd.Series[Any] | None":
     """Return the fastest of the settings whose error is at most `level`; of those as fast, the most accurate."""
-    best = _cheapest(*_arrays(points, error), level)
-    return None if best is None else points.iloc[best]
+    times, errors = points["solve_min_s"].to_numpy(float), points[error].to_numpy(float)
+    good = errors <= level
+    if not good.any():
+        return None
+    as_fast = good & (times <= (1 + TIE) * times[good].min())
+    return points.iloc[int(np.where(as_fast, errors, np.inf).argmin())]
 
 
 def front(points: pd.DataFrame, error: str) -> pd.DataFrame:
     """Return the Pareto front, fastest first: every setting without a note that is the cheapest for some error."""
-    rows = points[points["note"] == ""]
-    times, errors = _arrays(rows, error)
-    best = {found for level in errors if (found := _cheapest(times, errors, level)) is not None}
-    return rows.iloc[sorted(best, key=times.__getitem__)]
+    plain = points[points["note"] == ""]
+    best = [found.name for level in plain[error] if (found := cheapest(plain, error, level)) is not None]
+    return plain.loc[list(dict.fromkeys(best))].sort_values("solve_min_s", kind="stable")
 
 
 def choices(speed: pd.DataFrame) -> pd.DataFrame:
@@ -62,20 +66,20 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
     `ratio` is its time over that of the cheapest setting without a note, of any engine.
     """
     points = solved(speed)
-    apart = list(contenders(points))
+    plain = points[points["note"] == ""] if len(points) else points
     rows = []
-    for group in groups(speed):
-        error = f"{group}_max"
-        least = {level: cheapest(points[points["note"] == ""], error, level) for level in LEVELS.values()}
-        for engine, note, own in apart:
-            times, errors = _arrays(own, error)
-            for name, level in LEVELS.items():
-                best, of_all = _cheapest(times, errors, level), least[level]
-                row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note, "setting": ""}
-                if best is not None:
-                    row |= {"setting": own["setting"].iloc[best], "solve_s": times[best], "error": errors[best]}
-                    row["ratio"] = times[best] / of_all["solve_min_s"] if of_all is not None else np.nan
-                rows.append(row)
+    for group, (engine, note, settings), level in product(groups(speed), list(contenders(points)), LEVELS):
+        row: dict[str, object] = {"group": group, "level": level, "engine": engine, "note": note, "setting": ""}
+        best, least = (cheapest(compared, f"{group}_max", LEVELS[level]) for compared in (settings, plain))
+        if best is not None:
+            time, shortest = best["solve_min_s"], np.nan if least is None else least["solve_min_s"]
+            row |= {
+                "setting": best["setting"],
+                "solve_s": time,
+                "error": best[f"{group}_max"],
+                "ratio": time / shortest,
+            }
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
@@ -90,18 +94,6 @@ def cheapest_within(engine: str, accuracy: float, speed: pd.DataFrame) -> Settin
     return next(s for s in settings_of(engine, full=True) if s.label == best["setting"])
 
 
-def _arrays(points: pd.DataFrame, error: str) -> tuple[Samples, Samples]:
-    return points["solve_min_s"].to_numpy(float), points[error].to_numpy(float)
-
-
-def _cheapest(times: Samples, errors: Samples, level: float) -> int | None:
-    good = errors <= level
-    if not good.any():
-        return None
-    as_fast = good & (times <= (1 + TIE) * times[good].min())
-    return int(np.where(as_fast, errors, np.inf).argmin())
-
-
 # --- fits within a family --------------------------------------------------------------------------------------------
 
 
@@ -110,24 +102,24 @@ def families(speed: pd.DataFrame, steps: str) -> Iterator[tuple[dict[str, object
     points = solved(speed)
     if len(points):
         for (engine, family), rows in points[points["family"] != ""].groupby(["engine", "family"], sort=False):
-            of = {"engine": engine, "family": family, "expected_order": rows["expected_order"].iloc[0]}
-            yield of, rows[rows[steps].notna()].drop_duplicates(steps).sort_values(steps)
+            named = {"engine": engine, "family": family, "expected_order": rows["expected_order"].iloc[0]}
+            yield named, rows[rows[steps].notna()].drop_duplicates(steps).sort_values(steps)
 
 
 def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:
     """Return every family's order of convergence by channel group, NaN where too few of its errors are above a floor.
 
-    The order is the slope of log(largest error) against log(steps a cycle) by least squares, `residual` the root mean
+    The order is the slope of log(largest error) against log(steps per cycle) by least squares, `residual` the root mean
     square of what that leaves, in decades. The longest straight run of settings counts: theory is not about the
     coarsest, and the finest may feel a floor. `floors` are the reference's.
     """
     rows = []
-    for of, points in families(speed, "steps"):
+    for named, points in families(speed, "steps"):
         for group in groups(speed):
             steps, errors = points["steps"].to_numpy(float), points[f"{group}_max"].to_numpy(float)
             above = above_floor(steps, errors, floors.get(group, 0.0))
             order, residual, used = _order(np.log10(steps[:above]), np.log10(errors[:above]))
-            rows.append(of | {"group": group, "order": order, "residual": residual, "points": used})
+            rows.append(named | {"group": group, "order": order, "residual": residual, "points": used})
     return pd.DataFrame(rows)
 
 
@@ -159,17 +151,17 @@ def _line(x: Samples, y: Samples) -> tuple[float, float]:
 
 
 def step_costs(speed: pd.DataFrame) -> pd.DataFrame:
-    """Return what a step costs in every family, and what a run costs besides, s, by time = fixed + steps * step.
+    """Return the cost of a step in every family, and the fixed cost of a run, s, by time = fixed + steps * step.
 
     Least squares of the relative errors, whose root mean square is `residual`; steps are all that were made, those
     before the first sample and those of every Richardson level.
     """
     rows = []
-    for of, points in families(speed, "steps_made"):
+    for named, points in families(speed, "steps_made"):
         if len(points) >= LEAST_POINTS:
             time, steps = points["solve_min_s"].to_numpy(float), points["steps_made"].to_numpy(float)
             relative = np.column_stack([1 / time, steps / time])
             (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
             residual = np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2))
-            rows.append(of | {"fixed_s": fixed, "step_s": step, "residual": residual, "points": len(time)})
+            rows.append(named | {"fixed_s": fixed, "step_s": step, "residual": residual, "points": len(time)})
     return pd.DataFrame(rows).drop(columns="expected_order", errors="ignore")

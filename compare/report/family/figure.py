@@ -1,4 +1,4 @@
-"""A family's curves over one cycle, one line a member, coloured by the first number that is varied."""
+"""A family's curves over one cycle, one line per member, coloured by the first number that is varied."""
 
 from collections.abc import Iterator
 from math import ceil
@@ -17,33 +17,26 @@ from .tables import label
 
 MOST_LINES = 25
 STRIDE = 10  # samples of the cycle to a point of a line
-CURVES = {
-    "displacement": "m",
-    "x": "m",
-    "y": "m",
-    "velocity": "m/s",
-    "acceleration": "m/s²",
-    "torque": "N m",
-    "force": "N",
-}  # name -> SI unit
+CURVES = {"displacement": "m", "x": "m", "y": "m", "velocity": "m/s", "acceleration": "m/s²"}  # SI units by name
+EFFORTS = {"torque": "N m", "force": "N"}  # of the drive
 
 
 def curves(family: Family) -> go.Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
     drawn = list(_drawn(family))
-    names = [name for name in CURVES if name in drawn[0][1].curves]
+    units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in drawn[0][1].curves}
     over = axis(family.scene)
-    figure = grid([_title(family.scene, name) for name in names], 2)
-    for number, name in enumerate(names):
+    figure = grid([_title(family.scene, name) for name in units], 2)
+    for number, (name, si) in enumerate(units.items()):
         row, column = cell(number, 2)
-        factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in drawn) or 1.0, CURVES[name])
+        factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in drawn) or 1.0, si)
         for member, cycle in drawn:
             x = (over.factor * cycle.position)[::STRIDE].astype(np.float32)
             y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
             draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
     drive_axes(figure, family.scene)
-    return figure.update_layout(layout(60 + 380 * ceil(len(names) / 2)), legend=LEGEND_BESIDE)
+    return figure.update_layout(layout(60 + 380 * ceil(len(units) / 2)), legend=LEGEND_BESIDE)
 
 
 def _drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:
@@ -63,4 +56,4 @@ def _line(family: Family, member: Member) -> dict[str, object]:
 
 
 def _title(scene: Scene, curve: str) -> str:
-    return f"Drive: {curve}" if curve in ("torque", "force") else f"{scene.output}: {curve}"
+    return f"Drive: {curve}" if curve in EFFORTS else f"{scene.output}: {curve}"

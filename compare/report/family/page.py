@@ -22,7 +22,7 @@ def page(family: Family) -> str:
         overview=table_html(tables.overview(family)),
         stroke="along the guide" if slides else "the diagonal of the box around the point's path",
         notes=list_html(tables.notes(family)),
-        lines=f"One line a member, coloured by {escape(tables.names(family)[0])}. {few}",
+        lines=f"One line per member, coloured by {escape(tables.names(family)[0])}. {few}",
         curves=figure_html(curves(family)) if able else "<p>None.</p>",
         environment=versions_html({m.run.engine: m.run.version for f in family.members for m in f.measurements}),
     )

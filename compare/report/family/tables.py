@@ -1,4 +1,4 @@
-"""A family's tables and sentences: one row a member, for the terminal, the page and `family.csv`."""
+"""A family's tables and sentences: one row per member, for the terminal, the page and `family.csv`."""
 
 from collections.abc import Callable
 from math import degrees, floor, isnan, log10, nan, prod
@@ -33,7 +33,7 @@ def label(family: Family, member: Member) -> str:
 
 
 def in_si(family: Family) -> pd.DataFrame:
-    """Return one row a member with everything that is known about it, quantities in SI."""
+    """Return one row per member with everything that is known about it, quantities in SI."""
     return pd.DataFrame([_row(member) for member in family.members])
 
 
@@ -65,7 +65,7 @@ def _worst(measurement: Measurement) -> tuple[float, str]:
 
 
 def overview(family: Family) -> pd.DataFrame:
-    """Return one row a member as a reader wants it: units with prefixes, as many digits as tell the members apart."""
+    """Return one row per member as a reader wants it: units with prefixes, as many digits as set the members apart."""
     hyphenated = (name.replace("-", "\u2011") for name in names(family))  # so that names do not break into lines
     changes = zip(hyphenated, zip(*(m.changes.values() for m in family.members), strict=True), strict=True)
     columns = {name: [f"{value:.6g}" for value in values] for name, values in changes}

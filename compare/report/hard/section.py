@@ -44,7 +44,9 @@ def hard_section(cases: pd.DataFrame) -> str:
     lost = (
         ""
         if digits.empty
-        else details_html("Digits that the reference loses next to a lock", DIGITS + table_html(digits))
+        else details_html(
+            "Digits that the reference loses next to a singular configuration", DIGITS + table_html(digits)
+        )
     )
     return (
         f'<h2>Hard cases</h2><p class="verdict">{escape(tables.verdict(cases))}</p>'

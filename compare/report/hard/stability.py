@@ -23,8 +23,8 @@ LETTERS: Mapping[Status, str] = {
     Status.crashed: "C",
 }
 TITLES: Mapping[str, tuple[str, str]] = {
-    "sweeps": ("Stability: steps and sweeps", "sweeps a step"),
-    "lock": ("Stability: steps and distance to lock", "distance to lock"),
+    "sweeps": ("Stability: steps and sweeps", "sweeps per step"),
+    "lock": ("Stability: steps and distance to the singular configuration", "distance to singular configuration"),
     "mass": ("Stability: steps and mass ratio", "factor of the heaviest body's mass"),
     "drift": ("Stability: steps and cycles; error of positions in the last cycle", "cycles"),
 }
@@ -52,7 +52,7 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
             figure.add_traces([*_traces(rows)], rows=1, cols=column)
             figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, col=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
-        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps a cycle", col=1)
+        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps per cycle", col=1)
         figure.add_annotation(text=_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
         figure.update_layout(layout(170 + 42 * len(steps), titled=True), coloraxis=SCALE)
         yield title, figure.update_layout(margin_b=100)

@@ -15,7 +15,7 @@ FINDERS = ("engine", "checks", "reference", "isolation", "reader")
 
 
 def counts(cases: pd.DataFrame) -> pd.DataFrame:
-    """Return one row an engine: how many attempts came out how, and who found the failures."""
+    """Return one row per engine: how many attempts came out how, and who found the failures."""
     rows = []
     for engine, attempts in cases.groupby("engine", sort=False):
         outcomes, refused = attempts["outcome"], attempts[attempts["outcome"] == Outcome.refused]
@@ -56,7 +56,7 @@ def digits(cases: pd.DataFrame) -> pd.DataFrame:
 
 
 def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, pd.DataFrame]]:
-    """Yield every ladder with a row a rung: status and error of each engine, attempt after attempt."""
+    """Yield every ladder with a row per rung: status and error of each engine, attempt after attempt."""
     for name, on_ladder in cases.groupby("ladder", sort=False):
         ladder = hard.ladder(str(name))
         rows = []

@@ -45,7 +45,7 @@ def verdict(study: Study) -> str:
 
 
 def _setting(study: Study, row: "pd.Series[Any]") -> str:
-    return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms a {cycle_name(study.scene)}"
+    return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms per {cycle_name(study.scene)}"
 
 
 def notes(study: Study) -> list[str]:
@@ -55,7 +55,7 @@ def notes(study: Study) -> list[str]:
 
 
 def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
-    """Return the cheapest setting by channel group: a column a level of the largest error, a row an engine and note."""
+    """Return the cheapest setting by channel group: a column per level of the largest error, a row per contender."""
     tables: dict[str, dict[str, dict[str, str]]] = {}  # by group, name of the engine with its note, level
     for row in work_precision.choices(study.speed).to_dict("records"):
         rows = tables.setdefault(row["group"], {})
@@ -67,7 +67,7 @@ def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
 
 
 def orders(study: Study) -> pd.DataFrame:
-    """Return the orders of convergence, a column a channel group, a row a family; none without three good settings."""
+    """Return the orders of convergence, a column per channel group, a row per family that has three good settings."""
     rows: dict[tuple[str, str], dict[str, str]] = {}
     for row in work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"):
         family = {"engine": row["engine"], "family": row["family"], "expected": _order(row["expected_order"], "g")}
@@ -82,17 +82,17 @@ def _order(order: float, form: str, quality: str = "") -> str:
 
 
 def step_costs(study: Study) -> pd.DataFrame:
-    """Return what a step costs in every family of settings, and a run besides."""
+    """Return the cost of a step in every family of settings, and the fixed cost of a run."""
     found = work_precision.step_costs(study.speed)
     if found.empty:
         return found
-    costs = {"a step [µs]": 1e6 * found["step_s"], "besides [ms]": 1e3 * found["fixed_s"]}
+    costs = {"per step [µs]": 1e6 * found["step_s"], "fixed [ms]": 1e3 * found["fixed_s"]}
     quality = {"residual [%]": 1e2 * found["residual"], "settings": found["points"]}
     return found[["engine", "family"]].assign(**costs, **quality)
 
 
 def ablations(study: Study) -> pd.DataFrame:
-    """Return what more than the scene needs costs: sizes, steps, and time a step over that of the engine's default."""
+    """Return the cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
     speed = study.speed
     rows = []
     for engine in speed["engine"][speed["role"] == ABLATION].unique() if len(speed) else ():
@@ -104,5 +104,5 @@ def ablations(study: Study) -> pd.DataFrame:
             counters = dict(pair.split("=") for pair in row["counters"].split())
             named = {name: row[name] for name in ("engine", "setting", "status")}
             sizes = {size: counters.get(size, "–") for size in SIZES} | {"steps": row["steps_made"]}
-            rows.append(named | sizes | {"a step [µs]": 1e6 * a_step, "ratio": a_step / seconds.iloc[0]})
+            rows.append(named | sizes | {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds.iloc[0]})
     return pd.DataFrame(rows).astype({"steps": "Int64"} if rows else {})

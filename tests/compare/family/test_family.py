@@ -253,7 +253,7 @@ def test_every_member_is_cross_checked() -> None:
     for member in family:
         reference, engine = member.measurements
         assert reference.errors["max"].max() <= 1e-13  # against 50 digits
-        assert 0 < engine.errors["max"].max() <= 1e-4  # exudyn's accelerations at 72 samples a turn
+        assert 0 < engine.errors["max"].max() <= 1e-4  # exudyn's accelerations at 72 samples per turn
         assert [gate.missed for gate in member.gates] == [False]
 
 

@@ -113,7 +113,7 @@ def studies() -> Studies:
         ),
         ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at -20 rpm from 130 to 50°, one cycle"),
         ("turning_law", "time [s]", 0, 1.1, True, "crank by a motion law of 1.1 s, again and again, one cycle"),
-        ("shaper", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples a turn"),
+        ("shaper", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples per turn"),
     ],
 )
 def test_curves_run_over_the_drive(
@@ -129,7 +129,7 @@ def test_curves_run_over_the_drive(
     unit = title.partition(" [")[2]
     assert f"max_at [{unit}" in tables.by_group(result).columns
     assert f"max_at [{unit}" in tables.checks(result).columns
-    a_cycle = "ms a turn" if name == "shaper" else "ms a cycle"
+    a_cycle = "ms per turn" if name == "shaper" else "ms per cycle"
     assert work_precision(result).layout.xaxis.title.text == a_cycle
 
 

@@ -104,7 +104,7 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
     assert rows["360 steps"]["solve_min_s"] == pytest.approx(0.36)
     for name in ("720 steps", "3600 steps"):
         assert rows[name]["status"] == "timed_out"
-        assert "360 steps a cycle took longer than 0.3 s" in str(rows[name]["reason"])
+        assert "360 steps per cycle took longer than 0.3 s" in str(rows[name]["reason"])
 
 
 # --- the settings of the main run -------------------------------------------------------------------------------------
@@ -173,11 +173,11 @@ def test_the_sentence(reference: Reference) -> None:
     )
     said = speed_tables.verdict(study_of(reference, speed))
     assert said == (
-        "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms a turn;"
-        " besides the reference: exudyn, pointwise, 7 ms a turn."
+        "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms per turn;"
+        " besides the reference: exudyn, pointwise, 7 ms per turn."
     )
     said = speed_tables.verdict(study_of(reference, speed.iloc[1:]))
-    assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms a turn."
+    assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms per turn."
     assert "none that was tried" in speed_tables.verdict(study_of(reference, speed.iloc[2:]))
 
 
@@ -217,7 +217,7 @@ def test_the_picture(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> N
     assert [*drawn["stub"].y] == pytest.approx([72**-2.0, 144**-2.0, 360**-2.0])
     assert drawn["stub: for show"].marker.symbol != drawn["stub"].marker.symbol
     assert "for show, only" in drawn["stub: for show"].text[0]
-    assert "360 steps a cycle" in drawn["stub"].text[2]
+    assert "360 steps per cycle" in drawn["stub"].text[2]
     assert drawn["reference's floor"].y[0] == max(
         floor for channel, floor in reference.floor.by_channel.items() if channel.endswith(("fx", "fy", "guide_force"))
     )
