@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scenes.scene import GROUND, Force
 
 from .constraints import Linkage
-from .loads import acting, forces, varying
+from .loads import active_presses, forces, varying
 from .space import Bodies, pair
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class AppliedForces:
             turn[i] = exp(1j * (body.angle + dt * body.angular_velocity))
             rate[i] = 1.5 * velocity - 0.5 * self._before[i]
             self._before[i] = velocity
-        self.active = acting(self._linkage, z, turn, rate, self._stroke_ends)
+        self.active = active_presses(self._linkage, z, turn, rate, self._stroke_ends)
         total = dict.fromkeys(self._varying, (0j, 0.0))
         for name, r, force in forces(self._linkage, z, turn, self.active):
             if name in total:

@@ -1,4 +1,4 @@
-"""A scene's bodies: where their points lie, and how heavy they are. Plane vectors are complex numbers x + iy."""
+"""A scene's bodies: their points, masses and moments of inertia. Plane vectors are complex numbers x + iy."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """The scene's channels from the poses, rates and accelerations of its bodies.
 
-pymunk tells the size of a joint's impulse only. The vectors follow from what it did to the velocities: there are as
-many constraints as coordinates, so M q'' = F + J^T lambda has one solution, and its lambda are the forces of the pins
-and guides and the effort of the drive, in the order and with the signs of `scenes.motion.force_channels`.
+pymunk gives the size of a joint's impulse only. The vectors follow from the change of the velocities: there are as many
+constraints as coordinates, so M q'' = F + J^T lambda has one solution, and its lambda are the forces of the pins and
+guides and the effort of the drive, in the order and with the signs of `scenes.motion.force_channels`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,18 +14,18 @@ from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND
 
 from .constraints import Complex, Linkage, Plane, Poses, planes, solved, with_ground
-from .loads import Acts, forces
+from .loads import Active, forces
 from .masses import held
 
 
 def found_channels(
-    linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses, acts: Acts
+    linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses, active: Active
 ) -> dict[str, Samples]:
     """Return the channels wanted, shape (n,), and where there are forces among them, all forces."""
     found = motion_channels(linkage, wanted, q, v, a)
     if wanted.isdisjoint(force_channels(linkage.scene)):
         return found
-    return found | reaction_channels(linkage, q, v, a, acts)
+    return found | reaction_channels(linkage, q, v, a, active)
 
 
 def motion_channels(linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
@@ -46,15 +46,15 @@ def motion_channels(linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Pos
     return found
 
 
-def reaction_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, acts: Acts) -> dict[str, Samples]:
+def reaction_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, active: Active) -> dict[str, Samples]:
     """Return all force channels, shape (n,) each: J^T lambda = M q'' - F, with the true masses.
 
-    `acts`, shape (n, press forces), says which of these acted. The driven body counts too.
+    `active`, shape (n, press forces), are those that acted. The driven body counts too.
     """
     scene = linkage.scene
     lacking = np.zeros_like(q)
     z, turn = (values.T for values in planes(with_ground(q)))
-    for name, r, force in forces(linkage, z, turn, acts.T):
+    for name, r, force in forces(linkage, z, turn, active.T):
         if name != GROUND:
             lacking[:, linkage.index[name]] -= _wrench(r, force)
     gravity = complex(*scene.gravity) if scene.gravity else 0
@@ -73,7 +73,7 @@ def joint_forces(
 ) -> Samples:
     """Return the sizes of the forces that joints of the engine must have had, shape (n, joints), N.
 
-    They are the reactions, but at a pin with ballast, whose inertia and weight the pin carries too.
+    They are the reactions, but a pin with ballast carries its inertia and weight too.
     """
     scene = linkage.scene
     gravity = complex(*scene.gravity) if scene.gravity else 0

@@ -5,7 +5,7 @@ the body's frame lies at z + r with r = a exp(i theta), moves at z' + i omega r,
 z'' + (i alpha - omega^2) r.
 
 Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J = dC/dq. There are as many as
-coordinates, so det J can change its sign only where the linkage locks, that is where assembly branches meet.
+coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
 from collections.abc import Callable, Mapping
@@ -34,18 +34,18 @@ class Member:
 
     arms: Mapping[str, complex]
     com: complex
-    mass: float  # kg, in truth, as is
-    inertia: float  # kg m^2, about the centre of mass; what pymunk gets may be others
-    moved: Inertia  # what pymunk gets
+    mass: float  # kg, the true one
+    inertia: float  # kg m^2, the true one, about the centre of mass
+    moved: Inertia  # pymunk's
 
     @property
     def prescribed(self) -> bool:
-        """Whether the drive moves it, and not forces."""
+        """Whether the drive prescribes its motion."""
         return isinf(self.moved.mass)
 
 
 class Linkage:
-    """The moving bodies of a scene, in file order, and the constraints between them; `masses` is what pymunk gets.
+    """The moving bodies of a scene, in file order, and the constraints between them; `masses` are pymunk's.
 
     Raises:
         Failure: unsupported, a body that pymunk moves has no mass or no inertia; cannot_assemble, a body's lengths do
@@ -79,7 +79,7 @@ class Linkage:
         return complex(*self.scene.ground[point]) if body == GROUND else self.members[body].arms[point]
 
     def first_arm(self, body: str) -> complex:
-        """Return where a body's first point, which its guide leads, is from its origin, m, in the body's frame."""
+        """Return where a body's first point, which its guide holds, is from its origin, m, in the body's frame."""
         return self.arm(body, self.scene.bodies[body].points[0])
 
     def through(self, slider: str) -> complex:

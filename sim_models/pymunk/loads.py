@@ -1,4 +1,4 @@
-"""What loads and springs do to the bodies, in one pose at a step of the engine or in many at the read-out.
+"""The forces of loads and springs on the bodies, in one pose at a step of the engine or in many at the read-out.
 
 A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by `Linkage.index`: complex
 numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
@@ -14,22 +14,22 @@ from scenes.scene import Force, ForceTable, PressForce
 
 from .constraints import Linkage, Plane
 
-Acts: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
+Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
 
 
 def varying(linkage: Linkage) -> tuple[str, ...]:
-    """Return the bodies that are under forces of which some are not constant."""
+    """Return the bodies under forces that are not all constant."""
     scene = linkage.scene
-    attacked = {load.body for load in scene.loads if not isinstance(load, Force)}
-    attacked |= {body for spring in scene.springs for body, _ in (spring.first, spring.second)}
-    return tuple(name for name in scene.bodies if name in attacked)
+    loaded = {load.body for load in scene.loads if not isinstance(load, Force)}
+    loaded |= {body for spring in scene.springs for body, _ in (spring.first, spring.second)}
+    return tuple(name for name in scene.bodies if name in loaded)
 
 
-def acting(
+def active_presses(
     linkage: Linkage, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
 ) -> list[NDArray[np.bool_]]:
-    """Return for each press force whether it acts; `ends` says where their closing strokes end, m."""
+    """Return for each press force whether it acts; `ends` are those of their closing strokes, m."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
     found = []
     for load, end in zip(presses, ends, strict=True):
@@ -40,17 +40,17 @@ def acting(
 
 
 def forces(
-    linkage: Linkage, z: Planes, turn: Planes, acts: Iterable[NDArray[np.bool_]]
+    linkage: Linkage, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
 ) -> Iterator[tuple[str, Plane, Plane]]:
     """Yield every force, N: its body, which may be the ground, its arm from that one's origin, m, and the force."""
     index = linkage.index
-    presses = iter(acts)
+    presses = iter(active)
     for load in linkage.scene.loads:
         i = index[load.body]
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):
-            push = load.along(linkage.displacement(load.body, z[i], turn[i]))
-            yield load.body, r, push * complex(*linkage.slides[load.body].along)
+            force = load.along(linkage.displacement(load.body, z[i], turn[i]))
+            yield load.body, r, force * complex(*linkage.slides[load.body].along)
         elif isinstance(load, PressForce):
             yield load.body, r, next(presses) * complex(*load.force)
         else:
@@ -59,7 +59,7 @@ def forces(
         (first, p), (second, q) = spring.first, spring.second
         r, s = linkage.arm(first, p) * turn[index[first]], linkage.arm(second, q) * turn[index[second]]
         d = z[index[second]] + s - z[index[first]] - r
-        # At no length there is no direction: then the result is not finite, unless the spring needs none.
+        # At zero length there is no direction: the result is not finite, unless the free length is zero.
         relaxed = spring.length * d / np.abs(d) if spring.length else 0
         pull = spring.stiffness * (d - relaxed)
         yield first, r, pull

@@ -1,17 +1,17 @@
-"""How heavy pymunk's bodies are: which masses leave the motion or the forces as they are, and need few sweeps.
+"""The masses of pymunk's bodies: those that leave the motion or the forces unchanged and need few sweeps.
 
-The drive prescribes the motion, so masses are free to choose as far as nothing but the motion depends on them:
+The drive prescribes the motion, so masses can be chosen freely where only the motion is wanted:
 
-- `own_masses`: each body's own, all of them moved by forces, as one would model it without a thought.
+- `own_masses`: each body's own, all bodies moved by forces: the plain model.
 - `ballasted_masses`: where a body is pinned to the ground or to the driven body, a heavy point mass is added to it.
-  That point moves as the drive says, whatever the forces: nothing changes but the force of that very pin, by the
-  ballast times the point's acceleration less gravity (d'Alembert). The other joints find a body that only turns.
-- `fictitious_masses`: nothing is left of the true ones. The motion is the same; the engine's forces mean nothing.
+  The drive prescribes that point's motion, whatever the forces: only the force of that pin changes, by the ballast
+  times the point's acceleration less gravity (d'Alembert). For its other joints, the body only turns.
+- `fictitious_masses`: all replaced. The motion is the same; the engine's forces have no meaning.
 
 Gauss-Seidel sweeps converge fast where the impulse of one joint hardly moves the others. Hence the fictitious masses
-fall from group to group, in the order in which groups of bodies follow from those before them (Assur groups): what
-hangs on a body is too light to disturb it. A body that hangs on one of an earlier group is heavy at that pin and turns
-easily about it; so its other pins turn it and do no more. Over the shipped scenes, at their worst poses, a sweep leaves
+fall from Assur group to Assur group, each of which is determined by those before it: the bodies on another body are too
+light to disturb it. A body pinned to one of an earlier group is heavy at that pin and turns easily about it, so its
+other pins only turn it. Over the shipped scenes, at their worst poses, a sweep leaves
 0.73 to 0.999 of an error with the bodies' own masses, 0.12 to 0.993 with ballast, 0.003 to 0.69 with fictitious ones.
 """
 
@@ -34,7 +34,7 @@ class Inertia:
     """What pymunk gets: the body's origin, which is its centre of mass, in the scene's frame of it, m."""
 
     origin: complex
-    mass: float  # kg; infinite for a body that is moved, not simulated
+    mass: float  # kg; infinite for a body whose motion is prescribed
     moment: float  # kg m^2, about the origin; infinite where the body cannot turn
 
 
@@ -70,7 +70,7 @@ def ballasted_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
 
 
 def held(scene: Scene) -> dict[str, Pin]:
-    """Return, by body, the pin by which it hangs on the ground or on the driven body."""
+    """Return, by body, its pin on the ground or on the driven body."""
     moved = {GROUND, scene.drive.body}
     return {
         name: pin
@@ -96,14 +96,14 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
                     origin, mass, moment = body.points[pin.point], scale / RATIO, scale * RATIO * size**2
             on = name
             while (slide := scene.bodies[on].slide) is not None and slide.on != GROUND:
-                on, moment = slide.on, RATIO * moment  # what keeps it parallel hardly turns what it slides on
+                on, moment = slide.on, RATIO * moment  # so that the gear hardly turns the carrier
             found[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
         scale *= RATIO**3
     return found
 
 
 def groups(scene: Scene) -> Iterator[tuple[str, ...]]:
-    """Yield the Assur groups: the smallest sets of bodies that joints fix, with each other and with those before.
+    """Yield the Assur groups: the smallest sets of bodies determined by joints with each other and with those before.
 
     Each joint takes two freedoms, each body has three. The order of the bodies in a group is that of the file.
     """
@@ -123,7 +123,7 @@ def groups(scene: Scene) -> Iterator[tuple[str, ...]]:
 
 
 def _driven(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertia:
-    """Return a body that is moved: a crank about its pivot on the ground, about which pymunk turns it exactly."""
+    """Return the driven body's: a crank about its pivot on the ground, about which pymunk turns it exactly."""
     body = rigids[scene.drive.body]
     pivots = [place for point, place in body.points.items() if point in scene.ground]
     return Inertia(pivots[0] if scene.driven_slide is None else body.com, inf, inf)
@@ -132,9 +132,9 @@ def _driven(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertia:
 def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, Rigid]) -> dict[str, Inertia]:
     """Return inertias by which each body can be turned on its own.
 
-    None that is parallel to the ground can turn. Others that slides keep parallel turn as one, so only the sum of their
-    moments counts for the motion and the forces; each gets the same part, since pymunk cannot turn a point mass. Where
-    the drive turns them, any moment is as good.
+    Bodies that slides keep parallel to the ground cannot turn. Others that slides keep parallel turn as one, so only
+    the sum of their moments counts for the motion and the forces; each gets the same part, since pymunk cannot turn a
+    point mass. Where the drive turns them, any moment will do.
     """
     found = {}
     for name, inertia in inertias.items():

@@ -1,7 +1,7 @@
-"""Poses and rates of all bodies after every step, shape (steps, bodies, 6): x, y, angle and their rates."""
+"""Records of the poses and rates of all bodies, shape (records, bodies, 6): x, y, angle and their rates."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -11,15 +11,8 @@ if TYPE_CHECKING:
     import pymunk
 
 
-class Record(Protocol):
-    """What keeps them."""
-
-    def append(self) -> None: ...  # noqa: D102
-    def rows(self) -> Poses: ...  # noqa: D102
-
-
 class BatchRecord:
-    """By one call for all bodies, into a buffer in C that keeps growing, which is faster than to copy it each time."""
+    """Record by one call for all bodies into a growing buffer in C, which is faster than copying each time."""
 
     def __init__(self, space: "pymunk.Space", bodies: "Iterable[pymunk.Body]") -> None:
         from pymunk.batch import BodyFields, Buffer, get_space_bodies
@@ -33,27 +26,30 @@ class BatchRecord:
         self._append: Callable[[], None] = lambda: get_space_bodies(space, fields, self._buffer)
 
     def append(self) -> None:
-        """Keep the present row."""
+        """Record the present poses and rates."""
         self._append()
 
     def rows(self) -> Poses:
-        """Return what was kept."""
+        """Return all records."""
         return np.frombuffer(self._buffer.float_buf()).reshape(-1, self._listed, 6)[:, self._columns]
 
 
 class PropertyRecord:
-    """By the properties of each body."""
+    """Record by the properties of each body."""
 
     def __init__(self, bodies: "Iterable[pymunk.Body]") -> None:
         self._bodies = [*bodies]
         self._rows: list[list[tuple[float, ...]]] = []
 
     def append(self) -> None:
-        """Keep the present row."""
+        """Record the present poses and rates."""
         self._rows.append(
             [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in self._bodies]
         )
 
     def rows(self) -> Poses:
-        """Return what was kept."""
+        """Return all records."""
         return np.array(self._rows)
+
+
+Record: TypeAlias = BatchRecord | PropertyRecord

@@ -25,7 +25,7 @@ from .checks import (
 )
 from .closed import closed, largest_errors
 from .constraints import Linkage, Poses, branch, planes, with_ground
-from .loads import Acts, acting
+from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
 from .settings import PymunkSettings
 from .start import start
@@ -46,7 +46,7 @@ class Level:
     q: Poses
     v: Poses
     a: Poses
-    acts: Acts  # (n, press forces)
+    acts: Active  # (n, press forces)
     samples: Mapping[str, Samples]
 
 
@@ -168,10 +168,10 @@ class PymunkSimulation:
             residuals |= check_impulses(linkage, run.path.positions[:: run.stride], expected, run.impulses / run.dt)
         return residuals
 
-    def _acting(self, q: Poses, v: Poses) -> Acts:
+    def _acting(self, q: Poses, v: Poses) -> Active:
         """Return, for the n samples, which press forces act, shape (n, press forces)."""
         (z, turn), (velocity, _) = planes(with_ground(q)), planes(with_ground(v))
-        found = acting(self._linkage, z.T, turn.T, velocity.T, self._stroke_ends)
+        found = active_presses(self._linkage, z.T, turn.T, velocity.T, self._stroke_ends)
         return np.array(found, dtype=np.bool_).reshape(len(found), len(q)).T
 
 

@@ -1,4 +1,4 @@
-"""The linkage in one pymunk space: a kinematic driven body, dynamic bodies and joints; no more, unless asked for."""
+"""The linkage in one pymunk space: a kinematic driven body, dynamic bodies and joints; extras only if set."""
 
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -18,7 +18,7 @@ class Model:
     """The space, its bodies by name and its joints by the channel of their force, a pin's without `.fx`.
 
     Raises:
-        Failure: unsupported, a motor for what pymunk has none.
+        Failure: unsupported, a drive for which pymunk has no motor.
     """
 
     def __init__(self, linkage: Linkage, pose: Poses, rate: Poses, error_bias: float, extra: Extra) -> None:
@@ -37,7 +37,7 @@ class Model:
         for constraint in constraints:
             constraint.error_bias = error_bias
         self.space.add(*constraints)
-        if extra == "motor":  # the last of all: before the joints it lets the crank lag
+        if extra == "motor":  # the last of all: solved before the joints, the crank lags
             self.space.add(motor(linkage, among))
         elif extra == "shapes":
             self.space.add(*(_shape(linkage, name, body) for name, body in self.bodies.items()))
@@ -48,7 +48,7 @@ class Model:
 
     @property
     def counters(self) -> dict[str, int]:
-        """What every step goes over."""
+        """The number of bodies, constraints, shapes and callbacks in every step."""
         space = self.space
         sizes = {"bodies": space.bodies, "constraints": space.constraints, "shapes": space.shapes}
         return {name: len(members) for name, members in sizes.items()} | {"callbacks": self.callbacks}
@@ -69,7 +69,7 @@ def motor(linkage: Linkage, bodies: Bodies) -> "pymunk.SimpleMotor":
 
 
 def pair(vector: complex) -> tuple[float, float]:
-    """Return a vector as pymunk takes it."""
+    """Return a vector as a pair of numbers, as pymunk takes it."""
     return vector.real, vector.imag
 
 
@@ -107,7 +107,7 @@ def _grooves(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]"
     """
     import pymunk
 
-    # No body gets further from another than all of them in a row; beyond its end, a groove holds back silently.
+    # No two bodies get further apart than all of them in a row; the ends of a groove would be stops.
     reach = 2 * (len(linkage.members) + 1) * linkage.size
     grooves: dict[str, pymunk.Constraint] = {}
     for name, slide in linkage.slides.items():
@@ -121,7 +121,7 @@ def _grooves(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]"
 
 
 def _gears(linkage: Linkage, bodies: Bodies) -> "list[pymunk.GearJoint]":
-    """Return what keeps the turning sliders parallel to what they slide on."""
+    """Return the gears that keep the turning sliders parallel to their carriers."""
     import pymunk
 
     turning = [name for name in linkage.scene.turning if name in linkage.slides]
@@ -129,7 +129,7 @@ def _gears(linkage: Linkage, bodies: Bodies) -> "list[pymunk.GearJoint]":
 
 
 def _update_velocity(body: "pymunk.Body", gravity: tuple[float, float], damping: float, dt: float) -> None:
-    """Do what the engine does; itself, pymunk would recognise and replace by the function in C."""
+    """Update as the engine does; pymunk would replace its own function by the one in C."""
     type(body).update_velocity(body, gravity, damping, dt)
 
 

@@ -1,7 +1,7 @@
 """A consistent start for pymunk: the pose on the sketch's branch, by continuation, and where the drive takes it.
 
-pymunk closes open joints by itself, but onto whichever branch is near. Hence the sketch's gaps are closed little by
-little, and the drive is moved little by little, with Newton's method after each step; no step may change the branch.
+pymunk closes open joints by itself, but on any branch nearby. Hence the sketch's gaps are closed and the drive is moved
+in small steps, each corrected by Newton's method; no step may change the branch.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -19,10 +19,10 @@ from .constraints import Linkage, Poses, branch
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
 LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
-SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is locked
-NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to somewhere else
-PATIENT_NEWTON_STEPS = 60  # next to a lock it gains a bit a step
-CLOSED = 1e-12  # how far from zero a constraint may stay, by the linkage's size; well above rounding
+SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
+NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
+PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
+CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
 
@@ -31,7 +31,7 @@ def start(linkage: Linkage) -> Poses:
     """Return the pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
 
     Raises:
-        Failure: cannot_assemble, or next to a lock not_converged, here or somewhere on the drive's way.
+        Failure: cannot_assemble, or nearly singular not_converged, here or somewhere on the drive's way.
     """
     sketched = _sketched(linkage)
     q = _sketch(linkage, sketched)
@@ -72,7 +72,7 @@ def _sketched(linkage: Linkage) -> float:
 
 
 def _sketch(linkage: Linkage, position: float) -> Poses:
-    """Return the pose that fits the sketch best, body by body, shape (1, bodies, 3); its joints gape."""
+    """Return the pose that fits the sketch best, body by body, shape (1, bodies, 3); its joints are open."""
     scene = linkage.scene
     drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
     known = {
@@ -95,7 +95,7 @@ def _sketch(linkage: Linkage, position: float) -> Poses:
             z = (known[name][:, 1] - known[name][:, 0] * np.exp(1j * theta)).mean()
             q[0, i, :2] = z.real, z.imag
 
-    # A body with no point in the sketch is only on guides: these, linear in its position, tell it.
+    # A body with no point in the sketch is only on guides, whose constraints are linear in its position.
     unknown = [3 * linkage.index[name] + axis for name in known if not len(known[name]) for axis in (0, 1)]
     if unknown:
         columns = linkage.jacobian(q)[0][:, unknown]
@@ -104,7 +104,7 @@ def _sketch(linkage: Linkage, position: float) -> Poses:
 
 
 def _angle(known: Iterable[Samples]) -> float:
-    """Return the common angle, rad, that fits bodies best; each knows the arms and places, m, of some of its points."""
+    """Return the common angle, rad, that fits bodies best, from arms and places, m, of the points of each."""
     fits = [np.vdot(arms - arms.mean(), places - places.mean()) for arms, places in (k.T for k in known if len(k))]
     return float(np.angle(sum(fits)))
 
@@ -141,11 +141,11 @@ def _follow(
 
 
 def _stuck(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Failure:
-    """Return why there is no next place: there is none at all, or there are two, too close to tell which it is."""
+    """Return why there is no next place: none exists, or two are too close together."""
     where = linkage.scene.where(position)
     if _newton(linkage, q, position, gaps, PATIENT_NEWTON_STEPS) is None:
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}")
-    return Failure(Status.not_converged, f"two ways to put the bodies together are too close to tell apart at {where}")
+    return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
 def _newton(linkage: Linkage, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS) -> Poses | None:

@@ -11,7 +11,7 @@ from scenes.scene import ConstantSpeed
 from .applied_forces import AppliedForces
 from .checks import Path
 from .constraints import Linkage, Poses
-from .loads import Acts
+from .loads import Active
 from .record import BatchRecord, PropertyRecord, Record
 from .settings import PymunkSettings
 from .space import Model, pair
@@ -76,7 +76,7 @@ class Run:
         self._record: Record = PropertyRecord(bodies) if by_property else BatchRecord(self._space, bodies)
         self.record: Poses = np.empty((self.steps + 2, len(self._bodies), 6))
         self.impulses = np.empty((sampling.count, len(self.joints)))
-        self.acts: Acts = np.zeros((sampling.count, len(stroke_ends)), dtype=np.bool_)
+        self.acts: Active = np.zeros((sampling.count, len(stroke_ends)), dtype=np.bool_)
 
     @property
     def counters(self) -> dict[str, int]:

@@ -1,4 +1,4 @@
-"""How many Gauss-Seidel sweeps a step needs, by theory: from the joints and the masses that the space has.
+"""The number of Gauss-Seidel sweeps that a step needs, by theory, from the joints and the masses of the space.
 
 A sweep takes the joints in the order in which they were added, and gives each the impulse that would bring its own
 error to zero. The errors J v of all joints change with their impulses by A = J M^-1 J^T, so a sweep multiplies what the
@@ -28,12 +28,19 @@ if TYPE_CHECKING:
 
 
 def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
-    """Return with how many sweeps the steps are stable all through the drive's range; infinite, with none.
+    """Return the number of sweeps with which the steps are stable throughout the drive's range.
 
-    It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps settle them.
+    It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
+
+    Args:
+        scene: the linkage, its drive and masses
+        settings: the step, the part of an error that it corrects, and the kind of masses
+
+    Returns:
+        a whole number, or infinity where no number is enough.
 
     Raises:
-        Failure: unsupported, cannot_assemble; as the run itself.
+        Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
     """
     linkage = linkage_of(scene, settings, Request())
     rho = max(rho for _, rho in contractions(linkage, start(linkage)))
@@ -66,7 +73,7 @@ def contractions(linkage: Linkage, pose: Poses) -> Iterator[tuple[float, float]]
 
 
 def contraction(space: "pymunk.Space") -> float:
-    """Return rho: which part of an error a sweep over the joints leaves in the long run, in the present pose."""
+    """Return rho, the part of an error that a sweep over the joints leaves in the long run, in the present pose."""
     import pymunk
 
     bodies = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
@@ -90,7 +97,7 @@ def contraction(space: "pymunk.Space") -> float:
 
 
 def _rows(joint: "pymunk.Constraint") -> NDArray[np.float64]:
-    """Return the velocities over which a joint decides at once, by the rates of its two bodies: shape (2, k, 3).
+    """Return the velocities that a joint corrects at once, by the rates of its two bodies: shape (2, k, 3).
 
     Chipmunk solves a pivot as a 2 x 2 block. It does so with a groove too, and then keeps the normal's part; so a
     groove whose normal is an axis of that block, as here, is a block of one.
