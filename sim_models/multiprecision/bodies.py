@@ -1,4 +1,4 @@
-"""The geometry and inertia of one body, in balls of arbitrary precision, which keep its rounding."""
+"""The geometry and inertia of one body, in balls of arbitrary precision, whose radii bound the rounding."""
 
 from itertools import combinations
 
@@ -9,7 +9,7 @@ from scenes.scene import Body
 
 from .rows import Point
 
-FLAT = 1e-9  # rad; a sketched triangle flatter than this shows rounding, not a side
+FLAT = 1e-9  # rad; the side of a sketched triangle flatter than this is round-off
 
 
 def local_points(scene: Scene, body: Body) -> dict[str, Point]:

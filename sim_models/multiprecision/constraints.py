@@ -1,6 +1,6 @@
-"""A planar linkage in absolute coordinates: its constraints, masses and sketched pose, in arbitrary-precision balls.
+"""A planar linkage in absolute coordinates: its constraints and masses, in arbitrary-precision balls.
 
-Balls keep the rounding of the geometry, so a result's radius bounds its error.
+The balls' radii include the rounding of the geometry, so a result's radius bounds its error.
 """
 
 from functools import cached_property
@@ -27,7 +27,7 @@ class Linkage:
         """Set up the equations.
 
         Raises:
-            Failure: a body given by lengths cannot be put together, or the sketch does not show how.
+            Failure: a body's lengths do not close, or the sketch does not decide how.
         """
         self.scene = scene
         self.index = {name: i for i, name in enumerate(scene.bodies)}
@@ -63,15 +63,15 @@ class Linkage:
             rows.add_point(row, weight, self.index[body], self.arms[body][point])
 
     def displacement(self, body: str) -> Rows:
-        """Return one row: how far a slider on the ground is along its guide from `through`, m."""
+        """Return one row: the displacement of a slider on the ground along its guide from `through`, m."""
         rows = Rows(1, len(self.index))
         self._add_displacement(rows, 0, body)
         return rows
 
     @cached_property
     def size(self) -> float:
-        """A length of the linkage's order, m: how far apart its points are, or the ends of the driven slider's way."""
-        known = np.array([complex(*at) for at in self._known.values()] or [0j])
+        """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
+        known = np.array([complex(*at) for at in self.sketched.values()] or [0j])
         arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
         travel = 0.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
@@ -81,36 +81,9 @@ class Linkage:
         """What every coordinate is measured by: the size, m, or 1 rad."""
         return [self.size, self.size, 1.0] * len(self.index)
 
-    def sketched_pose(self, position: float) -> arb_mat:
-        """Return the pose where the bodies fit the sketch best, shape (3 bodies, 1), the drive being at a position.
-
-        The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of
-        their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all.
-        """
-        scene, known = self.scene, self._known
-        middle = complex(np.mean([complex(*at) for at in known.values()] or [0j]))
-        own, at = {}, {}
-        for name, arms in self.arms.items():
-            shown = [point for point in scene.bodies[name].points if point in known]
-            own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
-            at[name] = np.array([complex(*known[p]) for p in shown] or [middle])
-        turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
-        q = arb_mat(3 * len(self.index), 1)
-        for name, i in self.index.items():
-            aligned = scene.aligned[name]
-            if GROUND in aligned:
-                angle = 0.0
-            elif scene.drive.body in aligned:
-                angle = position
-            else:
-                angle = float(np.angle(sum(turn[other] for other in self.index if other in aligned)))
-            r = at[name].mean() - np.exp(1j * angle) * own[name].mean()
-            q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle)
-        return q
-
     @property
-    def _known(self) -> dict[str, tuple[float, float]]:
-        """Where the ground and the sketch show points, m."""
+    def sketched(self) -> dict[str, tuple[float, float]]:
+        """The places of the ground's and the sketched points, m."""
         return dict(self.scene.ground) | dict(self.scene.sketch.points)
 
     def _constraints(self) -> Rows:

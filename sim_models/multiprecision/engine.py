@@ -1,35 +1,36 @@
-"""Newton and Newton-Euler at 50 significant digits: what certifies the floor of the analytic core.
+"""Newton and Newton-Euler at 50 significant digits: certifies the floor of the analytic core.
 
-A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, marched from
-the sketch in the position of the drive; velocities and accelerations from the constraint Jacobian, reactions as its
-Lagrange multipliers. The scene's double-precision numbers are taken as exact, and so are the positions, rates and
-accelerations that the drive asks for. Loads that depend on the pose are evaluated in the same arithmetic; only whether
-a press force acts is decided in doubles.
+A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, followed from
+the sketch by continuation in the position of the drive; velocities and accelerations from the constraint Jacobian,
+reactions as its Lagrange multipliers. The scene's double-precision numbers are taken as exact, and so are the drive's
+positions, rates and accelerations. Loads that depend on the pose are evaluated in the same arithmetic; only whether a
+press force acts is decided in doubles.
 
 Engine: python-flint, imported only when a run is built.
 """
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from scenes import Request, Scene, Settings
+from scenes import Request, Scene
+
+from .settings import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION, MultiprecisionSettings
 
 if TYPE_CHECKING:
     from .simulation import MultiprecisionSimulation
 
+__all__ = [
+    "ABLATIONS",
+    "DEFAULT",
+    "EXACT",
+    "FAST",
+    "LONG_WORK_PRECISION",
+    "WORK_PRECISION",
+    "at_steps",
+    "build",
+    "iterations_needed",
+    "version",
+]
 
-@dataclass(frozen=True)
-class MultiprecisionSettings(Settings):
-    """How precise the arithmetic is."""
-
-    digits: int = 50  # significant decimal digits of every number
-
-
-DEFAULT = MultiprecisionSettings("50 digits")
-WORK_PRECISION = (DEFAULT,)
-LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
-FAST = EXACT = DEFAULT
-ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
 at_steps = iterations_needed = None  # it takes no steps of the time
 
 
@@ -47,11 +48,19 @@ def version() -> str:
 def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
     """Set up the equations, close the linkage on the sketch's branch and move it to the drive's start.
 
+    Args:
+        scene: the linkage, its drive and loads
+        settings: the number of digits
+        request: at which instants or positions of the drive, and for which channels
+
+    Returns:
+        what can be solved and then read.
+
     Raises:
-        Failure: the linkage cannot be assembled as sketched, or locks on the way to the start, or within the
-            cycle where a press force asks for its end.
+        Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start,
+            or within the cycle where the end of a press force's stroke is needed.
         ImportError: python-flint is not installed.
     """
-    from .simulation import MultiprecisionSimulation
+    from . import simulation
 
-    return MultiprecisionSimulation(scene, request, settings.digits)
+    return simulation.build(scene, settings.digits, request)

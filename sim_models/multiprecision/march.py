@@ -1,8 +1,8 @@
 """Continuation of a pose along a moving right-hand side, and the proof that a pose is a solution.
 
-The constraints f(q) of `rows` are linear in q but for y = S q, the angles and what slides on moving
-bodies over the linkage's size. So every test here looks at y alone, which has no unit: a change of y by Δ, a turn by
-Δ rad or a way of Δ sizes, is called a turn for short.
+The constraints f(q) of `rows` are linear in q but for y = S q, the angles and the displacements on moving bodies over
+the linkage's size. So every criterion here is on y alone, which has no unit: a change of y by Δ, a turn by Δ rad or a
+displacement by Δ sizes, is called a turn for short.
 """
 
 from math import radians
@@ -15,8 +15,9 @@ from scenes import Failure, Status
 from .constraints import Linkage
 
 LARGEST_TURN = radians(2)  # of any body in one step
-SMALLEST_TURN = 1e-7  # the predicted turn of the fastest body where a march gives up: not far above where roundings of
-# the scene's own doubles make or undo a lock, which is at their root, 1e-8
+# The predicted turn of the fastest body where a march gives up. Rounding of the scene's own doubles makes or undoes a
+# singular configuration within their root, 1e-8.
+SMALLEST_TURN = 1e-7
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
 ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself

@@ -14,6 +14,8 @@ flint = pytest.importorskip("flint")
 from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
 from sim_models.multiprecision import engine as model  # noqa: E402
 from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
+from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
+from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
 
 EPS = 2.0**-52
 Array = NDArray[np.float64]
@@ -21,7 +23,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 def run(scene: Scene, samples: int = 36, digits: int = 50) -> Motion:
-    simulation = model.build(scene, model.MultiprecisionSettings("test", digits), Sampling(samples))
+    simulation = model.build(scene, MultiprecisionSettings("test", digits), Sampling(samples))
     simulation.solve()
     return simulation.read()
 
@@ -43,4 +45,4 @@ def two_rods(length: float) -> Scene:
 
 def closed(linkage: multiprecision_linkage.Linkage, march: multiprecision_march.March) -> Any:
     at = linkage.scene.sketch.drive
-    return march.follow(linkage.sketched_pose(at), linkage.drive(at))
+    return multiprecision_start.assembled(linkage, march, at)

@@ -14,6 +14,7 @@ flint = pytest.importorskip("flint")
 from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
 from sim_models.multiprecision import engine as model  # noqa: E402
 from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
+from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +71,7 @@ def test_bodies_that_slides_align_start_with_one_angle() -> None:
     }
     scene = scene_files.load("swinging_block", changes)
     with flint.ctx.workdps(50):
-        q = multiprecision_linkage.Linkage(scene).sketched_pose(scene.sketch.drive)
+        q = multiprecision_start.sketched_pose(multiprecision_linkage.Linkage(scene), scene.sketch.drive)
     assert abs(float(q[5, 0])) > 3
     assert float(q[5, 0]) == float(q[8, 0])
     motion = run(scene, samples=4)

@@ -126,14 +126,14 @@ def test_a_lock_that_roundings_make_or_undo_is_refused() -> None:
 def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """Balls that the loads make wide leave the motion proven and the forces not."""
     simulation = model.build(scene_files.load("two_rods"), model.DEFAULT, Sampling(4))
-    exact = type(simulation._loads).generalised
+    exact = simulation._force
 
     def vague(*of: Any) -> Any:
         q = exact(*of)
         q[0, 0] += flint.arb(0, 1e-12)
         return q
 
-    monkeypatch.setattr(type(simulation._loads), "generalised", vague)
+    monkeypatch.setattr(simulation, "_force", vague)
     with pytest.raises(Failure, match="50 digits prove the forces only to") as failure:
         simulation.solve()
     assert failure.value.status is Status.not_converged

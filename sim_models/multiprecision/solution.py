@@ -1,0 +1,62 @@
+"""The solution of one sample: velocities, accelerations and multipliers that follow from the pose."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from flint import arb_mat
+
+from scenes.motion import Samples
+
+from .constraints import Linkage
+from .loads import GeneralisedForce
+
+
+class State(NamedTuple):
+    """Balls that hold the solution of one sample, each of shape (rows, 1)."""
+
+    q: arb_mat  # m, rad: x, y, θ of every body
+    velocity: arb_mat
+    acceleration: arb_mat
+    multipliers: arb_mat  # N, N m, in the order of the force channels
+
+
+def solved(linkage: Linkage, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float) -> State:
+    """Return the solution in a pose, e being the drive's row.
+
+    J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
+    """
+    rows = linkage.constraints
+    J = rows.jacobian(q)
+    velocity = J.solve(linkage.drive(rate))
+    total = J.solve(linkage.drive(acceleration) + rows.centripetal(q, velocity))
+    multipliers = J.transpose().solve(linkage.mass * total - force(q, velocity))
+    return State(q, velocity, total, multipliers)
+
+
+def proven_errors(linkage: Linkage, states: Sequence[State]) -> dict[str, float]:
+    """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
+
+    A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of
+    any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
+    """
+    scene = linkage.scene
+    pace = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent)))
+    units = np.array(linkage.units)
+    motion = [
+        np.max(_radii(derivative) / units) / pace**order
+        for state in states
+        for order, derivative in enumerate(state[:3])
+    ]
+    errors = {"constraints": float(np.max(motion))}
+    if scene.has_masses:
+        force = np.max([_radii(state.multipliers) for state in states])
+        peak = np.max(np.abs([[float(ball) for ball in state.multipliers.entries()] for state in states]))
+        heaviest = max(float(linkage.mass[k, k]) for k in range(0, len(units), 3))
+        scale = max(peak, heaviest * linkage.size * pace**2)
+        errors["newton-euler"] = float(force / scale if scale > 0 else force)
+    return errors
+
+
+def _radii(balls: arb_mat) -> Samples:
+    return np.array([float(ball.rad()) for ball in balls.entries()])

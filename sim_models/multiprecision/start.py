@@ -1,0 +1,61 @@
+"""The start: the linkage closed from its sketch, and moved to the drive's start."""
+
+from math import remainder, tau
+
+import numpy as np
+from flint import arb, arb_mat
+
+from scenes.scene import GROUND
+
+from .constraints import Linkage
+from .march import March
+
+
+def start(linkage: Linkage, march: March) -> arb_mat:
+    """Return the pose at the drive's start, shape (3 bodies, 1).
+
+    Raises:
+        Failure: the linkage cannot be assembled as sketched, or is singular on the way to the start.
+    """
+    scene = linkage.scene
+    begin, sketched = scene.drive.start, scene.sketch.drive
+    if scene.driven_slide is None:
+        sketched = begin + remainder(sketched - begin, tau)  # from there the short way round to the start
+    return march.follow(assembled(linkage, march, sketched), linkage.drive(begin))
+
+
+def assembled(linkage: Linkage, march: March, position: float) -> arb_mat:
+    """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1).
+
+    Raises:
+        Failure: the linkage cannot be assembled as sketched.
+    """
+    return march.follow(sketched_pose(linkage, position), linkage.drive(position))
+
+
+def sketched_pose(linkage: Linkage, position: float) -> arb_mat:
+    """Return the pose where the bodies fit the sketch best, shape (3 bodies, 1), with the drive at a position.
+
+    The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of
+    their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all.
+    """
+    scene, known = linkage.scene, linkage.sketched
+    middle = complex(np.mean([complex(*at) for at in known.values()] or [0j]))
+    own, at = {}, {}
+    for name, arms in linkage.arms.items():
+        shown = [point for point in scene.bodies[name].points if point in known]
+        own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
+        at[name] = np.array([complex(*known[p]) for p in shown] or [middle])
+    turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
+    q = arb_mat(3 * len(linkage.index), 1)
+    for name, i in linkage.index.items():
+        aligned = scene.aligned[name]
+        if GROUND in aligned:
+            angle = 0.0
+        elif scene.drive.body in aligned:
+            angle = position
+        else:
+            angle = float(np.angle(sum(turn[other] for other in linkage.index if other in aligned)))
+        r = at[name].mean() - np.exp(1j * angle) * own[name].mean()
+        q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle)
+    return q
