@@ -18,8 +18,6 @@ from .motion import Motion
 from .request import Request, Sampling
 from .scene import Scene
 
-ESTIMATE = "estimated error"  # among an engine's residuals: its largest relative error by its own model
-
 
 class Status(Enum):
     """How a run ended. The value is the sentence that users see."""

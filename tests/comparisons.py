@@ -8,10 +8,11 @@ import pandas as pd
 
 from compare.engines import registry
 from compare.engines.reference import Reference
+from compare.judge.errors import SHOWN_GROUPS
 from scenes import Motion, Sampling, Scene, Settings
 
 SAMPLING = Sampling(72)
-CHECKS = {"drive", "closure", "branch", "velocity", "acceleration", "Newton", "Euler", "power"}
+CHECKS = {"drive", "closure", "branch", "estimate", *SHOWN_GROUPS, "Newton", "Euler", "power"}
 Outcome = Motion | Exception
 References = Callable[[str], Reference]
 Plug = Callable[[Outcome], None]

@@ -83,15 +83,20 @@ def found(scene: Scene) -> Reference:
     sampling = Sampling(SCALE_SAMPLES)
     solve = registry.checked_reference(scene)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
-    stroke = float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
-    if not stroke > 0:
+    size = stroke(scene, motion)
+    if not size > 0:
         raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
     ends = tuple(stroke_end(State(scene, motion), load) for load in press_forces(scene))
-    return Reference(scene, solve, stroke, _scales(scene, motion, stroke), Floor({}, ""), ends)
+    return Reference(scene, solve, size, scales(scene, motion, size), Floor({}, ""), ends)
 
 
-def _scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
-    """Return the scale of each channel.
+def stroke(scene: Scene, motion: Motion) -> float:
+    """Return the diagonal of the box in which the output point moves, m."""
+    return float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
+
+
+def scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
+    """Return what errors are divided by, channel by channel.
 
     Points are scaled by the stroke S, S w and S w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of their
     pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
@@ -102,20 +107,18 @@ def _scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
     size = dict.fromkeys(("x", "y"), stroke) | dict.fromkeys(("vx", "vy"), stroke * w)
     size |= dict.fromkeys(("ax", "ay"), stroke * w**2) | {"angle": 1.0, "crank_angle": 1.0, "omega": w, "alpha": w**2}
     size |= {"displacement": travel, "time": scene.drive.cycle}
-    peak = {channel: _peak(motion, channel) for channel in channels(scene) if quantity(channel) not in size}
-    for channel in peak:
+    peaks = {c: float(magnitude(motion, c).max()) for c in channels(scene) if quantity(c) not in size}
+    for channel in peaks:
         if quantity(channel) == "guide_moment":  # often zero by symmetry; a force times the stroke is its natural size
-            peak[channel] = max(peak[channel], stroke * peak[channel.replace("guide_moment", "guide_force")])
-    largest = max(peak.values(), default=0.0) or 1.0  # for a joint that never carries anything
-    return {c: size[quantity(c)] if quantity(c) in size else peak[c] or largest for c in channels(scene)}
+            peaks[channel] = max(peaks[channel], stroke * peaks[channel.replace("guide_moment", "guide_force")])
+    largest = max(peaks.values(), default=0.0) or 1.0  # for a joint that never carries anything
+    return {c: size[quantity(c)] if quantity(c) in size else peaks[c] or largest for c in channels(scene)}
 
 
-def _peak(motion: Motion, channel: str) -> float:
-    """Return the peak magnitude of a pin's vector for its components, of the channel itself otherwise."""
-    stem = channel.removesuffix(quantity(channel))
-    if quantity(channel) in ("fx", "fy"):
-        return float(np.hypot(motion[stem + "fx"], motion[stem + "fy"]).max())
-    return float(np.abs(motion[channel]).max())
+def magnitude(motion: Motion, channel: str) -> Samples:
+    """Return the magnitude of the vector of a component, of the channel itself otherwise, shape (n,)."""
+    stem, axis = channel[:-1], channel[-1]
+    return np.hypot(motion[stem + "x"], motion[stem + "y"]) if axis in "xy" else np.abs(motion[channel])
 
 
 def relative_errors(motion: Motion, reference: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:

@@ -55,7 +55,7 @@ def run(name: str, scene: Scene, request: Request, settings: Settings | None = N
         read = perf_counter()
         _check_complete(scene, request, motion)
     except Failure as failure:
-        return replace(failed, status=failure.status, reason=failure.reason, motion=failure.motion)
+        return replace(failed, status=failure.status, reason=failure.reason, motion=_finite(failure.motion))
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
         text = (str(error) or "no message").strip().splitlines()[0]
         return replace(failed, status=Status.crashed, reason=f"{type(error).__name__}: {text}")
@@ -70,6 +70,11 @@ def run(name: str, scene: Scene, request: Request, settings: Settings | None = N
         counters=simulation.counters,
         residuals=simulation.residuals,
     )
+
+
+def _finite(motion: Motion | None) -> Motion | None:
+    """Return a motion that is all numbers, or None."""
+    return motion if motion is not None and np.isfinite([*motion.samples.values()]).all() else None
 
 
 def _check_complete(scene: Scene, request: Request, motion: Motion) -> None:

@@ -71,7 +71,7 @@ class State:
             return z, v, a
         z, v, a = self.point(body.points[0])
         angle, omega, alpha = self.turning(body.name)
-        r = np.exp(1j * angle) * (complex(*body.com) - _first(body))
+        r = np.exp(1j * angle) * (complex(*body.com) - first_point(body))
         return z + r, v + 1j * omega * r, a + (1j * alpha - omega**2) * r
 
     def frame(self, name: str) -> tuple[Vectors, Vectors]:
@@ -80,7 +80,7 @@ class State:
         if name == GROUND:
             return np.zeros_like(x_axis), x_axis
         body = self.scene.bodies[name]
-        return self.place(body.points[0]) - x_axis * _first(body), x_axis
+        return self.place(body.points[0]) - x_axis * first_point(body), x_axis
 
     def on_guide(self, body: Body) -> Vectors:
         """Return where a slider's first point is on its guide, from `through`: along it, and i times beside it, m."""
@@ -97,7 +97,7 @@ class State:
         return ((z - through) * along.conjugate()).real, (v * along.conjugate()).real, (a * along.conjugate()).real
 
     def applied(self, body: Body) -> Iterator[Push]:
-        """Yield what acts on a body from without: loads, springs, gravity, a slider's drive."""
+        """Yield what acts on a body from without: loads, springs, gravity."""
         acting = iter(self.acting)
         for load in self.scene.loads:
             share = next(acting) if isinstance(load, PressForce) else 1.0
@@ -115,9 +115,6 @@ class State:
         if self.scene.gravity is not None:
             z, v, _ = self.com(body)
             yield Push(np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity)), z, v)
-        if body.name == self.scene.drive.body and body.slide is not None:
-            z, v, _ = self.point(body.points[0])
-            yield Push(self.motion["drive.force"] * np.array(complex(*body.slide.along)), z, v)
 
     def _force(self, load: Load) -> Vectors:
         if not isinstance(load, ForceTable):
@@ -128,7 +125,7 @@ class State:
         return force
 
     def joint_forces(self, body: Body) -> Iterator[tuple[Vectors, Vectors]]:
-        """Yield every force of a pin or a guide on the body, with its point of attack."""
+        """Yield every force of a pin, a guide or a slider's drive on the body, with its point of attack."""
         for pin in self.scene.pins:
             if body.name in (pin.first, pin.second):
                 force = self.vector(f"{pin.channel}.", "fx", "fy")
@@ -136,6 +133,8 @@ class State:
         for sign, slider, slide in self._guides(body):
             normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
             yield sign * self.motion[f"{slider.name}.guide_force"] * normal, self.place(slider.points[0])
+        if body.name == self.scene.drive.body and body.slide is not None:
+            yield self.motion["drive.force"] * np.array(complex(*body.slide.along)), self.place(body.points[0])
 
     def couples(self, body: Body) -> Samples:
         """Return the pure moments on the body, N m."""
@@ -169,6 +168,25 @@ def inertia(body: Body) -> float:
     return (body.mass or 0.0) * sum(d**2 for d in distances(body).values()) / {1: 1, 2: 12, 3: 36}[len(body.points)]
 
 
-def _first(body: Body) -> complex:
+def first_point(body: Body) -> complex:
     """Return the body's first point in the body's frame, m."""
     return complex(*body.local[body.points[0]]) if body.local is not None else 0j
+
+
+def arms(scene: Scene, body: Body) -> dict[str, complex]:
+    """Return where a body's points are from its first one, m, in the body's frame.
+
+    A point given by lengths is where the circles about its two bases meet, on the side that the sketch shows.
+    """
+    if body.local is not None:
+        return {point: complex(*place) - first_point(body) for point, place in body.local.items()}
+    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+    length, (first, second, *others) = distances(body), body.points
+    found = {first: 0j, second: complex(length[first, second])}
+    for point in others:
+        p, q = body.bases(point)
+        way, a, b = found[q] - found[p], length[p, point], length[q, point]
+        along = (a**2 - b**2 + abs(way) ** 2) / (2 * abs(way))
+        side = np.sign(((drawn[q] - drawn[p]).conjugate() * (drawn[point] - drawn[p])).imag)
+        found[point] = found[p] + way / abs(way) * (along + 1j * side * max(a**2 - along**2, 0.0) ** 0.5)
+    return found

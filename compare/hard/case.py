@@ -9,18 +9,16 @@ from enum import StrEnum
 from typing import Any
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status, hard
-from scenes.engine import ESTIMATE
 from scenes.motion import quantity
 
 from ..engines import registry
 from ..engines.reference import Reference, found
 from ..engines.registry import ORACLE, REFERENCE
-from ..engines.runner import run
 from ..engines.settings import tiers
 from ..judge.errors import SHOWN_GROUPS
 from ..judge.escalation import attempts
 from ..judge.gates import gates
-from ..judge.measure import Measurement, measure
+from ..judge.measure import Measurement, checked_run, measure
 from ..judge.round_off import Explained, explain
 from .digits import digits_lost
 
@@ -93,15 +91,15 @@ def _promised(scene: Scene, engine: str) -> Scene:
 
 
 def _held_to_its_promise(scene: Scene, measured: Measurement) -> Measurement:
-    """Return the measurement, its status corrected where it breaks its promise, as it or the reference can tell."""
+    """Return the measurement, its status corrected where it breaks its promise, by itself or by the reference."""
     run = measured.run
     missed = [str(gate) for gate in gates(scene, [measured]) if gate.missed]
     if run.status is not Status.ok or not missed:
         return measured
-    estimate, promise = run.residuals.get(ESTIMATE, 0.0), registry.ENTRIES[run.engine].promise
+    estimate, promise = measured.estimate, registry.ENTRIES[run.engine].promise
     found_by, reason = "reference", f"off the reference: {missed[0]}"
     if not estimate <= promise:
-        found_by, reason = "engine", f"by its own estimate off by {estimate:.1e}, and it promises {promise:g}"
+        found_by, reason = "checks", f"off by {estimate:.1e}, by its own poses; it promises {promise:g}"
     return replace(measured, run=replace(run, status=Status.not_converged, reason=reason, found_by=found_by))
 
 
@@ -165,14 +163,14 @@ def _counted(row: Row, scene: Scene) -> Row:
 
 def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str) -> Row:
     """Return the row of an engine where the reference finds no motion: neither may it, nor the oracle."""
-    outcome = run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
+    outcome = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
     if case.engine == REFERENCE:
         agreed = outcome.status is not Status.ok and expected == failure.status.name
         return case_row(
             case, failure.status.name, failure.reason, "engine", Outcome.refused if agreed else Outcome.false_alarm
         )
     if outcome.status is not Status.ok:
-        return case_row(case, outcome.status.name, outcome.reason, "engine", Outcome.refused)
+        return case_row(case, outcome.status.name, outcome.reason, outcome.found_by, Outcome.refused)
     reason = f"it says ok where the reference says: {failure.reason}"
     return case_row(case, failure.status.name, reason, "reference", Outcome.refused)
 

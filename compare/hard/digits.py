@@ -41,7 +41,7 @@ from ..engines.press_switches import acts, press_forces, stroke_end
 from ..engines.reference import relative_errors
 from ..engines.runner import run
 from ..engines.state import State
-from ..judge.constraints import Constraints
+from ..judge.constraints import condition
 from ..judge.errors import GROUPS, SHOWN_GROUPS
 from ..judge.perturbation import inputs, put
 
@@ -81,7 +81,7 @@ def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.Da
     errors = _largest(relative_errors(found, true, peaks), rows)
     scaled = _largest(relative_errors(found, true, scale), rows) if scale is not None else {}
     conditions = _largest(_changes(scene, request, true, peaks), rows)
-    kappa = float(Constraints(scene, true).condition.max())
+    kappa = float(condition(scene, true).max())
     table = []
     for group in SHOWN_GROUPS:
         mine = [channel for channel in errors if GROUPS[quantity(channel)] == group]

@@ -22,10 +22,9 @@ from scenes import Failure, InputError, Sampling, Scene, Settings
 
 from ..engines import registry
 from ..engines.reference import Reference, establish
-from ..engines.runner import run
 from ..engines.stopping import kept
 from ..judge.errors import SHOWN_GROUPS
-from ..judge.measure import Measurement, measure
+from ..judge.measure import Measurement, checked_run, measure
 
 SAMPLES = 24  # a cycle
 STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples
@@ -169,7 +168,7 @@ def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns:
     """Run one cell; with a scene for reference there are no errors."""
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
-        found = Measurement(run(place.engine, reference, sampling, settings), None, [], pd.DataFrame())
+        found = Measurement(checked_run(place.engine, reference, sampling, settings), None, [], pd.DataFrame())
     else:
         found = measure(reference, place.engine, sampling, settings)
     worst = found.worst()

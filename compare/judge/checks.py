@@ -1,21 +1,24 @@
 """What an engine's own output must satisfy, with no reference.
 
-The drive where it was asked to be, closed joints, one branch, rates that fit the poses, Newton and Euler, power.
+The drive where it was asked to be, closed joints, one branch, small estimated errors, Newton and Euler, power.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples, force_channels, kinematic_channels
+from scenes.motion import Samples, force_channels, kinematic_channels, quantity
+from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from ..engines.state import State, inertia
-from .closure import closed_by, gaps, rates
-from .constraints import Constraints
+from ..engines.state import State, distances, inertia
+from .errors import GROUPS, SHOWN_GROUPS
+from .estimate import Estimate, estimate
+
+Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
 
 @dataclass(frozen=True)
@@ -35,13 +38,12 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
     state = State(scene, motion)
     violations = {("drive", scene.drive.body, "turn" if scene.driven_slide is None else "travel"): _drive(state)}
     for body in scene.bodies.values():
-        if motion.samples.keys() >= closed_by(scene, body):
-            violations["closure", body.name, "stroke"] = gaps(state, body, stroke)
+        if motion.samples.keys() >= _closed_by(scene, body):
+            violations["closure", body.name, "stroke"] = _gaps(state, body, stroke)
     if motion.samples.keys() >= set(kinematic_channels(scene)):
-        constraints = Constraints(scene, motion)
-        violations["branch", "linkage", "sign of the Jacobian"] = (constraints.branch != constraints.branch[0]) * 1.0
-        for quantity, of, violation in rates(constraints):
-            violations[quantity, of, f"peak {quantity}"] = violation
+        estimated = estimate(scene, motion, stroke)
+        violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
+        violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
             violations |= _balances(state, stroke)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
@@ -54,6 +56,27 @@ def _worst(check: str, of: str, relative_to: str, violation: Samples, state: Sta
     return Check(check, of, float(violation[row]), max_at, where, relative_to)
 
 
+def _flips(branch: Samples) -> Samples:
+    """Return 1 where the sign is not that of the first pose that is not singular, shape (n,)."""
+    first = np.append(branch[branch != 0], 1.0)[0]
+    return np.where(branch * first >= 0, 0.0, 1.0)
+
+
+def _estimated(estimated: Estimate) -> Violations:
+    """Return the errors of the channel of each group that is furthest off, and the mixed ones of one of all."""
+    errors = estimated.errors
+    groups = [[channel for channel in errors if GROUPS[quantity(channel)] == group] for group in SHOWN_GROUPS]
+    worst = (_furthest({channel: errors[channel] for channel in own}) for own in groups if own)
+    by_group = {(GROUPS[quantity(channel)], channel, "scale"): errors[channel] for channel in worst}
+    channel = _furthest(estimated.mixed)
+    return by_group | {("estimate", channel, "larger of scale and magnitude"): estimated.mixed[channel]}
+
+
+def _furthest(errors: Mapping[str, Samples]) -> str:
+    """Return the channel with the largest error; one that is not a number is larger than all."""
+    return [*errors][int(np.argmax([error.max() for error in errors.values()]))]
+
+
 def _drive(state: State) -> Samples:
     """Return how far the drive is from where it was asked to be, in turns or travels, shape (n,)."""
     scene = state.scene
@@ -63,7 +86,31 @@ def _drive(state: State) -> Samples:
     return off / (2 * np.pi if scene.driven_slide is None else most - least)
 
 
-Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
+def _closed_by(scene: Scene, body: Body) -> set[str]:
+    """Return the channels that say whether a body's joints are closed."""
+    points, names = set(body.points), set[str]()
+    if body.slide is not None:
+        names = {body.name, body.slide.on}
+        points |= set(() if body.slide.on == GROUND else scene.bodies[body.slide.on].points[:1])
+    angles = {f"{name}.angle" for name in names if name in scene.turning}
+    return angles | {f"{point}.{axis}" for point in points - set(scene.ground) for axis in "xy"}
+
+
+def _gaps(state: State, body: Body, stroke: float) -> Samples:
+    """Return by how much the body's points miss their distances, and it its guide, relative to the stroke, shape (n,).
+
+    A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. A body
+    that is turned against its guide is off by that angle, rad, at an arm of one stroke.
+    """
+    gap = np.zeros(state.motion["time"].shape)
+    for (p, q), length in distances(body).items():
+        gap = np.maximum(gap, np.abs(np.abs(state.place(p) - state.place(q)) - length) / stroke)
+    if body.slide is not None:
+        gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / stroke)
+        if body.name in state.scene.turning:
+            between = state.angle(body.name) - state.angle(body.slide.on)
+            gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
+    return gap
 
 
 def _balances(state: State, stroke: float) -> Violations:
@@ -96,9 +143,11 @@ def _newton_euler(state: State, stroke: float) -> Iterator[tuple[tuple[str, str,
 
 def _power(state: State) -> Samples:
     """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
-    terms = []
+    driven = state.scene.bodies[state.scene.drive.body]
     if state.scene.driven_slide is None:
-        terms.append(state.motion["drive.torque"] * state.turning(state.scene.drive.body)[1])
+        terms = [state.motion["drive.torque"] * state.turning(driven.name)[1]]
+    else:
+        terms = [state.motion["drive.force"] * state.displacement(driven)[1]]
     for body in state.scene.bodies.values():
         terms += [(push.velocity.conjugate() * push.force).real for push in state.applied(body)]
         _, v, a = state.com(body)

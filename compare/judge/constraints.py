@@ -1,11 +1,18 @@
-"""The constraints of a linkage in the coordinates of all its bodies, linearised at a motion's own poses.
+"""The constraints of a linkage in the coordinates of all its bodies: equations, Jacobian and second derivative.
 
-A body has the coordinates of its first point and L times its angle, with L the linkage's largest length, so that all
-are lengths. The same matrix, transposed, turns what bodies want into reactions: one condition serves both solves.
+A body has the coordinates x, y of its first point, over the linkage's largest length L, and its angle; the ground comes
+last and stays at zero. With r the arms of points from the first ones of their bodies, over L, every constraint is
+
+    Re(conj(d e^(iθₖ)) w) = 0,  w = zᵢ + rᵢ e^(iθᵢ) - zⱼ - rⱼ e^(iθⱼ)   no distance along d, in the frame of k, or
+    θᵢ - θⱼ = 0                                                       no turn.
+
+A pin has two distances, a guide one across it and a turn, the drive the one or the other, less its position. They are
+in the order of `scenes.motion.force_channels`, and as many as coordinates, m, where the linkage has one degree of
+freedom and no constraint too many.
 """
 
 from collections.abc import Iterator
-from functools import cached_property
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,139 +21,128 @@ from scenes import Motion, Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from ..engines.state import State, Vectors, distances
+from ..engines.state import State, Vectors, arms, distances, first_point
 
-Matrices = NDArray[np.float64]
+Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
+Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
 
 BLOCK = 4096  # samples, whose Jacobians are in memory at a time
 
 
+class Row(NamedTuple):
+    """One constraint between two bodies; its multiplier is what the second does on the first."""
+
+    first: str
+    second: str
+    arm: complex = 0  # on the first body, m
+    other: complex = 0  # on the second, m
+    along: complex = 0  # a unit vector, or zero for a turn
+    frame: str = GROUND
+
+
 class Constraints:
-    """Rows: two a pin, two a guide (across it, and the turning against it), and the drive's.
+    """C(q) = 0 of one scene, at many poses at once."""
 
-    As many as coordinates, m, where the linkage has one degree of freedom and no constraint too many. What is asked of
-    a long motion is found block by block.
-    """
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.size = scene, _largest_length(scene)
+        self.bodies = {name: number for number, name in enumerate((*scene.bodies, GROUND))}
+        self.arms = {name: arms(scene, body) for name, body in scene.bodies.items()}
+        self.arms[GROUND] = {point: complex(*place) for point, place in scene.ground.items()}
+        rows = [*self._rows()]
+        self._first, self._second, self._frame = (
+            np.array([self.bodies[name] for name in names])
+            for names in zip(*((row.first, row.second, row.frame) for row in rows), strict=True)
+        )
+        self._arm, self._other = np.array([(row.arm, row.other) for row in rows]).T / self.size
+        self._along = np.array([row.along for row in rows])
+        self._turns = np.flatnonzero(self._along == 0)
+        self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
 
-    def __init__(self, scene: Scene, motion: Motion, size: float | None = None) -> None:
-        """Take the poses from the motion, whose kinematic channels must be complete, and L unless it is given."""
-        self.state = State(scene, motion)
-        self.size = size or _largest_length(self.state)
-        self.column = {name: 3 * number for number, name in enumerate(scene.bodies)}
-        self._rows: list[Matrices] = []
-
-    def _blocks(self) -> Iterator["Constraints"]:
-        motion = self.state.motion
-        for start in range(0, len(motion["time"]), BLOCK):
-            rows = {channel: samples[start : start + BLOCK] for channel, samples in motion.samples.items()}
-            yield Constraints(self.state.scene, Motion(rows), self.size)
-
-    @cached_property
-    def jacobian(self) -> Matrices:
-        """J, shape (n, rows, m)."""
-        state, scene = self.state, self.state.scene
+    def _rows(self) -> Iterator[Row]:
+        """Yield all constraints."""
+        scene, arms = self.scene, self.arms
         for pin in scene.pins:
-            r, s = (self._arm(name, state.place(pin.point)) for name in (pin.first, pin.second))
-            self._row((pin.first, 1, -r.imag), (pin.second, -1, s.imag))
-            self._row((pin.first, 1j, r.real), (pin.second, -1j, -s.real))
+            second, first = arms[pin.second][pin.point], arms[pin.first][pin.point]
+            yield from (Row(pin.second, pin.first, second, first, axis) for axis in (1, 1j))
         for body in scene.bodies.values():
             if body.slide is not None:
-                on = body.slide.on
-                normal = 1j * np.exp(1j * state.angle(on)) * complex(*body.slide.along)
-                r = self._arm(on, state.place(body.points[0]))
-                self._row((body.name, normal, 0.0), (on, -normal, -(normal.conjugate() * 1j * r).real))
-                self._row((body.name, 0, self.size), (on, 0, -self.size))
-        slide = scene.driven_slide
-        self._row((scene.drive.body, 0, self.size) if slide is None else (scene.drive.body, complex(*slide.along), 0.0))
-        return np.stack(self._rows, axis=1)
+                on, along = body.slide.on, complex(*body.slide.along)
+                through = complex(*body.slide.through) - (0 if on == GROUND else first_point(scene.bodies[on]))
+                yield Row(body.name, on, 0, through, 1j * along, on)
+                yield Row(body.name, on)
+        driven, slide = scene.drive.body, scene.driven_slide
+        line = () if slide is None else (0, complex(*slide.through), complex(*slide.along))
+        yield Row(driven, GROUND, *line)
 
-    def _row(self, *terms: tuple[str, Vectors | complex, Samples | float]) -> None:
-        """Add a constraint: by body, what its first point is projected on and what its turn adds."""
-        row = np.zeros((len(self.state.motion["time"]), 3 * len(self.column)))
-        for name, along, turn in terms:
-            if name != GROUND:
-                k, vector = self.column[name], np.asarray(along)
-                row[:, k], row[:, k + 1], row[:, k + 2] = vector.real, vector.imag, np.asarray(turn) / self.size
-        self._rows.append(row)
+    def poses(self, motion: Motion) -> Poses:
+        """Return q as a motion's channels have it."""
+        state = State(self.scene, motion)
+        first = np.stack([state.place(body.points[0]) for body in self.scene.bodies.values()], axis=1) / self.size
+        angle = np.stack([state.angle(name) for name in self.scene.bodies], axis=1)
+        return np.stack([first.real, first.imag, angle], axis=-1)
 
-    def _arm(self, name: str, place: Vectors) -> Vectors:
-        """Return the way to a place from the first point of a body; of the ground any will do."""
-        first: Vectors = place if name == GROUND else place - self.state.place(self.state.scene.bodies[name].points[0])
-        return first
+    def gaps(self, q: Poses, position: Samples) -> Samples:
+        """Return C(q) with the drive at a position, rad or m, of shape (n,); shape (n, m)."""
+        (_, angle), (along, w, *_) = planes(q), self._parts(q)
+        found: Samples = (along.conj() * w).real
+        found[:, self._turns] = (angle[:, self._first] - angle[:, self._second])[:, self._turns]
+        found[:, -1] -= position / self.units[-1]
+        found[:, self._turns] = np.remainder(found[:, self._turns] + np.pi, 2 * np.pi) - np.pi  # modulo a turn
+        return found
 
-    @cached_property
-    def condition(self) -> Samples:
-        """The condition number of the Jacobian in the 2-norm at each sample, shape (n,)."""
-        values = np.concatenate([np.linalg.svd(block.jacobian, compute_uv=False) for block in self._blocks()])
-        with np.errstate(divide="ignore"):
-            return np.asarray(values[:, 0] / values[:, -1])
+    def jacobian(self, q: Poses) -> Matrices:
+        """Return J = dC/dq."""
+        along, w, *arms = self._parts(q)
+        rows = np.arange(len(self.units))
+        found = np.zeros((len(q), len(rows), len(self.bodies), 3))
+        for body, arm, sign in zip((self._first, self._second), arms, (1, -1), strict=True):
+            turn = (along.conj() * 1j * arm).real
+            found[:, rows, body] = sign * np.stack([along.real, along.imag, turn], axis=-1)
+            found[:, self._turns, body[self._turns], 2] = sign
+        found[:, rows, self._frame, 2] += (along.conj() * w).imag
+        return found[:, :, :-1].reshape(len(q), len(rows), -1)
 
-    @cached_property
-    def branch(self) -> Samples:
-        """The sign of the Jacobian's determinant at each sample, shape (n,): it changes only in a lock."""
-        return np.concatenate([np.linalg.slogdet(block.jacobian)[0] for block in self._blocks()], dtype=np.float64)
+    def bending(self, q: Poses, v: Poses) -> Samples:
+        """Return d²C/dt² at rates v without accelerations, shape (n, m)."""
+        (along, w, arm, other), (rate, omega) = self._parts(q), planes(v)
+        spin, other_spin, turn = (1j * omega[:, bodies] for bodies in (self._first, self._second, self._frame))
+        dw = rate[:, self._first] + spin * arm - rate[:, self._second] - other_spin * other
+        ddw = spin**2 * arm - other_spin**2 * other
+        found: Samples = (along.conj() * (ddw - 2 * turn * dw + turn**2 * w)).real
+        return found
 
-    @cached_property
-    def implied(self) -> tuple[Matrices, Matrices]:
-        """The velocities and accelerations that the poses and the drive leave no choice of, shape (n, m).
-
-        J q' = e rate, J q'' = e acceleration + γ(q, q'), where γ is what pins and guides accelerate by at q'' = 0:
-        ω² r at a pin, and across a guide also Coriolis' 2 ω u, u being the speed along it.
-        """
-        velocities, accelerations = zip(*(block._implied() for block in self._blocks()), strict=True)
-        return np.concatenate(velocities), np.concatenate(accelerations)
-
-    def _implied(self) -> tuple[Matrices, Matrices]:
-        """Return both of one block."""
-        state, scene = self.state, self.state.scene
-        _, rate, acceleration = scene.drive.at(state.motion["time"])
-        lever = self.size if scene.driven_slide is None else 1.0
-        right = np.zeros(self.jacobian.shape[:2])
-        right[:, -1] = lever * rate
-        velocities = self._solve(right)
-        right[:, -1] = lever * acceleration
-        right[:, :-1] = self._centripetal(velocities)
-        return velocities, self._solve(right)
-
-    def _centripetal(self, velocities: Matrices) -> Matrices:
-        """Return γ but for the drive's row, shape (n, rows - 1)."""
-        state, scene = self.state, self.state.scene
-
-        def turning(name: str) -> Samples:
-            rate: Samples = np.zeros(len(velocities)) if name == GROUND else velocities[:, self.column[name] + 2]
-            return rate / self.size
-
-        def first(name: str) -> Vectors:
-            k = self.column[name]
-            vector: Vectors = velocities[:, k] + 1j * velocities[:, k + 1]
-            return vector
-
-        found: list[Samples] = []
-        for pin in scene.pins:
-            towards = [turning(name) ** 2 * self._arm(name, state.place(pin.point)) for name in (pin.first, pin.second)]
-            difference = towards[0] - towards[1]
-            found += [difference.real, difference.imag]
-        for body in scene.bodies.values():
-            if body.slide is not None:
-                on = body.slide.on
-                normal = 1j * np.exp(1j * state.angle(on)) * complex(*body.slide.along)
-                r, omega = self._arm(on, state.place(body.points[0])), turning(on)
-                relative = first(body.name) - (0 if on == GROUND else first(on) + 1j * omega * r)
-                carried = -(omega**2) * r + 2j * omega * relative
-                found += [(normal.conjugate() * carried).real, np.zeros(len(velocities))]
-        return np.stack(found, axis=1)
-
-    def _solve(self, right: Matrices) -> Matrices:
-        """Return the solutions, NaN in a singular pose."""
-        regular = (np.linalg.slogdet(self.jacobian)[0] != 0)[:, np.newaxis]
-        J = np.where(regular[..., np.newaxis], self.jacobian, np.eye(self.jacobian.shape[-1]))
-        return np.where(regular, np.linalg.solve(J, right[..., np.newaxis])[..., 0], np.nan)
+    def _parts(self, q: Poses) -> tuple[Vectors, Vectors, Vectors, Vectors]:
+        """Return d e^(iθₖ), w, rᵢ e^(iθᵢ) and rⱼ e^(iθⱼ) of all constraints."""
+        z, angle = planes(q)
+        turn = np.exp(1j * angle)
+        arm, other = self._arm * turn[:, self._first], self._other * turn[:, self._second]
+        return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
 
 
-def _largest_length(state: State) -> float:
-    """Return the largest known distance of a body's points, or of the ground's, m; without one, of a path."""
-    ground = [complex(*place) for place in state.scene.ground.values()]
-    known = [length for body in state.scene.bodies.values() for length in distances(body).values()]
+def planes(q: Poses) -> tuple[Vectors, Samples]:
+    """Return x + iy and the angle of every body and the ground, or their rates; shape (n, bodies + 1)."""
+    q = np.concatenate([q, np.zeros((len(q), 1, 3))], axis=1)
+    return q[..., 0] + 1j * q[..., 1], q[..., 2]
+
+
+def blocks(motion: Motion) -> Iterator[Motion]:
+    """Yield a motion in pieces, of which the matrices fit in memory."""
+    for start in range(0, len(motion["time"]), BLOCK):
+        yield Motion({channel: samples[start : start + BLOCK] for channel, samples in motion.samples.items()})
+
+
+def condition(scene: Scene, motion: Motion) -> Samples:
+    """Return the condition number of the Jacobian in the 2-norm at each sample of a motion, shape (n,)."""
+    constraints = Constraints(scene)
+    with np.errstate(divide="ignore"):
+        return np.concatenate(
+            [np.linalg.cond(constraints.jacobian(constraints.poses(block))) for block in blocks(motion)]
+        )
+
+
+def _largest_length(scene: Scene) -> float:
+    """Return the largest known distance of a body's points, or of the ground's, m; without one, the drive's travel."""
+    ground = [complex(*place) for place in scene.ground.values()]
+    known = [length for body in scene.bodies.values() for length in distances(body).values()]
     known += [abs(p - q) for p in ground for q in ground]
-    paths = [state.place(point) for point in state.scene.moving_points]
-    return max(known, default=0.0) or max(float(np.abs(path - path[0]).max()) for path in paths)
+    return max(known, default=0.0) or float(np.ptp(scene.drive.extent))

@@ -2,16 +2,17 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import pandas as pd
 
-from scenes import Failure, Sampling, Settings, Status
+from scenes import Failure, Sampling, Scene, Settings, Status
 
-from ..engines.reference import Reference
+from ..engines.reference import Reference, stroke
 from ..engines.runner import Run, run
 from .checks import Check, checks
-from .errors import Comparison, compare, error_table
+from .errors import SHOWN_GROUPS, Comparison, compare, error_table
 from .round_off import Explained
-from .verdict import judged
+from .verdict import compared, judged
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,11 @@ class Measurement:
             return {}
         return {str(group): worst for group, worst in self.errors.groupby("group")[figure].max(skipna=False).items()}
 
+    @property
+    def estimate(self) -> float:
+        """The largest relative error that is known without a reference; zero where too few channels are there."""
+        return float(np.max([check.worst for check in self.checks if check.check in SHOWN_GROUPS], initial=0.0))
+
 
 def measure(
     reference: Reference,
@@ -38,16 +44,25 @@ def measure(
     explained: Explained | None = None,
 ) -> Measurement:
     """Run an engine, at its default settings unless told otherwise, and find out all about the result."""
-    outcome = run(engine, reference.scene, sampling, settings)
+    scene = reference.scene
+    outcome = run(engine, scene, sampling, settings)
     if outcome.motion is None:
         return Measurement(outcome, None, [], pd.DataFrame())
+    found = checks(scene, outcome.motion, reference.stroke)
+    verdict = judged(outcome, found)
     try:
         comparison = compare(reference, sampling, outcome.motion)
     except Failure as failure:
-        strayed = replace(
-            outcome, status=Status.diverged, reason=f"its drive is where no reference is: {failure.reason}"
-        )
-        return Measurement(strayed, None, [], pd.DataFrame())
-    found = checks(reference.scene, outcome.motion, reference.stroke)
-    verdict = judged(outcome, reference.scene, found, comparison)
+        reason = f"its drive is where no reference is: {failure.reason}"
+        strayed = replace(verdict, status=Status.diverged, reason=reason, found_by="reference")
+        return Measurement(verdict if verdict.status is not Status.ok else strayed, None, found, pd.DataFrame())
+    verdict = compared(verdict, scene, found, comparison)
     return Measurement(verdict, comparison, found, error_table(engine, comparison, reference, explained))
+
+
+def checked_run(engine: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
+    """Run an engine where there is no reference, and judge the result by itself."""
+    outcome = run(engine, scene, sampling, settings)
+    if outcome.motion is None:
+        return outcome
+    return judged(outcome, checks(scene, outcome.motion, stroke(scene, outcome.motion)))

@@ -14,7 +14,7 @@ from scenes import Sampling
 from scenes.motion import Samples
 
 from ..engines.reference import Reference
-from .constraints import Constraints
+from .constraints import condition
 from .perturbation import sensitivity
 
 EPS = float(np.finfo(float).eps)
@@ -48,4 +48,4 @@ def explain(reference: Reference, sampling: Sampling) -> Explained:
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
     may = reference.acts(true)
     moved = sensitivity(scene, true, lambda motion: reference.errors(motion, true, may))
-    return Explained(Constraints(scene, true).condition, moved)
+    return Explained(condition(scene, true), moved)

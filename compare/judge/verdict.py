@@ -15,7 +15,7 @@ from .checks import Check
 from .errors import Comparison
 
 OPEN = 1e-2  # of the stroke, or of the drive's turn or travel: a pin that gapes this far is no pin
-UNBALANCED = 0.1  # of the peak: no better than a guess. What is coarse but of use to somebody stays well below
+WORTHLESS = 0.1  # of the scale or peak: no better than a guess. What is coarse but of use stays well below
 ELSEWHERE = 5e-2  # of the stroke: with closed pins and the drive where it says, only another assembly is this far away
 
 
@@ -31,44 +31,43 @@ LIMITS = {
     "drive": Limit(OPEN, Status.diverged, "{of} is off where the drive asks it to be by {worst} of a {relative_to}"),
     "closure": Limit(OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}"),
     "branch": Limit(0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch"),
-    "velocity": Limit(
-        UNBALANCED,
-        Status.not_converged,
-        "the velocities of {of} do not fit its own poses, by {worst} of the {relative_to}",
-    ),
-    "acceleration": Limit(
-        UNBALANCED,
-        Status.not_converged,
-        "the accelerations of {of} do not fit its own poses, by {worst} of the {relative_to}",
-    ),
+    "estimate": Limit(WORTHLESS, Status.not_converged, "by its own poses {of} is off by {worst} of the {relative_to}"),
     "Newton": Limit(
-        UNBALANCED, Status.not_converged, "forces and m a of {of} are out of balance by {worst} of the {relative_to}"
+        WORTHLESS, Status.not_converged, "forces and m a of {of} are out of balance by {worst} of the {relative_to}"
     ),
     "Euler": Limit(
-        UNBALANCED, Status.not_converged, "moments and I alpha of {of} are out of balance by {worst} of {relative_to}"
+        WORTHLESS, Status.not_converged, "moments and I alpha of {of} are out of balance by {worst} of {relative_to}"
     ),
     "power": Limit(
-        UNBALANCED, Status.not_converged, "the power of the {of} is out of balance by {worst} of the {relative_to}"
+        WORTHLESS, Status.not_converged, "the power of the {of} is out of balance by {worst} of the {relative_to}"
     ),
 }
 
 
-def judged(run: Run, scene: Scene, checks: list[Check], comparison: Comparison) -> Run:
-    """Return the run, its status corrected where its own output or the reference contradicts it."""
+def judged(run: Run, checks: list[Check]) -> Run:
+    """Return the run, its status corrected where its own output contradicts it."""
     if run.status is not Status.ok:
         return run
     for name, limit in LIMITS.items():
-        found = max((check for check in checks if check.check == name), key=lambda check: check.worst, default=None)
-        if found is not None and not found.worst <= limit.most:
+        broken = [check for check in checks if check.check == name and not check.worst <= limit.most]
+        if broken:
+            found = broken[int(np.argmax([check.worst for check in broken]))]
             said = limit.sentence.format(of=found.of, worst=f"{found.worst:.1%}", relative_to=found.relative_to)
             return replace(run, status=limit.status, reason=f"{said} at {found.where}", found_by="checks")
+    return run
+
+
+def compared(run: Run, scene: Scene, checks: list[Check], comparison: Comparison) -> Run:
+    """Return the run, its status corrected where the reference contradicts it."""
+    if run.status is not Status.ok:
+        return run
     closed = "with all joints closed, " if any(check.check == "closure" for check in checks) else ""
     for point in scene.moving_points:
         both = (f"{point}.x", f"{point}.y")
         places = [comparison.actual[channel] for channel in both if channel in comparison.actual]
         far = np.max(places, axis=0, initial=0.0)
         if not far.max() <= ELSEWHERE:
-            first = scene.where(float(comparison.position[(far > ELSEWHERE).argmax()]))
+            first = scene.where(float(comparison.position[(~(far <= ELSEWHERE)).argmax()]))
             where = f"{far.max():.1%} of the stroke away from the reference, first at {first}"
             return replace(run, status=Status.wrong_branch, reason=f"{closed}{point} is {where}", found_by="reference")
     return run

@@ -17,7 +17,7 @@ from compare.engines.reference import Reference, establish
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
-from compare.judge.verdict import judged
+from compare.judge.verdict import compared, judged
 from compare.report import files as output
 from compare.report import tables
 from compare.report.curves import Panel, panels
@@ -175,8 +175,9 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     moved = {c: motion[c] + 0.1 * reference.stroke for c in ("P5.x", "P5.y") if c in motion}
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
-    found = judged(run, scene, checks(scene, wrong, reference.stroke), compare(reference, SAMPLING, wrong))
-    assert found.status is status
+    found = checks(scene, wrong, reference.stroke)
+    verdict = compared(judged(run, found), scene, found, compare(reference, SAMPLING, wrong))
+    assert verdict.status is status
 
 
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:

@@ -8,13 +8,11 @@ import pytest
 import analytic
 from compare.engines.reference import Reference
 from compare.engines.runner import run
-from compare.judge import constraints as jacobian
 from compare.judge.checks import checks
-from compare.judge.constraints import Constraints
 from scenes import Motion, Sampling
 from scenes.scene import ForceTable
 from tests import scene_files
-from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
+from tests.comparisons import References, changed, commanded, of_scene
 
 # --- checks without a reference ---------------------------------------------------------------------------------------
 
@@ -130,26 +128,3 @@ def test_checks_with_gravity_and_given_inertia() -> None:
     motion = analytic.solve(scene, np.linspace(0, 6, 100))
     for check in checks(scene, motion, 2.0):
         assert check.worst <= 1e-13, check
-
-
-def test_a_singular_pose_says_nothing_of_its_rates(reference: Reference, motion: Motion) -> None:
-    """A rod folded flat on a point of its own: nothing can be solved there, and nothing breaks."""
-    at = {q: motion[f"P4.{q}"] for q in ("x", "y")}
-    flat = {f"P5.{q}": np.where(np.arange(SAMPLING.count) == 7, at[q], motion[f"P5.{q}"]) for q in at}
-    flat |= {
-        f"{p}.{q}": np.where(np.arange(SAMPLING.count) == 7, 0.0, motion[f"{p}.{q}"]) for p in ("P3", "P2") for q in at
-    }
-    found = {c.check: c for c in checks(reference.scene, Motion({**motion.samples, **flat}), reference.stroke)}
-    assert found["closure"].worst > 0.1
-    assert all(np.isfinite(c.worst) for c in found.values())
-
-
-def test_a_long_motion_is_taken_in_blocks(
-    reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    whole = Constraints(reference.scene, motion)
-    known = whole.condition, whole.branch, *whole.implied
-    monkeypatch.setattr(jacobian, "BLOCK", 10)
-    blocks = Constraints(reference.scene, motion)
-    for one, other in zip(known, (blocks.condition, blocks.branch, *blocks.implied), strict=True):
-        assert np.array_equal(one, other)

@@ -9,16 +9,13 @@ import pytest
 import analytic
 from compare.engines import registry
 from compare.engines.reference import Reference
-from compare.engines.runner import Run, run
-from compare.judge.checks import checks
-from compare.judge.errors import compare
+from compare.engines.runner import run
 from compare.judge.gates import gates
 from compare.judge.measure import Measurement, measure
-from compare.judge.verdict import judged as judged_run
 from compare.speed.timing import Budget
 from compare.study import study
 from scenes import Failure, Motion, Status
-from tests.comparisons import SAMPLING, Plug, changed, commanded, of_scene
+from tests.comparisons import SAMPLING, Plug, changed
 
 # --- verdicts and statuses --------------------------------------------------------------------------------------------
 
@@ -111,45 +108,6 @@ def test_what_has_no_error_misses_its_gate(reference: Reference, motion: Motion,
     assert judged(reference, {"position": 1e9}, replace(measured, errors=spoilt)) == [True]
     without = replace(measured, errors=measured.errors[measured.errors["group"] != "torque"])
     assert judged(reference, {"torque": 1e9}, without) == [True]
-
-
-# --- guards that need no reference ------------------------------------------------------------------------------------
-
-GUARDS = {  # a channel, by how much of its scale it is moved, the status, what the reason names
-    "crank_angle": (0.07, Status.diverged, "crank is off"),  # more than a hundredth of a turn
-    "P4.vx": (0.5, Status.not_converged, "velocities of"),
-    "P5.ay": (1.0, Status.not_converged, "accelerations of"),
-    "rocker.omega": (1.0, Status.not_converged, "velocities of rocker"),
-    "rod.alpha": (2.0, Status.not_converged, "accelerations of rod"),
-    "P4.fx": (0.3, Status.not_converged, "forces and m a of"),
-    "slider.guide_moment": (0.3, Status.not_converged, "moments and I alpha of slider"),
-}
-
-
-@pytest.mark.parametrize("channel", GUARDS)
-def test_a_guard_needs_no_reference(reference: Reference, motion: Motion, channel: str) -> None:
-    by, status, reason = GUARDS[channel]
-    wrong = changed(motion, channel, by * reference.scale[channel])
-    found = checks(reference.scene, wrong, reference.stroke)
-    agreeing = compare(reference, SAMPLING, motion)  # as if the reference had nothing to say
-    run = judged_run(Run("stub", None, Status.ok, motion=wrong), reference.scene, found, agreeing)
-    assert run.status is status
-    assert reason in run.reason
-    assert "at crank angle" in run.reason
-
-
-def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motion) -> None:
-    """From the other assembly on half a turn long: closed joints, right rates, balanced forces, and a jump."""
-    upward = replace(reference.scene.sketch, points={**reference.scene.sketch.points, "P5": (0.0, -0.4)})
-    other = commanded(of_scene(reference, replace(reference.scene, sketch=upward)))
-    half = np.arange(SAMPLING.count) < 30
-    flipped = Motion({c: np.where(half, motion[c], other[c]) for c in motion.samples if c in other})
-    found = checks(reference.scene, flipped, reference.stroke)
-    run = judged_run(
-        Run("stub", None, Status.ok, motion=flipped), reference.scene, found, compare(reference, SAMPLING, motion)
-    )
-    assert run.status is Status.wrong_branch
-    assert run.reason.endswith("flips to another branch at crank angle 150.0000 deg")
 
 
 def test_what_an_engine_refused_stays_refused(reference: Reference, motion: Motion, plug: Plug) -> None:

@@ -1,0 +1,55 @@
+"""The errors of a motion, estimated without a reference: how far it is from its projection onto the constraints."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.motion import Samples, quantity
+
+from ..engines.reference import magnitude, relative_errors, scales
+from .errors import GROUPS
+from .projection import projected
+from .round_off import EPS
+
+KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3}
+POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
+
+
+class Estimate(NamedTuple):
+    """What is known of a motion without a reference."""
+
+    errors: Mapping[str, Samples]  # by channel, relative to the scales of the reference, each of shape (n,)
+    mixed: Mapping[str, Samples]  # relative to the larger of the scale and the magnitude at the sample
+    branch: Samples  # the sign of det J, shape (n,): it changes in a singular pose alone
+
+
+@np.errstate(all="ignore")  # what is not finite is so in the result
+def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
+    """Return what is known of a motion whose kinematic channels are complete; the stroke is in m.
+
+    On the switch of a press force all channels count on the side where they fit best.
+    """
+    projection = projected(scene, motion)
+    true = projection.ways[0]
+    scale = scales(scene, true, stroke)
+    ways = [_unexplained(motion, way, scale, projection.condition) for way in projection.ways]
+    best = np.array([np.max([*way.values()], axis=0) for way in ways]).argmin(axis=0)
+    errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in ways[0]}
+    rated = [channel for channel in errors if KINDS[GROUPS[quantity(channel)]] > 0]  # a place has no magnitude
+    mixed = {channel: errors[channel] / np.fmax(1.0, magnitude(true, channel) / scale[channel]) for channel in rated}
+    return Estimate(errors, errors | mixed, projection.branch)
+
+
+def _unexplained(motion: Motion, true: Motion, scale: Mapping[str, float], condition: Samples) -> dict[str, Samples]:
+    """Return the relative errors, zero where rounding explains them: by the largest value of their kind."""
+    found = relative_errors(motion, true, scale)
+    values = np.array([np.abs(true[channel]) / scale[channel] for channel in found])
+    kinds = np.array([KINDS[GROUPS[quantity(channel)]] for channel in found])
+    errors = np.array([*found.values()])
+    for kind, power in enumerate(POWERS):
+        own = kinds == kind
+        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0)
+        errors[own] = np.where((errors[own] <= explained) | np.isinf(condition), 0.0, errors[own])
+    return dict(zip(found, errors, strict=True))

@@ -1,0 +1,127 @@
+"""A motion on the constraints: what a computed one would be if its own poses met them.
+
+One step of Newton's method closes the joints with the drive where it really is. In the poses found, with γ the second
+derivative of the constraints at q'' = 0 and Q the loads, the rest has no choice:
+
+    J q' = e rate,   J q'' = e acceleration - γ(q, q'),   J^T λ = M q'' - Q,
+
+where λ are the reactions and the effort of the drive.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.motion import Samples, force_channels
+
+from ..engines.press_switches import acts, press_forces, sides, stroke_end
+from ..engines.state import State, Vectors, inertia
+from .constraints import Constraints, Matrices, Poses, blocks, planes
+
+
+@dataclass(frozen=True)
+class Projection:
+    """A motion on the constraints, and how they stand there."""
+
+    ways: Sequence[Motion]  # every channel, for each way in which press forces may stand on their switches
+    branch: Samples  # the sign of det J in the poses as computed, shape (n,): it changes in a singular pose alone
+    condition: Samples  # of J in the Frobenius norm, shape (n,)
+
+
+def projected(scene: Scene, motion: Motion) -> Projection:
+    """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose."""
+    constraints = Constraints(scene)
+    ends = [stroke_end(State(scene, motion), load) for load in press_forces(scene)]
+    parts = [_projected(constraints, block, ends) for block in blocks(motion)]
+    return Projection(
+        [_joined(pieces) for pieces in zip(*(part.ways for part in parts), strict=True)],
+        np.concatenate([part.branch for part in parts]),
+        np.concatenate([part.condition for part in parts]),
+    )
+
+
+def _joined(pieces: Sequence[Motion]) -> Motion:
+    return Motion({channel: np.concatenate([piece[channel] for piece in pieces]) for channel in pieces[0].samples})
+
+
+def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) -> Projection:
+    """Return the projection of a part of a motion; the closing strokes of press forces end at `ends`, m."""
+    scene, given = (
+        constraints.scene,
+        {channel: motion[channel] for channel in ("time", constraints.scene.drive_channel)},
+    )
+    q = constraints.poses(motion)
+    J = constraints.jacobian(q)
+    sign, size = np.linalg.slogdet(J)
+    step = _times(_inverse(J), constraints.gaps(q, given[scene.drive_channel]))
+    q = q - np.where(np.isfinite(step), step, 0.0).reshape(q.shape)
+    J = constraints.jacobian(q)
+    inverse = _inverse(J)
+    _, rate, acceleration = (of[:, np.newaxis] / constraints.units[-1] for of in scene.drive.at(motion["time"]))
+    v = (inverse[:, :, -1] * rate).reshape(q.shape)
+    a = (inverse[:, :, -1] * acceleration - _times(inverse, constraints.bending(q, v))).reshape(q.shape)
+    closed = Motion(given | _kinematics(constraints, q, v, a))
+    ways = [closed]
+    if scene.has_masses:
+        states = State(scene, closed), State(scene, motion)
+        may = [
+            np.concatenate([acts(state, load, end) for state in states])
+            for load, end in zip(press_forces(scene), ends, strict=True)
+        ]
+        loaded = (replace(states[0], acting=acting) for acting in sides(may))
+        ways = [Motion({**closed.samples, **_reactions(constraints, state, inverse)}) for state in loaded]
+    branch = np.where(np.isnan(size), np.nan, sign)  # the determinant of what is not finite has a sign
+    return Projection(ways, branch, np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2)))
+
+
+def _kinematics(constraints: Constraints, q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
+    """Return the channels of points and bodies that turn."""
+    scene, size, found = constraints.scene, constraints.size, dict[str, Samples]()
+    (z, angle), (dz, omega), (ddz, alpha) = (planes(of) for of in (q, v, a))
+    for point in scene.moving_points:
+        name = scene.owners[point][0]
+        k = constraints.bodies[name]
+        arm = constraints.arms[name][point] / size * np.exp(1j * angle[:, k])
+        spin = 1j * omega[:, k]
+        vectors = z[:, k] + arm, dz[:, k] + spin * arm, ddz[:, k] + (1j * alpha[:, k] + spin**2) * arm
+        for order, vector in zip(("", "v", "a"), vectors, strict=True):
+            found |= {f"{point}.{order}x": size * vector.real, f"{point}.{order}y": size * vector.imag}
+    for name in scene.turning:
+        k = constraints.bodies[name]
+        found |= {f"{name}.angle": angle[:, k], f"{name}.omega": omega[:, k], f"{name}.alpha": alpha[:, k]}
+    return found
+
+
+def _reactions(constraints: Constraints, state: State, inverse: Matrices) -> dict[str, Samples]:
+    """Return the force channels; forces and moments on a body are at its first point."""
+    needed: list[Samples] = []
+    for body in constraints.scene.bodies.values():
+        first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
+        force = (body.mass or 0.0) * acceleration
+        moment = inertia(body) * state.turning(body.name)[2] + _cross(com - first, force)
+        for push in state.applied(body):
+            force, moment = force - push.force, moment - _cross(push.at - first, push.force)
+        needed += [constraints.size * force.real, constraints.size * force.imag, moment]
+    multipliers = _times(inverse.swapaxes(1, 2), np.stack(needed, axis=1)) / constraints.units
+    return dict(zip(force_channels(constraints.scene), multipliers.T, strict=True))
+
+
+def _cross(arm: Vectors, force: Vectors) -> Samples:
+    cross: Samples = (arm.conj() * force).imag
+    return cross
+
+
+def _times(matrix: Matrices, vector: Samples) -> Samples:
+    product: Samples = (matrix @ vector[..., np.newaxis])[..., 0]
+    return product
+
+
+def _inverse(J: Matrices) -> Matrices:
+    """Return the inverses, infinite in singular poses."""
+    try:
+        return np.linalg.inv(J).astype(np.float64, copy=False)
+    except np.linalg.LinAlgError:  # of any of them
+        singular = (np.linalg.slogdet(J)[0] == 0)[:, np.newaxis, np.newaxis]
+        return np.where(singular, np.inf, np.linalg.inv(np.where(singular, np.eye(J.shape[-1]), J)))

@@ -1,0 +1,160 @@
+"""Errors that are known without a reference: they are the true ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.engines.reference import Reference, found, scales
+from compare.engines.runner import run
+from compare.judge import constraints as constraints_module
+from compare.judge.checks import checks
+from compare.judge.constraints import Constraints
+from compare.judge.errors import GROUPS, SHOWN_GROUPS
+from compare.judge.estimate import estimate
+from compare.judge.measure import checked_run, measure
+from compare.judge.projection import projected
+from compare.judge.round_off import EPS
+from scenes import Motion, Sampling, Settings, Status, hard
+from scenes.motion import force_channels, quantity
+from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
+from tests.mechanisms import MECHANISMS
+
+
+def largest(reference: Reference, motion: Motion) -> dict[str, float]:
+    """Return the largest estimated error by channel."""
+    return {c: float(e.max()) for c, e in estimate(reference.scene, motion, reference.stroke).errors.items()}
+
+
+def settings(engine: str) -> list[Settings]:
+    module = registry.engine(engine)
+    return [module.FAST, module.DEFAULT, module.EXACT]
+
+
+ENGINES = [(engine, of) for engine in ("exudyn", "pymunk") for of in settings(engine)]
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "walking_leg", "double_toggle_clamp", "quick_return"])
+@pytest.mark.parametrize(("engine", "of"), ENGINES, ids=lambda of: getattr(of, "label", of))
+def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None:
+    """But for where an error ends in rounding, or in what the step onto the constraints leaves, its square."""
+    measured = measure(found(scenes.load(name)), engine, SAMPLING, of)
+    worst = measured.errors.set_index("group").loc[[*SHOWN_GROUPS], "max"].max()
+    assert measured.estimate == pytest.approx(worst, rel=0.02, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_a_moved_channel_is_off_by_as_much(references: References, name: str) -> None:
+    """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
+    reference = references(name)
+    motion = commanded(reference)
+    own = scales(reference.scene, motion, reference.stroke)
+    for channel in own:
+        if GROUPS.get(quantity(channel), "drive") not in ("drive", "position"):
+            off = largest(reference, changed(motion, channel, -1e-3 * own[channel]))
+            assert off.pop(channel) == pytest.approx(1e-3), channel
+            assert max(off.values()) <= 1e-12
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_an_open_joint_is_closed_in_the_estimate(references: References, name: str) -> None:
+    """A place that is off by 1e-6 of the stroke is known to be, up to the condition times the square of it."""
+    reference = references(name)
+    motion = commanded(reference)
+    for channel in motion.samples:
+        if quantity(channel) in ("x", "y"):
+            off = largest(reference, changed(motion, channel, 1e-6 * reference.stroke))
+            assert max(off.values()) >= 0.5e-6, channel
+            errors = {c: e for c, e in off.items() if GROUPS[quantity(c)] != "position"}
+            assert max(errors.values()) <= 1e-8, channel
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "crank_press"])
+@pytest.mark.parametrize("lag", [1e-2, -1e-2])
+def test_a_drive_that_lags_is_off_alone(name: str, lag: float) -> None:
+    reference = found(scenes.load(name))
+    scene = reference.scene
+    motion = reference.at(SAMPLING.commanded(scene) - lag, SAMPLING.times(scene))
+    assert max(largest(reference, motion).values()) <= 1e-12
+    (drive,) = (check for check in checks(scene, motion, reference.stroke) if check.check == "drive")
+    assert drive.worst == pytest.approx(1e-2 / (2 * np.pi))
+
+
+def test_a_body_that_is_mirrored_is_another(reference: Reference, motion: Motion) -> None:
+    """All its lengths are right, and nothing but the sketch shows on which side its third point is."""
+    points = reference.scene.sketch.points
+    P2, P3, P4 = (complex(*points[name]) for name in ("P2", "P3", "P4"))
+    mirrored = P2 + ((P4 - P2) / (P3 - P2)).conjugate() * (P3 - P2)
+    sketch = replace(reference.scene.sketch, points={**points, "P4": (mirrored.real, mirrored.imag)})
+    other = replace(reference.scene, sketch=sketch)
+    assert max(largest(replace(reference, scene=other), motion).values()) > 0.1
+
+
+def near_lock(rung: str) -> Reference:
+    (step,) = (step for step in hard.ladder("dead_centre_driven").steps if step.label == rung)
+    return found(step.scene())
+
+
+def test_what_rounding_explains_is_no_error() -> None:
+    """The condition is 2e5, and the last acceleration 1e12 times its scale."""
+    reference = near_lock("1e-9")
+    motion = run("exudyn", reference.scene, Sampling(), registry.engine("exudyn").EXACT).motion
+    assert motion is not None
+    true = projected(reference.scene, motion).ways[0]
+    assert np.abs(motion["A.ay"] - true["A.ay"])[-1] > reference.scale["A.ay"]
+    assert max(largest(reference, motion).values()) <= 1e-7  # elsewhere, of the engine's own
+
+
+@pytest.mark.parametrize(("channel", "power"), [("A.y", 1), ("A.vy", 2), ("A.ay", 2), ("O.fx", 2)])
+def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int) -> None:
+    """Of the largest of its kind at the sample."""
+    reference = near_lock("1e-5")
+    scene, motion = reference.scene, commanded(reference)
+    constraints = Constraints(scene)
+    J = constraints.jacobian(constraints.poses(motion))[-1]
+    kappa = float(np.linalg.norm(J) * np.linalg.norm(np.linalg.inv(J)))
+    own = scales(scene, motion, reference.stroke)
+    forces = force_channels(scene)
+    kind = forces if channel in forces else [c for c in own if GROUPS.get(quantity(c)) == GROUPS[quantity(channel)]]
+    allowed = EPS * kappa**power * max(abs(motion[c][-1]) / own[c] for c in kind)
+    for share, excused in ((0.3, True), (3.0, False)):
+        off = largest(reference, changed(motion, channel, share * allowed * own[channel], row=-1))
+        assert (off[channel] == 0.0) is excused, share
+
+
+def test_a_long_motion_is_taken_in_blocks(
+    reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = projected(reference.scene, motion)
+    monkeypatch.setattr(constraints_module, "BLOCK", 10)
+    blocks = projected(reference.scene, motion)
+    assert np.array_equal(whole.branch, blocks.branch)
+    assert np.array_equal(whole.condition, blocks.condition)
+    for channel, samples in whole.ways[0].samples.items():
+        assert np.array_equal(blocks.ways[0][channel], samples), channel
+
+
+def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, motion: Motion) -> None:
+    forces = force_channels(reference.scene)
+    rest = Motion({channel: samples for channel, samples in motion.samples.items() if channel not in forces})
+    assert set(largest(reference, rest)).isdisjoint(forces)
+    assert {c.check for c in checks(reference.scene, rest, reference.stroke)}.isdisjoint(("reaction", "torque"))
+
+
+@pytest.mark.parametrize("of", ["stiffness", "length"])
+def test_another_spring_than_the_scenes_is_known_by_its_forces(references: References, of: str) -> None:
+    reference = references("driven_toggle")
+    (spring,) = reference.scene.springs
+    wrong = replace(reference.scene, springs=(replace(spring, **{of: 1.001 * getattr(spring, of)}),))
+    off = largest(reference, commanded(of_scene(reference, wrong)))
+    assert max(error for channel, error in off.items() if channel in force_channels(wrong)) > 1e-6
+    assert max(error for channel, error in off.items() if channel not in force_channels(wrong)) <= 1e-12
+
+
+def test_nothing_to_compare_with_is_judged_all_the_same() -> None:
+    coarse = registry.engine("exudyn").LADDER[2]
+    wrong = checked_run("exudyn", scenes.load("walking_leg"), Sampling(72), coarse)
+    assert (wrong.status, wrong.found_by) == (Status.not_converged, "checks")
+    assert checked_run("exudyn", scenes.load("walking_leg"), Sampling(72)).status is Status.ok
