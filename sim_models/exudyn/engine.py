@@ -1,9 +1,9 @@
 """Exudyn: the linkage as a planar multibody system with Lagrange multipliers, integrated in time or solved at instants.
 
 Time stepping integrates the index-3 equations (generalised-alpha) or the index-2 ones (trapezoidal) from before the
-first sample, so that the start transient has decayed by then; the result is compared with the poses that meet the
-constraints and Exudyn's own terms there. The pointwise route takes a pose that meets the constraints at every sample,
-and solves for velocities, accelerations and reactions with the terms that Exudyn evaluates there.
+first sample, so that the start transient has decayed by then. The pointwise route takes a pose that meets the
+constraints at every sample, and solves for velocities, accelerations and reactions with the terms that Exudyn evaluates
+there.
 """
 
 from scenes import Request, Scene

@@ -1,4 +1,4 @@
-"""Time stepping: the whole motion integrated with a constant step, and compared with the poses."""
+"""Time stepping: the whole motion integrated with a constant step."""
 
 from collections.abc import Callable
 from itertools import count
@@ -6,13 +6,10 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Request, Sampling, Scene, Status
-from scenes.engine import ESTIMATE, equal_steps
-from scenes.scene import ConstantSpeed
+from scenes import Failure, Request, Sampling, Scene, Status
+from scenes.engine import equal_steps
 
-from .checks import check_channels
 from .drive import RunningDrive
 from .extras import add_extras
 from .loads import add_loads
@@ -25,10 +22,8 @@ from .start import start
 from .stroke import press_switches
 from .system import Array, System, engine
 
-BRANCH_LIMIT = 0.05  # of the linkage's size; a body that far from its assembled place is on another branch
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
 SINGULAR_SPEED = 2.0  # times the largest of the cycle, at the same rate of the drive: no integration begins there
-DRIFT_LIMIT = 1e-3  # of the drive, as DRIVE_LIMIT: steps of index 2 hold the rate only, and integrate one that varies
 TRAPEZOIDAL = "TrapezoidalIndex2"
 ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
 
@@ -41,7 +36,7 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun
     switches = press_switches(poses, at_start)
     add_loads(poses.system, switches)
     one_cycle = slice(sampling.samples if scene.drive.repeats else None)
-    cycle = poses.through(at_start, sampling.commanded(scene)[one_cycle])
+    cycle = poses.through(at_start, sampling.commanded(scene)[one_cycle], curved=False)
     stride, begin = _pre_rolled(poses, at_start, cycle, settings, sampling.samples)
     step = scene.drive.cycle / (stride * sampling.samples)
     pre_roll, finest = settings.pre_roll * step, 2 if settings.richardson else 1
@@ -53,7 +48,7 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun
     add_extras(model, settings, step, forces=sampling.wants_forces(scene))
     _configure(model, settings)
     _set_initial(model, begin, scene)
-    return SteppedRun(sampling, poses, settings, model, stride, cycle)
+    return SteppedRun(sampling, poses, settings, model, stride)
 
 
 def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping, samples: int) -> tuple[int, State]:
@@ -112,16 +107,12 @@ def _set_initial(model: System, begin: State, scene: Scene) -> None:
 
 
 class SteppedRun(Run):
-    """One integration in time, or two whose results are extrapolated; `cycle` holds the poses of one cycle."""
+    """One integration in time, or two whose results are extrapolated."""
 
-    def __init__(
-        self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int, cycle: State
-    ) -> None:
+    def __init__(self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int) -> None:
         super().__init__(sampling, poses)
-        self.options, self.model, self.stride, self._assembled = options, model, stride, cycle
+        self.options, self.model, self.stride = options, model, stride
         self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]
-        if options.solver == TRAPEZOIDAL and not isinstance(self.scene.drive, ConstantSpeed):
-            self.drive_limit = DRIFT_LIMIT
 
     def solve(self) -> None:
         """Integrate.
@@ -198,38 +189,3 @@ class SteppedRun(Run):
             coarse, fine = self._runs
             samples = (4 * fine - coarse) / 3  # both methods are of order 2
         return samples
-
-    def _check(self, samples: Array, motion: Motion) -> None:
-        """Refuse what left the drive or the branch as well, or is not what the equations of motion ask for."""
-        super()._check(samples, motion)
-        self._check_branch(samples[0])
-        q = self._assembled.q
-        self.residuals[ESTIMATE] = check_channels(
-            self.system, motion.samples, self._channels(self._asked(len(samples))), q, self.positions
-        )
-
-    def _asked(self, levels: int) -> Array:
-        """Return what the equations of motion ask for in the assembled poses, shape (levels, samples, 3 bodies)."""
-        states = self._assembled
-        times = self.times[: len(states.q)]
-        _, rate, acceleration = self.scene.drive.at(times)
-        asked = [states.q, states.velocities(rate), states.accelerations(rate, acceleration)]
-        if levels > 3:
-            asked.append(self.poses.multipliers(states, rate, acceleration, times))
-        return np.array(asked)
-
-    def _check_branch(self, q: Array) -> None:
-        """Compare every pose with the assembled one, which is the same in every cycle."""
-        place = _places(q, self.system.size)
-        assembled = _places(self._assembled.q, self.system.size)[np.arange(len(q)) % len(self._assembled.q)]
-        off = np.abs(place - assembled).max(axis=(1, 2)) / self.system.size
-        self.residuals["pose"] = float(off.max())
-        if off.max() > BRANCH_LIMIT:
-            where = self.scene.where(self.positions[np.argmax(off > BRANCH_LIMIT)])
-            raise Failure(Status.wrong_branch, f"at {where} the bodies are assembled another way")
-
-
-def _places(q: Array, size: float) -> NDArray[np.complex128]:
-    """Return centres of mass, and x axes of the linkage's size, of poses (n, 3 bodies): shape (n, bodies, 2), m."""
-    x, y, angle = np.moveaxis(q.reshape(len(q), -1, 3), 2, 0)
-    return np.stack([x + 1j * y, size * np.exp(1j * angle)], axis=-1)
