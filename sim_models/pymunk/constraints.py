@@ -155,22 +155,6 @@ class Linkage:
         rows = [np.stack([pins.real, pins.imag], axis=2).reshape(n, -1, bodies, 3), guides.reshape(n, -1, bodies, 3)]
         return np.concatenate([*rows, drive], axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)
 
-    def bending(self, q: Poses, v: Poses) -> Samples:
-        """Return d2C/dt2 at the rates v without accelerations, shape (n, 3 bodies): what J q'' has to make up for."""
-        q, v = with_ground(q), with_ground(v)
-        (z, turn), rate, omega = planes(q), v[..., 0] + 1j * v[..., 1], v[..., 2]
-        ends = -(omega[:, self._pinned] ** 2) * self._pin_arms * turn[:, self._pinned]
-        pins = ends[..., 1] - ends[..., 0]
-
-        arms, spin = self._slider_arms * turn[:, self._sliders], omega[:, self._sliders]
-        along, carried = np.conj(self._along * turn[:, self._carriers]), omega[:, self._carriers]
-        place = z[:, self._sliders] + arms - z[:, self._carriers]
-        velocity = rate[:, self._sliders] + 1j * spin * arms - rate[:, self._carriers]
-        offset = (along * (-(carried**2) * place - 2j * carried * velocity - spin**2 * arms)).imag
-        guides = np.stack([offset, np.zeros_like(offset)], axis=-1)
-        rows = [np.stack([pins.real, pins.imag], axis=-1), guides]
-        return np.concatenate([*(row.reshape(len(q), -1) for row in rows), np.zeros((len(q), 1))], axis=1)
-
 
 def solved(J: Samples, wanted: Samples) -> Poses:
     """Return x in J x = wanted, shape (n, bodies, 3), of J (n, 3 bodies, 3 bodies); NaN where J is singular."""

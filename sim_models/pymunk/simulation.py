@@ -12,18 +12,7 @@ from scenes.engine import equal_steps
 from scenes.motion import Samples, force_channels
 
 from .channels import found_channels, joint_forces
-from .checks import (
-    LARGEST_ERROR,
-    LARGEST_EXTRAPOLATED_ERROR,
-    check_closed,
-    check_finite,
-    check_impulses,
-    check_path,
-    finite,
-    level_change,
-    solver_error,
-)
-from .closed import closed, largest_errors
+from .checks import check_finite, check_impulses, check_path
 from .constraints import Linkage, Poses, branch, planes, with_ground
 from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
@@ -94,7 +83,6 @@ class PymunkSimulation:
             )
             for level in range(settings.levels)
         ]
-        self._driven = scene.drive.at(sampling.times(scene))
         self.residuals: dict[str, float] = {}
 
     @property
@@ -116,22 +104,23 @@ class PymunkSimulation:
 
         Raises:
             Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
-                and with the motion, unless that is not finite.
+                and with the motion.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             levels = [self._level(run) for run in self._runs]
             samples = self._extrapolated(levels)
             motion = Motion({"time": self._sampling.times(self._scene)} | samples)
             try:
-                self.residuals = self._checked(levels, samples)
+                of_levels = [self._checked(level) for level in levels]
             except Failure as failure:
-                raise Failure(failure.status, failure.reason, motion if np.all(finite(samples)) else None) from None
+                raise Failure(failure.status, failure.reason, motion) from None
+        self.residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
         return motion
 
     def _level(self, run: Run) -> Level:
-        sampled = slice(None, None, run.stride)
-        q, a = run.path.q[sampled], run.accelerations[sampled]
-        v = run.path.v[sampled] - run.dt / 2 * a
+        before, after = run.record[: -1 : run.stride], run.record[1 :: run.stride]
+        q, a = after[..., :3], (after[..., 3:] - before[..., 3:]) / run.dt
+        v = after[..., 3:] - run.dt / 2 * a
         acts = run.acts if self._loaded else self._acting(q, v)
         return Level(run, q, v, a, acts, found_channels(self._linkage, self._wanted, q, v, a, acts))
 
@@ -146,26 +135,14 @@ class PymunkSimulation:
                 samples[name][switched] = finest.samples[name][switched]
         return samples
 
-    def _checked(self, levels: Sequence[Level], samples: Mapping[str, Samples]) -> dict[str, float]:
-        """Return the residuals of all checks."""
-        linkage, positions = self._linkage, self._sampling.commanded(self._scene)
-        of_levels = [self._check_run(level) for level in levels]
-        residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
-        residuals |= level_change(linkage, [level.a for level in levels])
-        true = closed(linkage, _richardson([level.q for level in levels]), self._driven)
-        expected = found_channels(linkage, self._wanted, *true, levels[-1].acts)
-        errors = largest_errors(linkage, samples, expected)
-        largest = LARGEST_ERROR if len(levels) == 1 else LARGEST_EXTRAPOLATED_ERROR
-        return residuals | check_closed(self._scene, positions, errors, largest)
-
-    def _check_run(self, level: Level) -> dict[str, float]:
+    def _checked(self, level: Level) -> dict[str, float]:
+        """Return the residuals of all checks of a run."""
         linkage, run = self._linkage, level.run
-        residuals, unsolved = check_path(linkage, run.path, self._branch)
+        residuals = check_path(linkage, run.record[1:], run.positions, self._branch)
         check_finite(self._scene, level.samples)
-        residuals |= solver_error(linkage, run.accelerations, unsolved)
         if run.joints:
             expected = joint_forces(linkage, level.q, level.v, level.a, level.samples, run.joints)
-            residuals |= check_impulses(linkage, run.path.positions[:: run.stride], expected, run.impulses / run.dt)
+            residuals |= check_impulses(linkage, run.positions[:: run.stride], expected, run.impulses / run.dt)
         return residuals
 
     def _acting(self, q: Poses, v: Poses) -> Active:

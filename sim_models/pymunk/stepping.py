@@ -9,7 +9,6 @@ from scenes import Failure, Sampling
 from scenes.scene import ConstantSpeed
 
 from .applied_forces import AppliedForces
-from .checks import Path
 from .constraints import Linkage, Poses
 from .loads import Active
 from .record import BatchRecord, PropertyRecord, Record
@@ -56,9 +55,8 @@ class Run:
         self.steps = stride * sampling.samples * sampling.turns
         self.dt = float(sampling.times(scene)[1]) / stride
         self.iterations = iterations
-        self._correction = settings.corrected(self.dt)
 
-        self.preroll, pose = _before(linkage, start, self.dt, ceil(PREROLL / self._correction))
+        self.preroll, pose = _before(linkage, start, self.dt, ceil(PREROLL / settings.corrected(self.dt)))
         # The place after the end tells the last rate.
         driven = scene.drive.at(self.dt * np.arange(-self.preroll, self.steps + 2, dtype=np.float64))
         self._driven = driven.position
@@ -84,17 +82,6 @@ class Run:
         found = self._model.counters
         sweeps = self.iterations * (FIRST_SWEEPS - 1 + self.preroll + self.steps)
         return {"steps": self.preroll + self.steps, "constraint_iterations": sweeps * found["constraints"]} | found
-
-    @property
-    def path(self) -> Path:
-        """Every step from t = 0."""
-        return Path(self.record[1:, :, :3], self.record[1:, :, 3:], self.positions, self.dt, self._correction)
-
-    @property
-    def accelerations(self) -> Poses:
-        """The change of the rates at every step from t = 0."""
-        changes: Poses = np.diff(self.record[..., 3:], axis=0) / self.dt
-        return changes
 
     def advance(self) -> None:
         """Step from before t = 0 to the end."""

@@ -16,8 +16,7 @@ from scenes.engine import equal_steps
 from scenes.scene import Force
 
 from .channels import found_channels
-from .checks import LARGEST_ERROR, Path, check_closed, check_finite, check_path, finite
-from .closed import closed, largest_errors
+from .checks import check_path
 from .constraints import Linkage, branch
 from .masses import own_masses
 from .record import PropertyRecord
@@ -83,8 +82,8 @@ class TextbookSimulation:
         """Return the channels asked for.
 
         Raises:
-            Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
-                and with the motion, unless that is not finite.
+            Failure: nonfinite, wrong_branch or diverged, with the drive's position where it happened; and with the
+                motion.
         """
         linkage, before, after = self._linkage, self._before.rows(), self._after.rows()
         q, v, a = after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / self._dt
@@ -92,17 +91,10 @@ class TextbookSimulation:
         found = found_channels(linkage, self._wanted, q, v, a, acts)
         samples = {name: found[name] for name in self._sampling.wanted(self._scene) if name in found}
         motion = Motion({"time": self._sampling.times(self._scene)} | samples)
-        path = Path(q, v, self._sampling.commanded(self._scene), self._dt, 1 - ERROR_BIAS**self._dt)
         try:
-            self.residuals, _ = check_path(linkage, path, self._branch)
-            check_finite(self._scene, samples)
-            # The motor may lag: the linkage is to follow the crank where it is.
-            driven = self._scene.drive.at(motion["time"])._replace(position=linkage.drive_position(q))
-            true = found_channels(linkage, self._wanted, *closed(linkage, q, driven), acts)
-            errors = largest_errors(linkage, samples, true)
-            self.residuals |= check_closed(self._scene, path.positions, errors, LARGEST_ERROR)
+            self.residuals = check_path(linkage, after, self._sampling.commanded(self._scene), self._branch)
         except Failure as failure:
-            raise Failure(failure.status, failure.reason, motion if np.all(finite(samples)) else None) from None
+            raise Failure(failure.status, failure.reason, motion) from None
         return motion
 
 
