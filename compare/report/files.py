@@ -128,7 +128,7 @@ def _engine(measurement: Measurement) -> dict[str, Any]:
 
 def json_text(value: Any) -> str:
     """Return a value as JSON: what is not finite becomes null, a pair of points `A-B`, a status its name."""
-    return json.dumps(_plain(value), indent=1, allow_nan=False) + "\n"
+    return json.dumps(_plain(value), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _plain(value: Any) -> Any:
