@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scenes.motion import Samples
 
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
+OPEN = (True, False)  # a claim in words that gives nothing to check
 
 V = TypeVar("V")
 Range: TypeAlias = tuple[float, float]
@@ -43,7 +44,6 @@ class Verdict(StrEnum):
 class Claim:
     """One row of the audit. Residuals are relative; None where there is nothing to subtract."""
 
-    source: str
     claim: str
     printed: str
     computed: str | float
@@ -58,8 +58,8 @@ class Claim:
 class Equation(Generic[V]):
     """A printed equation as the difference of its sides, shape (n,), beside its other branches and its correction."""
 
-    claim: str
     kind: str  # of quantity, which gives the scale
+    claim: str
     text: str
     printed: Callable[[V], Difference]
     corrected_text: str = ""
@@ -68,66 +68,39 @@ class Equation(Generic[V]):
     note: str = ""
 
 
-def worst(residual: Difference) -> float:
-    """Return the largest magnitude; what is not finite is as wrong as can be."""
-    size = np.abs(residual)
-    return float(size.max()) if np.isfinite(size).all() else inf
-
-
-def plain(value: float) -> str:
-    """Return a value to three digits, without a power of ten unless it is small."""
-    return f"{float(f'{value:.3g}'):.15g}"
-
-
 def judge(
-    source: str,
-    equation: Equation[V],
-    variables: V,
-    scale: Mapping[str, tuple[float, str]],
-    tolerance: float = EXACT,
+    equation: Equation[V], variables: V, scale: Mapping[str, tuple[float, str]], tolerance: float = EXACT
 ) -> Claim:
     """Return the row of an equation.
 
     Args:
-        source: where it is printed.
         equation: its forms.
         variables: what they take, over the motion.
         scale: and unit of each kind of equation, SI.
         tolerance: the scaled residual up to which a form holds.
     """
     size, unit = scale[equation.kind]
-    with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, and is told by it
-        printed = worst(equation.printed(variables)) / size
-        branches = {name: worst(form(variables)) / size for name, form in equation.branches.items()}
-        corrected = worst(equation.corrected(variables)) / size if equation.corrected is not None else None
+    with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row
+        printed = largest(equation.printed(variables)) / size
+        branches = {name: largest(form(variables)) / size for name, form in equation.branches.items()}
+        corrected = largest(equation.corrected(variables)) / size if equation.corrected is not None else None
     text = equation.corrected_text
     name, best = min(branches.items(), key=lambda branch: branch[1], default=("", inf))
+    computed = f"the sides differ by up to {_plain(printed * size)} {unit}".rstrip()
     if printed <= tolerance:
-        verdict, text, corrected = Verdict.HOLDS, "", None
+        verdict, text, corrected, computed = Verdict.HOLDS, "", None, "both sides agree"
     elif best <= tolerance:
         verdict, text, corrected = Verdict.WRONG_BRANCH, name, best
     elif corrected is not None and corrected <= tolerance:
         verdict = Verdict.MISPRINT
     else:
         verdict = Verdict.NOT_REPRODUCIBLE
-    computed = (
-        "both sides agree"
-        if printed <= tolerance
-        else f"the sides differ by up to {plain(printed * size)} {unit}".rstrip()
-    )
     if not np.isfinite(printed):
         computed = "has no real value over the whole turn"
-    return Claim(source, equation.claim, equation.text, computed, printed, verdict, text, corrected, equation.note)
-
-
-def half_unit(printed: str) -> float:
-    """Return half a unit of the last digit of a printed number."""
-    decimals = len(printed.partition(".")[2])
-    return float(0.5 * 10.0**-decimals)
+    return Claim(equation.claim, equation.text, computed, printed, verdict, text, corrected, equation.note)
 
 
 def number(
-    source: str,
     claim: str,
     printed: str,
     computed: float,
@@ -141,7 +114,6 @@ def number(
     """Return the row of a printed number.
 
     Args:
-        source: where it is printed.
         claim: what it is, with its unit.
         printed: with the digits that are printed.
         computed: from the inputs at face value.
@@ -163,14 +135,13 @@ def number(
     else:
         verdict = Verdict.MISPRINT if abs(right - value) <= half else Verdict.NOT_REPRODUCIBLE
     if allowed and verdict is not Verdict.HOLDS:
-        said = " or ".join(f"{low:.5g} to {high:.5g}" for low, high in allowed)
-        note = "; ".join(part for part in (f"possible: {said}", note) if part)
+        ranges = " or ".join(f"{low:.5g} to {high:.5g}" for low, high in allowed)
+        note = joined(f"possible: {ranges}", note)
     left = abs(right - value) / size if text else None
-    return Claim(source, claim, printed, computed, abs(computed - value) / size, verdict, text, left, note)
+    return Claim(claim, printed, computed, abs(computed - value) / size, verdict, text, left, note)
 
 
 def limit(
-    source: str,
     claim: str,
     printed: str,
     excess: float | None,
@@ -181,10 +152,9 @@ def limit(
     corrected: tuple[str, float] = ("", inf),
     note: str = "",
 ) -> Claim:
-    """Return the row of a printed inequality that a printed design should satisfy.
+    """Return the row of a printed inequality that printed values should satisfy.
 
     Args:
-        source: where it is printed.
         claim: what it is about.
         printed: the inequality.
         excess: by how much it is violated at face value; None where an input is missing.
@@ -203,37 +173,41 @@ def limit(
         verdict = Verdict.MISPRINT if corrected[1] <= 0 else Verdict.INCONSISTENT
     residual = None if excess is None else max(excess, 0.0) / scale
     left = max(corrected[1], 0.0) / scale if corrected[0] else None
-    return Claim(source, claim, printed, computed, residual, verdict, corrected[0], left, note)
+    return Claim(claim, printed, computed, residual, verdict, corrected[0], left, note)
 
 
-def comparison(source: str, claim: str, printed: str, true: Iterable[bool], computed: str, note: str = "") -> Claim:
+def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, note: str = "") -> Claim:
     """Return the row of a claim in words, true or not for each reading that the source leaves open."""
     answers = set(true)
     verdict = Verdict.HOLDS if answers == {True} else Verdict.UNDERDETERMINED
     if answers == {False}:
         verdict = Verdict.NOT_REPRODUCIBLE
-    return Claim(source, claim, printed, computed, None, verdict, note=note)
+    return Claim(claim, printed, computed, None, verdict, note=note)
 
 
-def unstated(source: str, claim: str, printed: str, computed: str) -> Claim:
-    """Return the row of a claim that gives nothing to check: it is left open whatever is computed."""
-    return Claim(source, claim, printed, computed, None, Verdict.UNDERDETERMINED)
+def largest(residual: Difference) -> float:
+    """Return the largest magnitude; infinity where a value is not finite."""
+    size = np.abs(residual)
+    return float(size.max()) if np.isfinite(size).all() else inf
 
 
-def bound(source: str, claim: str, printed: str, computed: str, share: float, corrected: tuple[str, float]) -> Claim:
-    """Return the row of a printed quantity that cannot be above a bound.
+def half_unit(printed: str) -> float:
+    """Return half a unit of the last digit of a printed number."""
+    decimals = len(printed.partition(".")[2])
+    return float(0.5 * 10.0**-decimals)
 
-    Args:
-        source: where it is printed.
-        claim: what it is.
-        printed: the quantity.
-        computed: the bound, in words.
-        share: the quantity over the bound.
-        corrected: how it should be read, and its share of the bound then.
-    """
-    text, right = corrected
-    over, left = max(share - 1, 0.0), max(right - 1, 0.0)
-    if over == 0:
-        return Claim(source, claim, printed, computed, over, Verdict.HOLDS)
-    verdict = Verdict.MISPRINT if left == 0 else Verdict.NOT_REPRODUCIBLE
-    return Claim(source, claim, printed, computed, over, verdict, text, left)
+
+def span(values: Iterable[float]) -> Range:
+    """Return the least and the largest of some values."""
+    known = list(values)
+    return min(known), max(known)
+
+
+def joined(*notes: str) -> str:
+    """Return those notes that are not empty as one."""
+    return "; ".join(filter(None, notes))
+
+
+def _plain(value: float) -> str:
+    """Return a value to three digits, without a power of ten unless it is small."""
+    return f"{float(f'{value:.3g}'):.15g}"

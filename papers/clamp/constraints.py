@@ -5,35 +5,24 @@ alpha_max + gamma + phi_max + theta <= 160 deg, so read, both published designs 
 it is phi at alpha_max: the sum is then the angle between AD and DE in the open clamp, which must stay 20 deg short of
 the dead point. `OPENING` is that constraint, `LITERAL` the other.
 
-Bounds on X are not among them: the optimiser's box has them.
+Bounds on the variables are not among them: the optimiser's box has them.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from .formulas import DEGREE, Array, ear, phi, platen_stroke, sine_phi, stroke_ratio, third_length
+from . import formulas
+from .formulas import DEGREE, INITIAL, SCHEME_4, Array, Design
+from .printed import LARGEST_OPENING, LARGEST_PHI, LARGEST_STROKE_RATIO, LENGTH_RATIO, PLATEN_STROKE
 
-LARGEST_PHI = 85 * DEGREE
-LARGEST_OPENING = 160 * DEGREE
 LENGTH = 100.0  # mm, that slacks of lengths are relative to
-STROKE = 600.0  # mm
-
-
-class Sizes(NamedTuple):
-    """The pins' diameters and the crosshead's height, mm; the source does not give them."""
-
-    B: float
-    D: float
-    E: float
-    H: float
 
 
 @dataclass(frozen=True)
 class Clearance:
-    """What the sizes amount to in the constraints: four numbers, mm, from which the sizes follow."""
+    """What the pins' diameters and the crosshead's height, which the source does not give, amount to, mm."""
 
     B: float  # H_s/2 - d_B, the most that L1 - Hb may be
     D: float  # H_s/2 - d_D, the most that L5 - Hb may be
@@ -41,50 +30,61 @@ class Clearance:
     L4: float  # (d_D + d_E)/2
 
     @property
-    def sizes(self) -> Sizes:
-        """Return the sizes that amount to this."""
+    def sizes(self) -> Mapping[str, float]:
+        """Return the sizes that amount to this, mm."""
         d_B = self.L3 + (self.D - self.B) / 2
         d_D = 2 * self.L3 - d_B
-        return Sizes(d_B, d_D, 2 * self.L4 - d_D, 2 * (self.B + d_B))
+        return {"d_B": d_B, "d_D": d_D, "d_E": 2 * self.L4 - d_D, "H_s": 2 * (self.B + d_B)}
 
 
-def tightest(*designs: Array) -> Clearance:
+def tightest(*designs: Design) -> Clearance:
     """Return the least clearance of some designs: what meets it does so with any sizes that let them all be."""
-    X = np.stack(designs, axis=1)
     return Clearance(
-        float((X[0] - X[7]).max()), float((X[3] - X[7]).max()), float(third_length(X).min()), float(X[2].min())
+        float(max(d.L1 - d.Hb for d in designs)),
+        float(max(d.L5 - d.Hb for d in designs)),
+        float(min(formulas.third_length(d) for d in designs)),
+        float(min(d.L4 for d in designs)),
     )
 
 
+BOTH, ALONE = tightest(INITIAL, SCHEME_4), tightest(SCHEME_4)
 LOOSEST = Clearance(1000.0, 1000.0, 0.0, 0.0)  # no design within the bounds comes near
 
 
 RATIO = "R_S <= 1.12"
 OPENING = "alpha_max + gamma + phi + theta <= 160 deg"
 LITERAL = "alpha_max + gamma + phi_max + theta <= 160 deg"
+SLENDER, STROKE = "L1/L2 <= 0.85", "S_m <= 600 mm"
 
-PRINTED: Mapping[str, Callable[[Array, Clearance], Array]] = {
-    "L1 + d_B <= Hb + H_s/2": lambda X, clearance: (clearance.B - X[0] + X[7]) / LENGTH,
-    "L5 + d_D <= Hb + H_s/2": lambda X, clearance: (clearance.D - X[3] + X[7]) / LENGTH,
-    OPENING: lambda X, _: LARGEST_OPENING - ear(X, X[6]) - phi(X, X[6]),
-    LITERAL: lambda X, _: LARGEST_OPENING - ear(X, X[6]) - phi(X, 0.0),
-    "L1/L2 >= 0.7": lambda X, _: X[0] / X[1] - 0.7,
-    "L1/L2 <= 0.85": lambda X, _: 0.85 - X[0] / X[1],
-    "L4 >= (d_D + d_E)/2": lambda X, clearance: (X[2] - clearance.L4) / LENGTH,
-    "L3 >= (d_B + d_D)/2": lambda X, clearance: (third_length(X) - clearance.L3) / LENGTH,
-    "phi <= 85 deg, locked": lambda X, _: _below(sine_phi(X, 0.0)),
-    "phi <= 85 deg, open": lambda X, _: _below(sine_phi(X, X[6])),
-    "S_m >= 500 mm": lambda X, _: (platen_stroke(X) - 500) / STROKE,
-    "S_m <= 600 mm": lambda X, _: (600 - platen_stroke(X)) / STROKE,
-    RATIO: lambda X, _: 1.12 - stroke_ratio(X),
+
+def opening(d: Design, alpha: float | Array) -> Array:
+    """Return alpha_max + gamma + phi + theta, rad, with phi at some alpha: 0 in the lock, alpha_max when open."""
+    return np.asarray(formulas.opened(d).ear + formulas.at(d, alpha).phi)
+
+
+PRINTED: Mapping[str, Callable[[Design, Clearance], Array]] = {
+    "L1 + d_B <= Hb + H_s/2": lambda d, clearance: (clearance.B - d.L1 + d.Hb) / LENGTH,
+    "L5 + d_D <= Hb + H_s/2": lambda d, clearance: (clearance.D - d.L5 + d.Hb) / LENGTH,
+    OPENING: lambda d, _: LARGEST_OPENING * DEGREE - opening(d, d.alpha_max),
+    LITERAL: lambda d, _: LARGEST_OPENING * DEGREE - opening(d, 0.0),
+    "L1/L2 >= 0.7": lambda d, _: d.L1 / d.L2 - LENGTH_RATIO[0],
+    SLENDER: lambda d, _: LENGTH_RATIO[1] - d.L1 / d.L2,
+    "L4 >= (d_D + d_E)/2": lambda d, clearance: (d.L4 - clearance.L4) / LENGTH,
+    "L3 >= (d_B + d_D)/2": lambda d, clearance: (formulas.third_length(d) - clearance.L3) / LENGTH,
+    "phi <= 85 deg, locked": lambda d, _: _below(formulas.sine_phi(d, 0.0)),
+    "phi <= 85 deg, open": lambda d, _: _below(formulas.sine_phi(d, d.alpha_max)),
+    "S_m >= 500 mm": lambda d, _: (formulas.platen_stroke(formulas.opened(d)) - PLATEN_STROKE[0]) / PLATEN_STROKE[1],
+    STROKE: lambda d, _: (PLATEN_STROKE[1] - formulas.platen_stroke(formulas.opened(d))) / PLATEN_STROKE[1],
+    RATIO: lambda d, _: LARGEST_STROKE_RATIO - formulas.stroke_ratio(d),
 }
 
 
-def slacks(X: Array, clearance: Clearance) -> dict[str, Array]:
-    """Return the slack of each constraint, dimensionless, each of the shape of X[0]."""
-    return {name: slack(X, clearance) for name, slack in PRINTED.items()}
+def slacks(d: Design, clearance: Clearance) -> dict[str, Array]:
+    """Return the slack of each constraint, dimensionless, each of the shape of the design's values."""
+    return {name: slack(d, clearance) for name, slack in PRINTED.items()}
 
 
 def _below(sine: Array) -> Array:
-    """Return how far phi is below its limit, rad where it is near; by the sine, which says so past 90 deg too."""
-    return np.asarray((np.sin(LARGEST_PHI) - sine) / np.cos(LARGEST_PHI))
+    """Return how far phi is below its limit, rad where it is near; by the sine, which still grows past 90 deg."""
+    largest = LARGEST_PHI * DEGREE
+    return np.asarray((np.sin(largest) - sine) / np.cos(largest))

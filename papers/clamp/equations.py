@@ -1,144 +1,131 @@
-"""Double-toggle clamp: the printed formulas, each as it is printed and, beside it, as it should be.
+"""Double-toggle clamp: the printed formulas as equations, each judged on a motion of the clamp.
 
 A formula takes what it needs of others from the motion.
 """
 
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
 
-from numpy import cos, sin, sqrt
+import numpy as np
 
+from compare.engines.state import State
+from scenes import Motion, Scene
 from scenes.motion import Samples
 
 from ..claims import Equation
-from .variables import Moving, Pose
+from . import formulas
+from .formulas import Design, Pose
 
 
-def platen_stroke(p: Pose, root: int = 1) -> Samples:
-    """Return S_m, the numerator of R_S, from alpha to the lock; the root has the printed sign if `root` is 1."""
-    far = sqrt(p.L2**2 - (p.L1 * sin(p.alpha + p.theta) - (p.L1 + p.L2) * sin(p.theta)) ** 2)
-    stroke: Samples = (p.L1 + p.L2) * cos(p.theta) - p.L1 * cos(p.theta + p.alpha) - root * far
-    return stroke
+@dataclass(frozen=True)
+class Moving(Pose):
+    """The clamp in motion, SI; every array of shape (n,)."""
+
+    Vo: Samples
+    w1: Samples
+    w2: Samples
+    w4: Samples
+    e1: Samples
+    vm: Samples
+    am: Samples
+    Sm: Samples  # the platen's way to the lock
+    So: Samples  # the crosshead's
+    Po_Pm: Samples  # what a force on the platen adds to the drive's, by that force
 
 
-def crosshead_stroke(p: Pose, root: int = 1) -> Samples:
-    """Return S_o, the denominator of R_S, from alpha to the lock; the roots have the printed signs if `root` is 1."""
-    locked = sqrt(p.L4**2 - (p.Hb - p.L5 * sin(p.theta + p.gamma)) ** 2)
-    here = sqrt(p.L4**2 - (p.Hb - p.L5 * sin(p.theta + p.gamma + p.alpha)) ** 2)
-    stroke: Samples = p.L5 * (cos(p.gamma + p.theta) - cos(p.alpha + p.gamma + p.theta)) + root * (locked - here)
-    return stroke
+def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) -> Moving:
+    """Return the clamp in a motion, given also as it is with a force, N, against the platen; without the last sample.
 
-
-def velocity_ratio(p: Pose) -> Samples:
-    """Return R_V."""
-    ratio: Samples = (p.L1 * sin(p.alpha + p.theta + p.beta) * cos(p.phi)) / (
-        p.L5 * sin(p.alpha + p.theta + p.gamma + p.phi) * cos(p.beta)
+    In the last sample it locks, where M_P is infinite.
+    """
+    state = State(scene, free)
+    place = {point: state.point(point)[0] for point in "ABCDE"}
+    x_m, x_o = free["C.x"], free["E.x"]
+    values = (
+        *(np.full_like(x_m, 1e-3 * length) for length in (d.L1, d.L2, d.L4, d.L5, d.Hb)),
+        *(np.full_like(x_m, angle) for angle in (d.theta, d.gamma)),
+        np.angle(place["B"] - place["A"]) - d.theta,
+        -np.angle(place["C"] - place["B"]),
+        -np.angle(place["D"] - place["E"]),
+        free["E.vx"],
+        -free["rear_link.omega"],
+        free["front_link.omega"],
+        -free["crosshead_link.omega"],
+        -free["rear_link.alpha"],
+        free["C.vx"],
+        free["C.ax"],
+        x_m[-1] - x_m,
+        x_o[-1] - x_o,
+        (loaded["drive.force"] - free["drive.force"]) / force,
     )
-    return ratio
+    return Moving(*(value[:-1] for value in values))
 
 
-def force_ratio(p: Pose) -> Samples:
-    """Return M_P."""
-    ratio: Samples = (p.L5 * sin(p.alpha + p.theta + p.gamma + p.phi) * cos(p.beta)) / (
-        p.L1 * sin(p.alpha + p.theta + p.beta) * cos(p.phi)
-    )
-    return ratio
+KINDS: Mapping[str, tuple[str, str, int, int]] = {
+    "length": ("position", "m", 1, 0),
+    "ratio": ("velocity", "", 0, 0),
+    "rate": ("velocity", "rad/s", -1, 1),
+    "rate²": ("acceleration", "rad/s²", -2, 2),
+    "acceleration": ("acceleration", "m/s²", -1, 2),
+    "force ratio": ("torque", "", 0, 0),
+}  # of quantities: the group of the scenes' tolerances, the unit, and the powers of L1 and V_o in the scale
+length, ratio, rate, rate_squared, acceleration, force = (partial(Equation[Moving], kind) for kind in KINDS)
 
 
-def omega_1(p: Pose, Vo: Any) -> Samples:
-    """Return the rate of the rear link."""
-    rate: Samples = Vo * cos(p.phi) / (p.L5 * sin(p.alpha + p.theta + p.gamma + p.phi))
-    return rate
+def scale(v: Moving) -> Mapping[str, tuple[float, str]]:
+    """Return scale and unit of each kind of quantity."""
+    L, V = float(v.L1.max()), float(v.Vo.max())
+    return {kind: (L**of_L * V**of_V, unit) for kind, (_, unit, of_L, of_V) in KINDS.items()}
 
 
-def omega_4(p: Pose, Vo: Any) -> Samples:
-    """Return the rate of the crosshead's link."""
-    rate: Samples = Vo * cos(p.alpha + p.theta + p.gamma) / (p.L4 * sin(p.alpha + p.theta + p.gamma + p.phi))
-    return rate
-
-
-def omega_2(p: Pose, w1: Samples) -> Samples:
-    """Return the rate of the front link."""
-    rate: Samples = p.L1 * w1 * cos(p.alpha + p.theta) / (p.L2 * cos(p.beta))
-    return rate
-
-
-def epsilon_1(p: Pose, w1: Samples, w4: Samples) -> Samples:
-    """Return the acceleration of the rear link."""
-    angle = p.alpha + p.theta + p.gamma + p.phi
-    acceleration: Samples = (p.L5 * w1**2 * cos(angle) - p.L4 * w4**2) / (p.L5 * sin(angle))
-    return acceleration
-
-
-def platen_acceleration_printed(p: Pose, w1: Samples, w2: Samples, e1: Samples) -> Samples:
-    """Return a_m as it is printed."""
-    angle = p.alpha + p.theta + p.beta
-    acceleration: Samples = p.L1 * e1 * sin(angle) - p.L1 * w1**2 * cos(angle) - p.L2 * w2**2 * cos(p.beta)
-    return acceleration
-
-
-def platen_acceleration(p: Pose, w1: Samples, w2: Samples, e1: Samples) -> Samples:
-    """Return a_m as it should be."""
-    angle = p.alpha + p.theta + p.beta
-    along_front_link = p.L1 * e1 * sin(angle) - p.L1 * w1**2 * cos(angle) - p.L2 * w2**2
-    acceleration: Samples = along_front_link / cos(p.beta)
-    return acceleration
-
-
-E = Equation[Moving]
 EQUATIONS = (
-    E(
+    length(
         "eq R_S",
-        "length",
         "S_m / S_o, as below",
-        lambda v: v.Sm / v.So * crosshead_stroke(v) - platen_stroke(v),
+        lambda v: v.Sm / v.So * formulas.crosshead_stroke(v, +1) - formulas.platen_stroke(v),
         branches={
-            "with − before S_o's pair of roots": lambda v: v.Sm / v.So * crosshead_stroke(v, -1) - platen_stroke(v)
+            "with − before S_o's pair of roots": lambda v: (
+                v.Sm / v.So * formulas.crosshead_stroke(v, -1) - formulas.platen_stroke(v)
+            )
         },
         note="judged by R_S S_o = S_m, for every way to the lock",
     ),
-    E(
+    length(
         "eq R_S, S_m",
-        "length",
         "(L₁+L₂) cos θ − L₁ cos(θ+α) − √(L₂² − [L₁ sin(α+θ) − (L₁+L₂) sin θ]²)",
-        lambda v: v.Sm - platen_stroke(v),
-        branches={"with + before the root": lambda v: v.Sm - platen_stroke(v, -1)},
+        lambda v: v.Sm - formulas.platen_stroke(v, +1),
+        branches={"with + before the root": lambda v: v.Sm - formulas.platen_stroke(v, -1)},
     ),
-    E(
+    length(
         "eq R_S, S_o",
-        "length",
         "L₅[cos(γ+θ) − cos(α+γ+θ)] + √(L₄² − [H_b − L₅ sin(θ+γ)]²) − √(L₄² − [H_b − L₅ sin(θ+γ+α)]²)",
-        lambda v: v.So - crosshead_stroke(v),
-        branches={"with −√ + √: the crosshead keeps behind D": lambda v: v.So - crosshead_stroke(v, -1)},
+        lambda v: v.So - formulas.crosshead_stroke(v, +1),
+        branches={"with −√ + √: the crosshead keeps behind D": lambda v: v.So - formulas.crosshead_stroke(v, -1)},
     ),
-    E(
-        "eq R_V",
-        "ratio",
-        "L₁ sin(α+θ+β) cos φ / (L₅ sin(α+θ+γ+φ) cos β)",
-        lambda v: v.vm / v.Vo - velocity_ratio(v),
+    ratio(
+        "eq R_V", "L₁ sin(α+θ+β) cos φ / (L₅ sin(α+θ+γ+φ) cos β)", lambda v: v.vm / v.Vo - formulas.velocity_ratio(v)
     ),
-    E(
+    acceleration(
         "eq a_m",
-        "acceleration",
         "L₁ε₁ sin(α+θ+β) − L₁ω₁² cos(α+θ+β) − L₂ω₂² cos β",
-        lambda v: v.am - platen_acceleration_printed(v, v.w1, v.w2, v.e1),
+        lambda v: v.am - formulas.platen_acceleration(v, v.w1, v.w2, v.e1, printed=True),
         "[L₁ε₁ sin(α+θ+β) − L₁ω₁² cos(α+θ+β) − L₂ω₂²] / cos β",
-        lambda v: v.am - platen_acceleration(v, v.w1, v.w2, v.e1),
+        lambda v: v.am - formulas.platen_acceleration(v, v.w1, v.w2, v.e1),
     ),
-    E("eq omega_1", "rate", "V_o cos φ / (L₅ sin(α+θ+γ+φ))", lambda v: v.w1 - omega_1(v, v.Vo)),
-    E("eq omega_4", "rate", "V_o cos(α+θ+γ) / (L₄ sin(α+θ+γ+φ))", lambda v: v.w4 - omega_4(v, v.Vo)),
-    E("eq omega_2", "rate", "L₁ω₁ cos(α+θ) / (L₂ cos β)", lambda v: v.w2 - omega_2(v, v.w1)),
-    E(
+    rate("eq omega_1", "V_o cos φ / (L₅ sin(α+θ+γ+φ))", lambda v: v.w1 - formulas.omega_1(v, v.Vo)),
+    rate("eq omega_4", "V_o cos(α+θ+γ) / (L₄ sin(α+θ+γ+φ))", lambda v: v.w4 - formulas.omega_4(v, v.Vo)),
+    rate("eq omega_2", "L₁ω₁ cos(α+θ) / (L₂ cos β)", lambda v: v.w2 - formulas.omega_2(v, v.w1)),
+    rate_squared(
         "eq epsilon_1",
-        "rate²",
         "[L₅ω₁² cos(α+θ+γ+φ) − L₄ω₄²] / (L₅ sin(α+θ+γ+φ))",
-        lambda v: v.e1 - epsilon_1(v, v.w1, v.w4),
+        lambda v: v.e1 - formulas.epsilon_1(v, v.w1, v.w4),
         note="at constant V_o",
     ),
-    E(
+    force(
         "eq M_P",
-        "force ratio",
         "L₅ sin(α+θ+γ+φ) cos β / (L₁ sin(α+θ+β) cos φ)",
-        lambda v: v.Po_Pm - 1 / force_ratio(v),
+        lambda v: v.Po_Pm - 1 / formulas.force_ratio(v),
         note="judged by 1/M_P, which is finite in the lock too",
     ),
 )

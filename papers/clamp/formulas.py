@@ -1,133 +1,196 @@
-"""The double-toggle clamp of a die casting machine as formulas of its design variables; lengths in mm, angles in rad.
+"""Double-toggle clamp: its formulas, each once; those that are misprinted both as printed and as they should be.
 
 The rear link A-B-D turns about A, with AB = L1, AD = L5 and the angle gamma between them; the front link BC = L2 pushes
 the platen, the link DE = L4 is pushed by the crosshead, whose guide is Hb beside A. AB stands at theta + alpha, alpha
-from alpha_max (open) to 0 (locked: A, B and C in line). BC slopes down by beta, DE up by phi, towards the tail.
+from alpha_max (open) to 0 (locked: A, B and C in line), BC at -beta, DE at -phi. The source's figure is missing; read
+so, its formulas for R_V, the rates and M_P hold. Closing makes w1 and w4 clockwise, w2 counter-clockwise.
 
-A design is an array X of shape (8, ...) in the order of `VARIABLES`, real, or complex for gradients by complex steps;
-alpha broadcasts against X[0]. A design that does not assemble gives NaN where X is real, and nonsense where X is
-complex: ask `assembles`.
-
-Source: zhycasting.com, Multi-Objective Optimization of Clamping Unit for 4000 kN Die Casting Machine.
+Lengths and speeds may have any unit, angles are in rad; all may be arrays that broadcast, and complex for gradients by
+complex steps. A clamp that cannot be assembled gives NaN where it is real, and nonsense where it is complex: there
+`assembles` decides.
 """
 
-from typing import Any, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy import arcsin, cos, pi, sin, sqrt
+from numpy.typing import NDArray
+
+from .printed import ANGLES, TABLE_2
 
 Array: TypeAlias = NDArray[Any]  # of float64 or complex128
 
-DEGREE = np.pi / 180
-
-VARIABLES = ("L1", "L2", "L4", "L5", "theta", "gamma", "alpha_max", "Hb")
-UNITS = np.array([1, 1, 1, 1, DEGREE, DEGREE, DEGREE, 1])  # what a table's mm and deg are multiplied by
-LOWER = UNITS * [320, 415, 100, 280, 4, 18, 90, 210]
-UPPER = UNITS * [410, 505, 150, 330, 6, 25, 110, 250]
-
-INITIAL = UNITS * [352, 457, 120, 305, 4.5, 19.4, 110, 235.5]  # the columns of the source's table 2
-SCHEME_4 = UNITS * [368, 430, 135, 280, 4, 18, 105, 239]
-
+DEGREE = pi / 180
 RATED = 2.5 * DEGREE  # the alpha at which M_P is stated
 
 
-def bar(X: Array, alpha: ArrayLike) -> Array:
-    """Return the angle of AB above the guides."""
-    return np.asarray(X[4] + alpha)
+class Design(NamedTuple):
+    """The values of table 2, lengths in mm, angles in rad; each a number or an array of one shape."""
+
+    L1: Any
+    L2: Any
+    L3: Any
+    L4: Any
+    L5: Any
+    Hb: Any
+    theta: Any
+    gamma: Any
+    alpha_max: Any
 
 
-def ear(X: Array, alpha: ArrayLike) -> Array:
-    """Return the angle of AD above the guides."""
-    return np.asarray(X[4] + X[5] + alpha)
+UNITS = np.array([DEGREE if name in ANGLES else 1.0 for name in Design._fields])  # what mm and deg are multiplied by
 
 
-def beta(X: Array, alpha: ArrayLike) -> Array:
-    """Return beta."""
-    L1, L2, theta = X[0], X[1], X[4]
-    return np.asarray(np.arcsin((L1 * np.sin(theta + alpha) - (L1 + L2) * np.sin(theta)) / L2))
+@dataclass(frozen=True)
+class Pose:
+    """Lengths and angles of the clamp at alpha."""
+
+    L1: Any
+    L2: Any
+    L4: Any
+    L5: Any
+    Hb: Any
+    theta: Any
+    gamma: Any
+    alpha: Any
+    beta: Any
+    phi: Any
+
+    @property
+    def bar(self) -> Any:
+        """The angle of AB above the guides."""
+        return self.theta + self.alpha
+
+    @property
+    def ear(self) -> Any:
+        """The angle of AD above the guides."""
+        return self.theta + self.gamma + self.alpha
 
 
-def phi(X: Array, alpha: ArrayLike) -> Array:
-    """Return phi."""
+def at(d: Design, alpha: Any) -> Pose:
+    """Return a design at alpha, with beta and phi from its closed loops."""
     with np.errstate(invalid="ignore"):
-        return np.asarray(np.arcsin(sine_phi(X, alpha)))
+        beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
+        phi = arcsin(sine_phi(d, alpha))
+    return Pose(d.L1, d.L2, d.L4, d.L5, d.Hb, d.theta, d.gamma, alpha, beta, phi)
 
 
-def sine_phi(X: Array, alpha: ArrayLike) -> Array:
+def opened(d: Design) -> Pose:
+    """Return a design where it starts to close."""
+    return at(d, d.alpha_max)
+
+
+def sine_phi(d: Design, alpha: Any) -> Array:
     """Return sin(phi), which is beyond -1..1 where DE is too short."""
-    return np.asarray((X[7] - X[3] * np.sin(ear(X, alpha))) / X[2])
+    return np.asarray((d.Hb - d.L5 * sin(d.theta + d.gamma + alpha)) / d.L4)
 
 
-def assembles(X: Array) -> NDArray[np.bool_]:
+def assembles(d: Design) -> NDArray[np.bool_]:
     """Return whether D and E can be joined over the whole stroke; B and C always can, as L1 < L2 within the bounds.
 
     sin(phi) is least where AD is upright, which it is within every stroke, and largest at an end.
     """
-    theta, gamma, alpha_max = X[4:7]
-    upright = np.pi / 2 - theta - gamma
-    return np.asarray(np.all([np.abs(sine_phi(X, alpha)) < 1 for alpha in (0.0, upright, alpha_max)], axis=0))
+    upright = pi / 2 - d.theta - d.gamma
+    return np.asarray(np.all([np.abs(sine_phi(d, alpha)) < 1 for alpha in (0.0, upright, d.alpha_max)], axis=0))
 
 
-def crosshead(X: Array, alpha: ArrayLike) -> Array:
-    """Return x of E, from A."""
-    return np.asarray(X[3] * np.cos(ear(X, alpha)) - X[2] * np.cos(phi(X, alpha)))
+# --- lengths and strokes ---------------------------------------------------------------------------------------------
 
 
-def platen(X: Array, alpha: ArrayLike) -> Array:
-    """Return x of C, from A."""
-    return np.asarray(X[0] * np.cos(bar(X, alpha)) + X[1] * np.cos(beta(X, alpha)))
+def third_length(d: Design) -> Array:
+    """Return L3 = BD by the cosine law."""
+    return np.asarray(sqrt(d.L1**2 + d.L5**2 - 2 * d.L1 * d.L5 * cos(d.gamma)))
 
 
-def platen_stroke(X: Array) -> Array:
-    """Return S_m, as printed."""
-    return np.asarray((X[0] + X[1]) * np.cos(X[4]) - platen(X, X[6]))
+def closed(d: Design) -> Design:
+    """Return a design whose L3 closes the triangle A-B-D."""
+    return d._replace(L3=third_length(d))
 
 
-def crosshead_stroke(X: Array) -> Array:
-    """Return S_o; in print both roots have the wrong sign."""
-    return crosshead(X, 0.0) - crosshead(X, X[6])
-
-
-def stroke_ratio(X: Array) -> Array:
-    """Return R_S = S_m / S_o."""
-    return np.asarray(platen_stroke(X) / crosshead_stroke(X))
-
-
-def velocity_ratio(X: Array, alpha: ArrayLike) -> Array:
-    """Return R_V = v_m / v_o, as printed."""
-    b, p = beta(X, alpha), phi(X, alpha)
-    return np.asarray(X[0] * np.sin(bar(X, alpha) + b) * np.cos(p) / (X[3] * np.sin(ear(X, alpha) + p) * np.cos(b)))
-
-
-def force_ratio(X: Array) -> Array:
-    """Return M_P = P_m / P_o at alpha = 2.5 deg, as printed: 1 / R_V, by virtual work."""
-    return np.asarray(1 / velocity_ratio(X, RATED))
-
-
-def acceleration(X: Array, alpha: ArrayLike) -> Array:
-    """Return a_m / v_o^2 = d R_V / d x_E, 1/mm, at a constant speed of the crosshead.
-
-    With ' for d/d alpha: R_V = x_C' / x_E', and so a_m / v_o^2 = (x_C'' - R_V x_E'') / x_E'^2.
-    """
-    L1, L2, L4, L5 = X[:4]
-    AB, AD, b, p = bar(X, alpha), ear(X, alpha), beta(X, alpha), phi(X, alpha)
-    C, C2 = _slider(L1, AB, b, L1 * np.cos(AB) / (L2 * np.cos(b)))
-    E, E2 = _slider(L5, AD, p, -L5 * np.cos(AD) / (L4 * np.cos(p)))
-    return np.asarray((C2 - C / E * E2) / E**2)
-
-
-def _slider(crank: Array, turned: Array, slope: Array, rate: Array) -> tuple[Array, Array]:
-    """Return the derivatives x' and x'' of a slider by the crank's angle; `rate` is that of the rod's slope."""
-    first = -crank * np.sin(turned + slope) / np.cos(slope)
-    turning = np.cos(turned + slope) * (1 + rate) + np.sin(turned + slope) * np.tan(slope) * rate
-    return first, -crank * turning / np.cos(slope)
-
-
-def third_length(X: Array) -> Array:
-    """Return L3 = BD, by the cosine law."""
-    return np.asarray(np.sqrt(X[0] ** 2 + X[3] ** 2 - 2 * X[0] * X[3] * np.cos(X[5])))
-
-
-def total_length(X: Array) -> Array:
+def total_length(d: Design) -> Array:
     """Return L_sum = L1 + .. + L5."""
-    return np.asarray(X[:4].sum(axis=0) + third_length(X))
+    return np.asarray(d.L1 + d.L2 + d.L4 + d.L5 + d.L3)
+
+
+def platen(p: Pose, root: int = 1) -> Array:
+    """Return x of C, from A; with the other root C is behind B."""
+    return np.asarray(
+        p.L1 * cos(p.bar) + root * sqrt(p.L2**2 - (p.L1 * sin(p.bar) - (p.L1 + p.L2) * sin(p.theta)) ** 2)
+    )
+
+
+def crosshead(p: Pose, root: int = -1) -> Array:
+    """Return x of E, from A; with the other root E is ahead of D, as S_o is printed."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(p.L5 * cos(p.ear) + root * sqrt(p.L4**2 - (p.Hb - p.L5 * sin(p.ear)) ** 2))
+
+
+def platen_stroke(p: Pose, root: int = 1) -> Array:
+    """Return S_m, the numerator of R_S, from a pose to the lock; printed with the root's sign +1."""
+    return np.asarray((p.L1 + p.L2) * cos(p.theta) - platen(p, root))
+
+
+def crosshead_stroke(p: Pose, root: int = -1) -> Array:
+    """Return S_o, the denominator of R_S, from a pose to the lock; printed with the roots' sign +1."""
+    return crosshead(replace(p, alpha=0.0), root) - crosshead(p, root)
+
+
+def stroke_ratio(d: Design) -> Array:
+    """Return R_S = S_m / S_o over the whole stroke, with the signs of the roots that hold."""
+    return np.asarray(platen_stroke(opened(d)) / crosshead_stroke(opened(d)))
+
+
+# --- ratios, rates and accelerations ---------------------------------------------------------------------------------
+
+
+def velocity_ratio(p: Pose) -> Array:
+    """Return R_V = v_m / v_o, as printed."""
+    return np.asarray(p.L1 * sin(p.bar + p.beta) * cos(p.phi) / (p.L5 * sin(p.ear + p.phi) * cos(p.beta)))
+
+
+def force_ratio(p: Pose) -> Array:
+    """Return M_P = P_m / P_o, as printed: the reciprocal of R_V, by virtual work."""
+    return np.asarray(p.L5 * sin(p.ear + p.phi) * cos(p.beta) / (p.L1 * sin(p.bar + p.beta) * cos(p.phi)))
+
+
+def omega_1(p: Pose, Vo: Any) -> Array:
+    """Return the rate of the rear link, as printed."""
+    return np.asarray(Vo * cos(p.phi) / (p.L5 * sin(p.ear + p.phi)))
+
+
+def omega_4(p: Pose, Vo: Any) -> Array:
+    """Return the rate of the crosshead's link, as printed."""
+    return np.asarray(Vo * cos(p.ear) / (p.L4 * sin(p.ear + p.phi)))
+
+
+def omega_2(p: Pose, w1: Any) -> Array:
+    """Return the rate of the front link, as printed."""
+    return np.asarray(p.L1 * w1 * cos(p.bar) / (p.L2 * cos(p.beta)))
+
+
+def epsilon_1(p: Pose, w1: Any, w4: Any) -> Array:
+    """Return the acceleration of the rear link at constant V_o, as printed."""
+    return np.asarray((p.L5 * w1**2 * cos(p.ear + p.phi) - p.L4 * w4**2) / (p.L5 * sin(p.ear + p.phi)))
+
+
+def platen_acceleration(p: Pose, w1: Any, w2: Any, e1: Any, *, printed: bool = False) -> Array:
+    """Return a_m from the rates, as it is printed, or as it should be."""
+    of_B = p.L1 * e1 * sin(p.bar + p.beta) - p.L1 * w1**2 * cos(p.bar + p.beta)
+    of_C = p.L2 * w2**2
+    return np.asarray(of_B - of_C * cos(p.beta) if printed else (of_B - of_C) / cos(p.beta))
+
+
+def acceleration(p: Pose, Vo: float = 1.0, *, printed: bool = False) -> Array:
+    """Return a_m at a constant speed of the crosshead; at speed one that is a_m / v_o^2."""
+    w1, w4 = omega_1(p, Vo), omega_4(p, Vo)
+    return platen_acceleration(p, w1, omega_2(p, w1), epsilon_1(p, w1, w4), printed=printed)
+
+
+# --- the designs of table 2, with the L3 that closes -----------------------------------------------------------------
+
+PUBLISHED: Mapping[str, Design] = {
+    name: closed(Design(*(UNITS * [float(text) for text in values.values()]))) for name, values in TABLE_2.items()
+}
+INITIAL, SCHEME_4 = PUBLISHED.values()

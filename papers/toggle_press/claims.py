@@ -9,25 +9,27 @@ from compare.engines import registry
 from compare.engines.state import State
 from scenes import load
 
-from ..claims import Claim, comparison, judge, number, unstated
+from ..claims import OPEN, Claim, comparison, judge, number, span
+from . import positions, rates
 from .forces import claims as force_claims
-from .positions import EQUATIONS as POSITIONS
-from .presses import PART, Press, family, press, rounded
-from .rates import EQUATIONS as RATES
-from .table_1 import HEIGHT, span, table, virtual_work
-from .variables import SOURCE, over_two_turns
+from .presses import PART, PATHS, Press, family, press, rounded
+from .table_1 import HEIGHT, table, virtual_work
+from .variables import LENGTHS, over_two_turns
 
-L0, L1, L2, L3, L4, L5 = 77.0, 300.0, 490.0, 490.0, 760.0, 300.0  # mm, as printed
-P1_X, P1_Y = 404.709, 872.339
+SOURCE = "toggle press"
+SCENES = ("toggle_press", "crank_press")
+L0, L1, L2, L3, L4, L5 = LENGTHS
+P1_X, P1_Y = 404.709, 872.339  # mm, as printed
 
 
 def claims() -> Iterator[Claim]:
     """Yield every row of this source."""
     variables = over_two_turns()
-    for equation in (*POSITIONS, *RATES):
-        yield judge(SOURCE, equation, variables, variables.scale)
+    for equation in (*positions.EQUATIONS, *rates.EQUATIONS):
+        yield judge(equation, variables, variables.scale)
     yield from force_claims()
-    toggle, crank, corners = press("toggle_press"), press("crank_press"), rounded()
+    corners, crank = rounded(), press("crank_press")
+    toggle = corners[0]
     yield from _geometry(toggle, corners)
     yield from table(toggle, crank, corners)
     yield from virtual_work(toggle, corners)
@@ -35,11 +37,10 @@ def claims() -> Iterator[Claim]:
 
 
 def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """When the slider is lowest, O, P3, P4 and P5 are said to be on the y axis, and P1, P2 and P3 in line."""
+    """Yield the rows of the lowest pose, in which O, P3, P4 and P5 should be on the y axis, and P1, P2, P3 in line."""
     low = L1 + L3 + L5
     from_o, from_lowest = hypot(P1_X, P1_Y + L1), hypot(P1_X, P1_Y - low + L1)
     yield number(
-        SOURCE,
         "geometry, P1-P3 with O as the origin of P1 [mm]",
         f"{L2 - L0:.0f}",
         from_o,
@@ -50,7 +51,6 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     x, y = (L2 / from_lowest * part for part in (P1_X, P1_Y - low + L1))  # from P3 to P2
     closure = hypot(x, y + L3)
     yield number(
-        SOURCE,
         "geometry, P2-P4 when the slider is lowest [mm]",
         f"{L4:.0f}",
         closure,
@@ -58,26 +58,10 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
         note=f"the printed l₄ misses that pose by {L4 - closure:.2f} mm; P1 fits the other lengths to"
         f" {abs(from_lowest - L2 + L0):.0e} mm",
     )
-    axis, line = _off_lines()
+    for what, off in zip(("P3 and P4 off the y axis", "P2 off the line P1-P3"), _off_lines(), strict=True):
+        yield number(f"geometry, {what} when the slider is lowest [mm]", "0", off, among_printed=True, scale=L0)
+    closed = press("toggle_press", {PATHS[4]: closure})
     yield number(
-        SOURCE,
-        "geometry, P3 and P4 off the y axis when the slider is lowest [mm]",
-        "0",
-        axis,
-        among_printed=True,
-        scale=L0,
-    )
-    yield number(
-        SOURCE,
-        "geometry, P2 off the line P1-P3 when the slider is lowest [mm]",
-        "0",
-        line,
-        among_printed=True,
-        scale=L0,
-    )
-    closed = press("toggle_press", {"bodies.toggle.lengths.P2-P4": closure})
-    yield number(
-        SOURCE,
         "stroke [mm]",
         "180",
         1e3 * toggle.stroke,
@@ -102,54 +86,47 @@ def _off_lines() -> tuple[float, float]:
 
 
 def _conclusions(toggle: Press, crank: Press) -> Iterator[Claim]:
-    """Each claim in words, against the crank press, for both directions in which the crank may turn."""
+    """Yield each claim in words, against the crank press, for both directions in which the crank may turn."""
     reference = crank.before.at(HEIGHT)[1]
     shares = {way: side.at(HEIGHT)[1] / reference for way, side in toggle.closing.items()}
-    said = " or ".join(f"{100 * share:.0f} % ({way})" for way, share in shares.items())
+    lower = [share < 1 for share in shares.values()]
+    found = f"{' or '.join(f'{100 * share:.0f} % ({way})' for way, share in shares.items())} of the crank press's"
     yield comparison(
-        SOURCE,
-        "conclusion 1, low speed where the nominal force begins",
-        "lower than the crank press's",
-        [share < 1 for share in shares.values()],
-        f"{said} of the crank press's",
+        "conclusion 1, low speed where the nominal force begins", "lower than the crank press's", lower, found
     )
     closing = {way: degrees(side.angle[-1]) for way, side in toggle.closing.items()}
+    ways = (f"closes in {angle:.1f}° and returns in {360 - angle:.1f}° ({way})" for way, angle in closing.items())
     yield comparison(
-        SOURCE,
         "conclusion 2, quick return",
         "returns faster than it closes",
         [angle > 180 for angle in closing.values()],
-        " or ".join(
-            f"closes in {angle:.1f}° and returns in {360 - angle:.1f}° ({way})" for way, angle in closing.items()
-        ),
+        " or ".join(ways),
         "the direction is not given",
     )
     yield comparison(
-        SOURCE,
         "conclusion 3, dwell at the lowest point",
         "stays there for long",
         [toggle.dwell > crank.dwell],
         f"within 1 % of the stroke for {360 * toggle.dwell:.1f}° of a turn, the crank press {360 * crank.dwell:.1f}°",
     )
     yield comparison(
-        SOURCE,
         "conclusion 4, torque at nominal force",
         "smaller than the crank press's",
-        [share < 1 for share in shares.values()],
-        f"{said} of the crank press's",
+        lower,
+        found,
         "without friction and inertia the torque is the force times the speed over the crank's, hence the same ratio",
     )
+    ratio = 1e3 * toggle.stroke / L0
     yield comparison(
-        SOURCE,
         "introduction, large stroke from a small crank",
         "larger than a crank press's",
-        [1e3 * toggle.stroke / L0 > 2],
-        f"{1e3 * toggle.stroke / L0:.3f} times the crank's radius, a crank press 2",
+        [ratio > 2],
+        f"{ratio:.3f} times the crank's radius, a crank press 2",
     )
-    strokes = [1e3 * member.stroke for _, member in family()]
-    yield unstated(
-        SOURCE,
+    least, most = span(1e3 * member.stroke for _, member in family())
+    yield comparison(
         "introduction, curves for different rod lengths",
         "announced, neither lengths nor curves given",
-        f"stroke {min(strokes):.1f} to {max(strokes):.1f} mm with one length {100 * PART:g} % longer or shorter",
+        OPEN,
+        f"stroke {least:.1f} to {most:.1f} mm with one length {100 * PART:g} % longer or shorter",
     )

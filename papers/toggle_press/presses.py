@@ -12,16 +12,18 @@ from compare.engines import registry
 from scenes import Sampling, load
 from scenes.motion import Samples
 
+from .variables import LENGTHS
+
 TURN = Sampling(3600)
 STEP = tau / TURN.samples
-LENGTHS: Mapping[str, tuple[str, float]] = {
-    "l₀": ("bodies.crank.points.P2.0", 77),
-    "l₁": ("bodies.rocker.lengths.O-P3", 300),
-    "l₂": ("bodies.toggle.lengths.P2-P3", 490),
-    "l₃": ("bodies.toggle.lengths.P3-P4", 490),
-    "l₄": ("bodies.toggle.lengths.P2-P4", 760),
-    "l₅": ("bodies.rod.lengths.P4-P5", 300),
-}  # of the toggle press: the path in the scene file, and mm as printed
+PATHS = (
+    "bodies.crank.points.P2.0",
+    "bodies.rocker.lengths.O-P3",
+    "bodies.toggle.lengths.P2-P3",
+    "bodies.toggle.lengths.P3-P4",
+    "bodies.toggle.lengths.P2-P4",
+    "bodies.rod.lengths.P4-P5",
+)  # of the toggle press's lengths in its scene file
 ROUNDING = 0.5  # mm: they are printed without decimals
 PART = 0.01  # by which one length of a member of the family is longer or shorter
 NEAR = 0.01  # of the stroke: so near to its lowest point the slider dwells
@@ -88,13 +90,13 @@ def press(name: str, changes: Mapping[str, float] = NONE) -> Press:
 
 
 def rounded() -> list[Press]:
-    """Return the toggle press with its lengths at both ends of what their rounding leaves open, in all combinations."""
-    ends = [[(path, value + end) for end in (-ROUNDING, ROUNDING)] for path, value in LENGTHS.values()]
-    return [press("toggle_press", dict(corner)) for corner in product(*ends)]
+    """Return the toggle press as printed, and with its lengths at the ends of their rounding, in all combinations."""
+    ends = product(*((length - ROUNDING, length + ROUNDING) for length in LENGTHS))
+    return [press("toggle_press", dict(zip(PATHS, lengths, strict=True))) for lengths in (LENGTHS, *ends)]
 
 
 def family() -> Iterator[tuple[str, Press]]:
     """Yield the toggle press with one length after the other changed, and what was changed."""
-    for name, (path, value) in LENGTHS.items():
+    for path, length, digit in zip(PATHS, LENGTHS, "₀₁₂₃₄₅", strict=True):
         for part in (1 - PART, 1 + PART):
-            yield f"{name} = {part * value:g} mm", press("toggle_press", {path: part * value})
+            yield f"l{digit} = {part * length:g} mm", press("toggle_press", {path: part * length})

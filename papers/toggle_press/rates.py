@@ -3,6 +3,8 @@
 A form is the difference of an equation's two sides.
 """
 
+from functools import partial
+
 from numpy import cos, sin
 
 from scenes.motion import Samples
@@ -10,114 +12,92 @@ from scenes.motion import Samples
 from ..claims import Equation
 from .variables import Variables
 
-E = Equation[Variables]
+speed, acceleration = (partial(Equation[Variables], kind) for kind in ("speed", "acceleration"))
 
 
-def _across(length: float, w: Samples, a: Samples, t: Samples) -> Samples:
-    """Return l α sin θ + l ω² cos θ: less the acceleration of a bar's end past its start, along x."""
-    return length * a * sin(t) + length * w**2 * cos(t)
+def _s(v: Variables, bar: int) -> Samples:
+    """Return l ω sin θ of a bar."""
+    return v.l[bar] * v.w[bar] * sin(v.t[bar])
 
 
-def _up(length: float, w: Samples, a: Samples, t: Samples) -> Samples:
-    """Return l α cos θ − l ω² sin θ: that acceleration along y."""
-    return length * a * cos(t) - length * w**2 * sin(t)
+def _c(v: Variables, bar: int) -> Samples:
+    """Return l ω cos θ of a bar."""
+    return v.l[bar] * v.w[bar] * cos(v.t[bar])
+
+
+def _ac(v: Variables, bar: int) -> Samples:
+    """Return l α cos θ of a bar."""
+    return v.l[bar] * v.a[bar] * cos(v.t[bar])
+
+
+def _wws(v: Variables, bar: int) -> Samples:
+    """Return l ω² sin θ of a bar."""
+    return v.l[bar] * v.w[bar] ** 2 * sin(v.t[bar])
+
+
+def _up(v: Variables, bar: int) -> Samples:
+    """Return l α cos θ − l ω² sin θ: the acceleration of a bar's end past its start, along y."""
+    return _ac(v, bar) - _wws(v, bar)
+
+
+def _across(v: Variables, bar: int) -> Samples:
+    """Return l α sin θ + l ω² cos θ: less that acceleration along x."""
+    return v.l[bar] * v.a[bar] * sin(v.t[bar]) + v.l[bar] * v.w[bar] ** 2 * cos(v.t[bar])
 
 
 EQUATIONS = (
-    E(
-        "eq 20",
-        "speed",
-        "−l₀ω sin θ − l₂ω₂ sin θ₂ = −l₁ω₁ sin θ₁",
-        lambda v: -v.l0 * v.w * sin(v.t) - v.l2 * v.w2 * sin(v.t2) - (-v.l1 * v.w1 * sin(v.t1)),
-    ),
-    E(
+    speed("eq 20", "−l₀ω sin θ − l₂ω₂ sin θ₂ = −l₁ω₁ sin θ₁", lambda v: -_s(v, 0) - _s(v, 2) + _s(v, 1)),
+    speed(
         "eq 20.2",
-        "speed",
         "l₀ω cos θ − l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁",
-        lambda v: v.l0 * v.w * cos(v.t) - v.l2 * v.w2 * cos(v.t2) - v.l1 * v.w1 * cos(v.t1),
+        lambda v: _c(v, 0) - _c(v, 2) - _c(v, 1),
         "l₀ω cos θ + l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁",
-        lambda v: v.l0 * v.w * cos(v.t) + v.l2 * v.w2 * cos(v.t2) - v.l1 * v.w1 * cos(v.t1),
+        lambda v: _c(v, 0) + _c(v, 2) - _c(v, 1),
     ),
-    E(
-        "eq 21",
-        "speed",
-        "−l₂ω₂ sin θ₂ − l₃ω₃ sin θ₃ = −l₄ω₄ sin θ₄",
-        lambda v: -v.l2 * v.w2 * sin(v.t2) - v.l3 * v.w3 * sin(v.t3) - (-v.l4 * v.w4 * sin(v.t4)),
-    ),
-    E(
-        "eq 21.2",
-        "speed",
-        "l₂ω₂ cos θ₂ + l₃ω₃ cos θ₃ = l₄ω₄ cos θ₄",
-        lambda v: v.l2 * v.w2 * cos(v.t2) + v.l3 * v.w3 * cos(v.t3) - v.l4 * v.w4 * cos(v.t4),
-    ),
-    E(
-        "eq 22",
-        "speed",
-        "−l₁ω₁ sin θ₁ − l₃ω₃ sin θ₃ − l₅ω₅ sin θ₅ = 0",
-        lambda v: -v.l1 * v.w1 * sin(v.t1) - v.l3 * v.w3 * sin(v.t3) - v.l5 * v.w5 * sin(v.t5),
-    ),
-    E(
-        "eq 22.2",
-        "speed",
-        "l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅ = v",
-        lambda v: v.l1 * v.w1 * cos(v.t1) + v.l3 * v.w3 * cos(v.t3) + v.l5 * v.w5 * cos(v.t5) - v.v,
-    ),
-    E(
-        "eq 23",
-        "speed",
-        "v = l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅",
-        lambda v: v.v - (v.l1 * v.w1 * cos(v.t1) + v.l3 * v.w3 * cos(v.t3) + v.l5 * v.w5 * cos(v.t5)),
-    ),
-    E(
+    speed("eq 21", "−l₂ω₂ sin θ₂ − l₃ω₃ sin θ₃ = −l₄ω₄ sin θ₄", lambda v: -_s(v, 2) - _s(v, 3) + _s(v, 4)),
+    speed("eq 21.2", "l₂ω₂ cos θ₂ + l₃ω₃ cos θ₃ = l₄ω₄ cos θ₄", lambda v: _c(v, 2) + _c(v, 3) - _c(v, 4)),
+    speed("eq 22", "−l₁ω₁ sin θ₁ − l₃ω₃ sin θ₃ − l₅ω₅ sin θ₅ = 0", lambda v: -_s(v, 1) - _s(v, 3) - _s(v, 5)),
+    speed("eq 22.2", "l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅ = v", lambda v: _c(v, 1) + _c(v, 3) + _c(v, 5) - v.v),
+    speed("eq 23", "v = l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅", lambda v: v.v - (_c(v, 1) + _c(v, 3) + _c(v, 5))),
+    acceleration(
         "eq 24",
-        "acceleration",
         "l₀α sin θ + l₀ω² cos θ + l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ = l₁α₁ sin θ₁ + l₁ω₁² cos θ₁",
-        lambda v: _across(v.l0, v.w, v.a, v.t) + _across(v.l2, v.w2, v.a2, v.t2) - _across(v.l1, v.w1, v.a1, v.t1),
+        lambda v: _across(v, 0) + _across(v, 2) - _across(v, 1),
     ),
-    E(
+    acceleration(
         "eq 24.2",
-        "acceleration",
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ + l₁ω₁² sin θ₁",
-        lambda v: (
-            _up(v.l0, v.w, v.a, v.t)
-            + _up(v.l2, v.w2, v.a2, v.t2)
-            - (v.l1 * v.a1 * cos(v.t1) + v.l1 * v.w1**2 * sin(v.t1))
-        ),
+        lambda v: _up(v, 0) + _up(v, 2) - (_ac(v, 1) + _wws(v, 1)),
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁",
-        lambda v: _up(v.l0, v.w, v.a, v.t) + _up(v.l2, v.w2, v.a2, v.t2) - _up(v.l1, v.w1, v.a1, v.t1),
+        lambda v: _up(v, 0) + _up(v, 2) - _up(v, 1),
     ),
-    E(
+    acceleration(
         "eq 25",
-        "acceleration",
         "l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ = l₄α₄ sin θ₄ + l₄ω₄² cos θ₄",
-        lambda v: _across(v.l2, v.w2, v.a2, v.t2) + _across(v.l3, v.w3, v.a3, v.t3) - _across(v.l4, v.w4, v.a4, v.t4),
+        lambda v: _across(v, 2) + _across(v, 3) - _across(v, 4),
     ),
-    E(
+    acceleration(
         "eq 25.2",
-        "acceleration",
         "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ = l₄α₄ cos θ₄ − l₄ω₄² sin θ₄",
-        lambda v: _up(v.l2, v.w2, v.a2, v.t2) + _up(v.l3, v.w3, v.a3, v.t3) - _up(v.l4, v.w4, v.a4, v.t4),
+        lambda v: _up(v, 2) + _up(v, 3) - _up(v, 4),
     ),
-    E(
+    acceleration(
         "eq 26",
-        "acceleration",
         "l₁α₁ sin θ₁ + l₁ω₁² cos θ₁ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ + l₅α₅ sin θ₅ + l₅ω₅² cos θ₅ = 0",
-        lambda v: _across(v.l1, v.w1, v.a1, v.t1) + _across(v.l3, v.w3, v.a3, v.t3) + _across(v.l5, v.w5, v.a5, v.t5),
+        lambda v: _across(v, 1) + _across(v, 3) + _across(v, 5),
     ),
-    E(
+    acceleration(
         "eq 26.2",
-        "acceleration",
         "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: _up(v.l2, v.w2, v.a2, v.t2) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5) - v.a_s,
+        lambda v: _up(v, 2) + _up(v, 3) + _up(v, 5) - v.a_s,
         "l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: _up(v.l1, v.w1, v.a1, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5) - v.a_s,
+        lambda v: _up(v, 1) + _up(v, 3) + _up(v, 5) - v.a_s,
     ),
-    E(
+    acceleration(
         "eq 27",
-        "acceleration",
         "αₛ = l₁α₁² cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (_up(v.l1, v.w1, v.a1**2, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5)),
+        lambda v: v.a_s - (v.l[1] * v.a[1] ** 2 * cos(v.t[1]) - _wws(v, 1) + _up(v, 3) + _up(v, 5)),
         "αₛ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (_up(v.l1, v.w1, v.a1, v.t1) + _up(v.l3, v.w3, v.a3, v.t3) + _up(v.l5, v.w5, v.a5, v.t5)),
+        lambda v: v.a_s - (_up(v, 1) + _up(v, 3) + _up(v, 5)),
     ),
 )

@@ -1,6 +1,6 @@
 """Toggle press: the variables of the kinetostatics, over a turn by the reference, with any signs of the forces.
 
-The figure that says which way the forces are drawn is not to hand: each printed force may be the reference's with
+The figure with the directions of the forces is not to hand: each printed force may be the reference's with
 either sign.
 """
 
@@ -31,12 +31,10 @@ class Statics:
     Md: Samples
     N: Samples  # of the slider on its guide, which the paper leaves out
     Q: Samples
-    g: float
-    m: Sequence[float]  # by component: crank, rocker, toggle, rod, slider
-    J: Sequence[float]
-    ax: Sequence[Samples]  # of the centres of mass
-    ay: Sequence[Samples]
-    alpha: Sequence[Samples]
+    mg: float  # of the slider
+    mx: Sequence[Samples]  # mass times acceleration, by component: crank, rocker, toggle, rod, slider
+    my: Sequence[Samples]
+    Ja: Sequence[Samples]
     t: Sequence[Samples]  # theta, theta_1 ... theta_5
     L: Sequence[float]  # L0 ... L5
     Ls: Sequence[float]  # from the first hinge to the centre of mass, by component
@@ -56,7 +54,7 @@ def statics(scene: Scene, motion: Motion) -> Statics:
     bodies = [scene.bodies[name] for name in ("crank", "rocker", "toggle", "rod", "slider")]
     coms = [state.com(body) for body in bodies]
     place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}
-    along = bars(state)
+    masses, along = [body.mass or 0.0 for body in bodies], bars(state)
     arms = {point: place[point] - coms[2][0] for point in ("P2", "P3", "P4")}
     still = np.zeros_like(motion["time"])
     (resistance,) = (load for load in scene.loads if isinstance(load, Force))
@@ -65,12 +63,10 @@ def statics(scene: Scene, motion: Motion) -> Statics:
         motion["drive.torque"],
         motion["slider.guide_force"],  # on the slider to the left, hence of the slider to the right
         np.full_like(still, resistance.force[1]),
-        9.81,
-        [body.mass or 0.0 for body in bodies],
-        [inertia(body) for body in bodies],
-        [a.real for _, _, a in coms],
-        [a.imag for _, _, a in coms],
-        [state.turning(body.name)[2] for body in bodies],
+        masses[-1] * 9.81,
+        [mass * a.real for mass, (_, _, a) in zip(masses, coms, strict=True)],
+        [mass * a.imag for mass, (_, _, a) in zip(masses, coms, strict=True)],
+        [inertia(body) * state.turning(body.name)[2] for body in bodies],
         [np.angle(bar) for bar in along],
         [float(np.abs(bar).mean()) for bar in along],
         [float(np.abs(com[0] - place[p]).mean()) for com, p in zip(coms, ("P1", "O", "P2", "P4", "P5"), strict=True)],
@@ -94,7 +90,7 @@ def with_all_signs(s: Statics) -> tuple[Statics, NDArray[np.float64]]:
 def fitted(s: Statics) -> Statics:
     """Return the statics with the Ls2 and phi of (30.3) that fit it best, as the paper gives neither."""
     columns = np.stack([lever_moment(s, 0.0), lever_moment(s, np.pi / 2)], axis=-1)
-    inertial = np.broadcast_to(-s.J[2] * s.alpha[2], columns.shape[:-1])[..., None]
+    inertial = np.broadcast_to(-s.Ja[2], columns.shape[:-1])[..., None]
     fit = (np.linalg.pinv(columns) @ inertial)[..., 0]
     return replace(s, lever=(fit[..., :1], fit[..., 1:]))
 
@@ -102,7 +98,6 @@ def fitted(s: Statics) -> Statics:
 def lever_moment(s: Statics, phi: float) -> Samples:
     """Return the forces' part of the printed (30.3), for an Ls2 of one."""
     F, t2, t3, t4 = s.F, s.t[2], s.t[3], s.t[4]
-    moment: Samples = (
-        -F["RP2x"] * sin(t2 + phi) - F["RP2y"] * cos(t2 + phi) - F["RP3x"] * sin(t3 + phi) - F["RP3y"] * sin(t3 + phi)
-    )
-    return moment + F["RP4x"] * sin(t4 + phi) - F["RP4y"] * sin(t4 + phi)
+    at_2 = -F["RP2x"] * sin(t2 + phi) - F["RP2y"] * cos(t2 + phi)
+    at_3 = -F["RP3x"] * sin(t3 + phi) - F["RP3y"] * sin(t3 + phi)
+    return np.asarray(at_2 + at_3 + F["RP4x"] * sin(t4 + phi) - F["RP4y"] * sin(t4 + phi))

@@ -4,16 +4,16 @@ Without friction and inertia the torque T on the crank and the force F on the sl
 direction in which the crank turns and the strokes a minute, 40 to 60, are not given.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import degrees, radians, tau
 
 import numpy as np
 
-from ..claims import Claim, Range, bound, comparison, number
+from ..claims import Claim, comparison, joined, limit, number, span
 from .presses import Press, Side
-from .variables import SOURCE
 
 HEIGHT, FORCE = 6e-3, 1600e3  # m above the lowest point, N
+HEIGHTS = (HEIGHT,)
 FEWEST, MOST = 40, 60  # strokes a minute
 UNIFORM = 0.1  # of the largest speed: where it varies by more it is not uniform
 TOGGLE, CRANK = "toggle press", "crank press"
@@ -23,54 +23,46 @@ PRINTED: Mapping[str, Mapping[str, str]] = {
 }
 
 
-def span(values: Iterable[float]) -> Range:
-    """Return the least and the largest of some values."""
-    known = list(values)
-    return min(known), max(known)
-
-
 def speed(rate: float, strokes: float = MOST) -> float:
     """Return the slider's speed, mm/s, by its rate, m/rad, and the strokes a minute."""
     return 1e3 * rate * tau * strokes / 60
 
 
 def table(toggle: Press, crank: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """Yield a row for each entry; `corners` are the toggle press at the ends of what its lengths' rounding allows."""
-    for name, press, others in ((TOGGLE, toggle, corners), (CRANK, crank, ())):
-        yield from _row(name, PRINTED[name], press, [press, *others])
+    """Yield a row for each entry; `corners` are the toggle press within the rounding of its lengths."""
+    yield from _row(TOGGLE, toggle, corners)
+    yield from _row(CRANK, crank, [crank])
 
 
-def _row(name: str, printed: Mapping[str, str], press: Press, all_: Sequence[Press]) -> Iterator[Claim]:
-    def entry(
-        what: str, value: Callable[[Side], float], at: tuple[float, str] | None = None, least: float = 1.0
-    ) -> Claim:
-        """Return a row of a value that goes with what it is `at`, of which `least` is the smallest share possible."""
+def _row(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+    printed = PRINTED[name]
+
+    def entry(what: str, value: Callable[[float, float], float], at: str = "", least: float = 1.0) -> Claim:
+        """Return a row of a value by angle and rate; `at` is what it goes with, `least` the smallest possible share."""
         text = next(text for kind, text in printed.items() if kind in what)
-        face = {way: value(side) for way, side in press.closing.items()}
-        ranges = [span(value(p.closing[way]) for p in all_) for way in face]
-        said = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
+        face = {way: value(*side.at(HEIGHT)) for way, side in press.closing.items()}
+        ranges = [[value(*p.closing[way].at(height)) for p in corners for height in HEIGHTS] for way in face]
+        found = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
         nearest = min(face.values(), key=lambda v: abs(v - float(text)))
-        if at is not None:
-            level, unit = at
+        if at:
+            level = float(at.partition(" ")[0])
             takes = " or ".join(f"{level * float(text) / v:.3g} {way}".strip() for way, v in face.items())
-            said = f"{said} at {level:g} {unit}; the printed one takes {takes}"
-        allowed = [(least * low, high) for low, high in ranges if least * low < high]
-        return number(
-            SOURCE, f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=f"6 mm above the end: {said}"
-        )
+            found = f"{found} at {at}; the printed one takes {takes}"
+        allowed = [span([*values, *(least * v for v in values)]) for values in ranges]
+        note = joined(f"6 mm above the end: {found}")
+        return number(f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=note)
 
-    yield entry("pressure angle [deg]", lambda side: degrees(side.at(HEIGHT)[0]))
+    yield entry("pressure angle [deg]", lambda angle, _: degrees(angle))
     yield _uniform(name, printed["from"], press)
     yield _unit(name, printed["speed"], press)
-    yield entry("speed [mm/s]", lambda side: speed(side.at(HEIGHT)[1]), (MOST, "strokes a minute"), FEWEST / MOST)
-    yield entry("torque [N m]", lambda side: FORCE * side.at(HEIGHT)[1], (FORCE / 1e3, "kN"))
+    yield entry("speed [mm/s]", lambda _, rate: speed(rate), f"{MOST} strokes a minute", FEWEST / MOST)
+    yield entry("torque [N m]", lambda _, rate: FORCE * rate, f"{FORCE / 1e3:g} kN")
 
 
 def _uniform(name: str, start: str, press: Press) -> Claim:
     parts = [side.rate[side.angle <= radians(180 - float(start))] for side in press.closing.values()]
     fastest = " or ".join(f"{speed(rates.max()):.0f}" for rates in parts)
     return comparison(
-        SOURCE,
         f"table 1 uniform speed, {name}",
         f"from {start} to 180°",
         [rates.min() >= (1 - UNIFORM) * rates.max() for rates in parts],
@@ -90,24 +82,24 @@ def _steady(way: str, side: Side) -> str:
 def _unit(name: str, printed: str, press: Press) -> Claim:
     """Return the row of the speed's unit: no speed of the slider can be above its peak over the whole turn."""
     peak = speed(max(side.rate.max() for side in press.closing.values())) / 1e3
-    value = float(printed)
-    return bound(
-        SOURCE,
+    size = abs(float(printed))
+    return limit(
         f"table 1 unit of the speed, {name}",
         f"{printed} m/s",
-        f"at most {peak:.3f} m/s over the whole turn, at {MOST} a minute",
-        value / peak,
-        ("mm/s", value / 1e3 / peak),
+        size - peak,
+        (size - peak, size - peak),
+        scale=peak,
+        computed=f"at most {peak:.3f} m/s over the whole turn, at {MOST} a minute",
+        corrected=("mm/s", size / 1e3 - peak),
     )
 
 
 def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """Yield rows on what table 1 says together: its speeds, torques and force, and its speed and a conclusion."""
+    """Yield rows on entries of table 1 together: its speeds, torques and force, and its speed and a conclusion."""
     for name, printed in PRINTED.items():
-        v, torque = float(printed["speed"]) / 1e3, float(printed["torque"])
+        v, torque = abs(float(printed["speed"])) / 1e3, float(printed["torque"])
         low, high = (torque * tau * strokes / 60 / v / 1e3 for strokes in (FEWEST, MOST))
         yield number(
-            SOURCE,
             f"table 1 virtual work, {name}: nominal force [kN]",
             "1600",
             high,
@@ -118,7 +110,6 @@ def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     torques, speeds = ([float(PRINTED[name][what]) for name in PRINTED] for what in ("torque", "speed"))
     share = speeds[0] / speeds[1]
     yield number(
-        SOURCE,
         "table 1 virtual work, ratio of the torques",
         f"{torques[0] / torques[1]:.3f}",
         share,
@@ -128,13 +119,12 @@ def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     )
     quick = {way: side for way, side in toggle.closing.items() if side.angle[-1] > tau / 2}
     for way, side in quick.items():
-        rates = [p.closing[way].at(HEIGHT)[1] for p in (toggle, *corners)]
+        rates = [p.closing[way].at(height)[1] for p in corners for height in HEIGHTS]
         yield number(
-            SOURCE,
             f"table 1 speed, {TOGGLE}, with the quick return of conclusion 2 [mm/s]",
             PRINTED[TOGGLE]["speed"],
             speed(side.at(HEIGHT)[1]),
-            allowed=[(speed(min(rates), FEWEST), speed(max(rates), MOST))],
+            allowed=[span(speed(rate, strokes) for rate in rates for strokes in (FEWEST, MOST))],
             among_printed=True,
             note=f"it returns quickly only {way}",
         )

@@ -7,11 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..constraints import LITERAL, PRINTED, RATIO, Clearance
-from ..formulas import LOWER, UPPER, Array, assembles
-from .measures import MEASURES
+from ..formulas import UNITS, Array, Design, assembles, closed
+from ..measures import MEASURES
+from ..printed import BOUNDS
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, and nothing cancels (Squire and Trapp 1998)
 FAR = 1e3  # the objective where a design does not assemble; a feasible one has about one
+
+VARIABLES = tuple(BOUNDS)
+LOWER, UPPER = (
+    np.array([limits[end] * UNITS[Design._fields.index(name)] for name, limits in BOUNDS.items()]) for end in (0, 1)
+)
 
 Vector = NDArray[np.float64]
 
@@ -29,15 +35,12 @@ class Limit:
         """Whether it is an equality."""
         return self.low == self.high
 
-    def slacks(self, X: Array) -> list[Array]:
+    def slacks(self, d: Design) -> list[Array]:
         """Return how far above the one and below the other value the measure is, those that are finite, scaled."""
         of, scale, _ = MEASURES[self.measure]
-        value = of(X)
-        return [
-            np.asarray(sign * (value - end) / scale)
-            for sign, end in ((1, self.low), (-1, self.high))
-            if np.isfinite(end)
-        ]
+        value = of(d)
+        ends = ((1, self.low), (-1, self.high))
+        return [np.asarray(sign * (value - end) / scale) for sign, end in ends if np.isfinite(end)]
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class Problem:
     clearance: Clearance
     limits: tuple[Limit, ...] = ()
     waived: frozenset[str] = frozenset({LITERAL})  # printed constraints that are not asked for
-    rival: tuple[float, ...] | None = None
+    rival: Design | None = None
 
     @property
     def scale(self) -> float:
@@ -65,28 +68,28 @@ class Problem:
         """The limits that are equalities."""
         return tuple(limit for limit in self.limits if limit.fixed)
 
-    def rows(self, X: Array) -> Array:
+    def rows(self, d: Design) -> Array:
         """Return the objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
-        offsets = [beyond for limit in self.equalities for beyond in limit.slacks(X)[:1]]
-        return np.stack([MEASURES[self.objective].of(X) / self.scale, *offsets, *self._slacks(X)])
+        offsets = [beyond for limit in self.equalities for beyond in limit.slacks(d)[:1]]
+        return np.stack([MEASURES[self.objective].of(d) / self.scale, *offsets, *self._slacks(d)])
 
-    def _slacks(self, X: Array) -> list[Array]:
+    def _slacks(self, d: Design) -> list[Array]:
         waived = self.waived
         if any(limit.measure == "R_S" for limit in self.equalities):
             waived = waived | {RATIO}  # at 1.12 a second gradient of the same direction is no help
-        rows = [slack(X, self.clearance) for name, slack in PRINTED.items() if name not in waived]
+        rows = [slack(d, self.clearance) for name, slack in PRINTED.items() if name not in waived]
         for limit in self.limits:
-            rows += [] if limit.fixed else limit.slacks(X)
+            rows += [] if limit.fixed else limit.slacks(d)
         if self.rival is not None:
-            force, ratio, length = gains(X, np.array(self.rival))
+            force, ratio, length = gains(d, self.rival)
             rows += [ratio - force, length - force]
         return rows
 
-    def violation(self, X: Array) -> Array:
+    def violation(self, d: Design) -> Array:
         """Return by how much a design misses the worst of its limits, dimensionless, zero if it misses none."""
-        rows = self.rows(X)[1:]
+        rows = self.rows(d)[1:]
         count = len(self.equalities)
-        return np.asarray(np.max([np.zeros(X[0].shape), *np.abs(rows[:count]), *-rows[count:]], axis=0))
+        return np.asarray(np.max([np.zeros_like(rows[0]), *np.abs(rows[:count]), *-rows[count:]], axis=0))
 
     def with_gradients(self, u: Vector) -> tuple[Vector, Vector]:
         """Return the rows at a point of the unit box and their gradients there, shapes (rows,) and (rows, 8)."""
@@ -98,13 +101,13 @@ class Problem:
         return values, gradients
 
 
-def gains(X: Array, rival: Array) -> tuple[Array, Array, Array]:
+def gains(d: Design, rival: Design) -> tuple[Array, Array, Array]:
     """Return how much better than a rival a design is in M_P, R_S and L_sum, relatively."""
-    force, ratio, length = (MEASURES[name].of(X) / MEASURES[name].of(rival) for name in ("M_P", "R_S", "L_sum"))
+    force, ratio, length = (MEASURES[name].of(d) / MEASURES[name].of(rival) for name in ("M_P", "R_S", "L_sum"))
     return force - 1, ratio - 1, 1 - length
 
 
-def in_box(u: Array) -> Array:
-    """Return the designs at points of the unit box, shape (8, ...)."""
-    shape = (-1,) + (1,) * (u.ndim - 1)
-    return np.asarray(LOWER.reshape(shape) + (UPPER - LOWER).reshape(shape) * u)
+def in_box(u: Array) -> Design:
+    """Return the designs at points of the unit box, shape (8, ...), in the order of `VARIABLES`."""
+    values = (low + (high - low) * part for low, high, part in zip(LOWER, UPPER, u, strict=True))
+    return closed(Design(L3=np.nan, **dict(zip(VARIABLES, values, strict=True))))

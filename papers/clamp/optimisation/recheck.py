@@ -1,9 +1,7 @@
 """The outcome checked by full dynamic models that know nothing of the formulas."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,18 +9,21 @@ from compare.engines import runner
 from compare.engines.reference import establish
 from compare.judge.errors import SHOWN_GROUPS
 from compare.judge.measure import Measurement, measure
-from scenes import Motion, Sampling, Scene, load
+from scenes import Sampling, Scene, load
+from scenes.loads import Force
 
-from ..formulas import RATED, Array
-from .scene_file import HALF_FORCE, locking, pressing
+from ..formulas import RATED, Design, at, crosshead, opened, platen
+from ..printed import SCENES
 
 ENGINES = ("exudyn", "pymunk")
 SAMPLES = 3600  # the steps follow them, and the load comes within 1 mm
+HALF_FORCE = 2e6  # N, of one toggle of the two
+YIELD = 1.0  # mm, of tie bars and dies under it, as in the shipped scenes
 
 
 @dataclass(frozen=True)
 class Recheck:
-    """What an engine says of a design; NaN where a run failed."""
+    """A design by an engine; NaN where a run failed."""
 
     design: str
     engine: str
@@ -34,39 +35,58 @@ class Recheck:
 
 
 def rechecks(
-    designs: Mapping[str, Array], engines: Sequence[str], progress: Callable[[str], None]
+    designs: Mapping[str, Design], engines: Sequence[str], progress: Callable[[str], None]
 ) -> Iterator[Recheck]:
-    """Yield what each engine says of each design.
+    """Yield each design by each engine.
 
     Raises:
         InputError: the reference cannot solve one of them.
     """
-    for name, X in designs.items():
-        reference = establish(_loaded(locking(X, name)))
-        press = _loaded(pressing(X, name, RATED))
+    for name, d in designs.items():
+        reference = establish(locking(d))
+        press = pressing(d, RATED)
         for engine in engines:
             progress(f"{name} by {engine}")
             yield _recheck(name, measure(reference, engine, Sampling(SAMPLES)), press)
 
 
-def _loaded(text: str) -> Scene:
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "design.toml"
-        file.write_text(text, encoding="utf-8")
-        return load(file)
+def locking(d: Design, alpha: float = 0.0) -> Scene:
+    """Return the shipped scene with the lengths of a design, from open to some alpha, and dies met where it locks."""
+    start, height, lock = opened(d), (d.L1 + d.L2) * np.sin(d.theta), platen(at(d, 0.0))
+    B, D = d.L1 * np.exp(1j * start.bar), d.L5 * np.exp(1j * start.ear)
+    sketch = {"B": B, "D": D, "C": platen(start) + 1j * height, "E": crosshead(start) + 1j * d.Hb}
+    changes = {
+        "bodies.rear_link.lengths.A-B": d.L1,
+        "bodies.rear_link.lengths.A-D": d.L5,
+        "bodies.rear_link.lengths.B-D": d.L3,
+        "bodies.front_link.lengths.B-C": d.L2,
+        "bodies.crosshead_link.lengths.D-E": d.L4,
+        "bodies.platen.slides.through.1": height,
+        "bodies.crosshead.slides.through.1": d.Hb,
+        "drive.start": crosshead(start),
+        "drive.end": crosshead(at(d, alpha)),
+        "loads.0.table.0.0": lock - YIELD,
+        "loads.0.table.1.0": lock + YIELD,
+        "sketch.displacement": crosshead(start),
+        **{f"sketch.{point}.0": place.real for point, place in sketch.items()},
+        **{f"sketch.{point}.1": place.imag for point, place in sketch.items()},
+    }
+    return load(SCENES["initial"], {path: float(value) for path, value in changes.items()})
+
+
+def pressing(d: Design, alpha: float) -> Scene:
+    """Return the scene of a design that closes to some alpha, all the way against half the clamping force."""
+    return replace(locking(d, alpha), loads=(Force("platen", "C", (-HALF_FORCE, 0.0)),))
 
 
 def _recheck(name: str, measured: Measurement, press: Scene) -> Recheck:
     engine, motion = measured.run.engine, measured.run.motion
     pressed = runner.run(engine, press, Sampling(SAMPLES)).motion
-    ratio, fastest = (np.nan, np.nan) if motion is None else _ratios(motion)
-    thrust = np.nan if pressed is None else pressed["drive.force"][-1]
-    largest = {} if motion is None else measured.errors.groupby("group")["max"].max().to_dict()
-    errors = {group: float(largest[group]) for group in SHOWN_GROUPS if group in largest}
-    return Recheck(name, engine, measured.run.status.name, 1e3 * HALF_FORCE / float(thrust), ratio, fastest, errors)
-
-
-def _ratios(motion: Motion) -> tuple[float, float]:
-    """Return R_S and the largest R_V of a motion."""
-    R_S = np.ptp(motion["C.x"]) / np.ptp(motion["drive.displacement"])
-    return float(R_S), float((motion["C.vx"] / motion["E.vx"]).max())
+    thrust = np.nan if pressed is None else float(pressed["drive.force"][-1])
+    ratio, fastest, errors = np.nan, np.nan, {}
+    if motion is not None:
+        ratio = float(np.ptp(motion["C.x"]) / np.ptp(motion["drive.displacement"]))
+        fastest = float((motion["C.vx"] / motion["E.vx"]).max())
+        largest = measured.errors.groupby("group")["max"].max()
+        errors = {group: float(largest[group]) for group in SHOWN_GROUPS if group in largest}
+    return Recheck(name, engine, measured.run.status.name, HALF_FORCE / thrust, ratio, fastest, errors)

@@ -1,24 +1,23 @@
 """Many local searches with exact gradients, and a restart by one that knows neither gradients nor their outcome."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
 from scipy.stats import qmc
 
-from ..formulas import assembles
-from .measures import MEASURES
+from ..formulas import Design, assembles
+from ..measures import MEASURES
 from .problem import FAR, Problem, Vector, in_box
 
 FEASIBLE = 1e-9  # the largest violation, dimensionless
-AGREES = 1e-6  # relative to the best: well above where a search stops, well below what tells two optima apart
+AGREES = 1e-6  # relative to the best: well above where a search stops, well below the distance of two optima
 SEED = 2023
 MOST_STARTS = 2**12
 
 GENERATIONS = 1000
-ALIKE = 1e-8  # relative: where a whole population is so, it has converged, far below what `AGREES` tells apart
+ALIKE = 1e-8  # relative: where a whole population is so, it has converged, far below `AGREES`
 POPULATION = 15  # times the number of variables
 PENALTY = 100.0  # above all multipliers, which are of order one: the least of the penalised objective is then feasible
 
@@ -27,7 +26,7 @@ PENALTY = 100.0  # above all multipliers, which are of order one: the least of t
 class Optimum:
     """The best of a number of local searches; NaN where none ended feasible."""
 
-    X: Vector  # shape (8,)
+    design: Design
     value: float  # of the measure
     violation: float
     starts: int
@@ -37,17 +36,15 @@ class Optimum:
 
 def search(problem: Problem, starts: int) -> Optimum:
     """Search from that many points of a Sobol sequence, those at which a design assembles."""
-    ends = np.stack([_descend(problem, start) for start in _starts(starts)], axis=1)
-    X = in_box(ends)
-    value, violation = MEASURES[problem.objective].of(X), problem.violation(X)
-    feasible = assembles(X) & (violation <= FEASIBLE)
+    d = in_box(np.stack([_descend(problem, start) for start in _starts(starts)], axis=1))
+    value, violation = MEASURES[problem.objective].of(d), problem.violation(d)
+    feasible = assembles(d) & (violation <= FEASIBLE)
     if not feasible.any():
-        return Optimum(np.full(8, np.nan), float("nan"), float("nan"), starts, 0, 0)
+        return Optimum(Design(*[np.nan] * len(d)), np.nan, np.nan, starts, 0, 0)
     best = int(np.argmin(np.where(feasible, value / problem.scale, np.inf)))
     agree = feasible & (np.abs(value - value[best]) <= AGREES * abs(value[best]))
-    return Optimum(
-        X[:, best], float(value[best]), float(violation[best]), starts, int(feasible.sum()), int(agree.sum())
-    )
+    design = Design(*(values[best] for values in d))
+    return Optimum(design, float(value[best]), float(violation[best]), starts, int(feasible.sum()), int(agree.sum()))
 
 
 def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
@@ -82,18 +79,17 @@ def _starts(count: int) -> tuple[Vector, ...]:
 
 def _descend(problem: Problem, start: Vector) -> Vector:
     """Return where sequential quadratic programming ends (Kraft 1988), in the unit box."""
-    rows = _remembered(problem)
+    rows = lru_cache(1)(lambda point: problem.with_gradients(np.frombuffer(point)))  # each point is asked for again
     count = 1 + len(problem.equalities)
-    parts = {"eq": slice(1, count), "ineq": slice(count, None)}
     constraints = [
-        {"type": kind, "fun": lambda u, p=part: rows(u)[0][p], "jac": lambda u, p=part: rows(u)[1][p]}
-        for kind, part in parts.items()
+        {"type": kind, "fun": lambda u, p=p: rows(u.tobytes())[0][p], "jac": lambda u, p=p: rows(u.tobytes())[1][p]}
+        for kind, p in (("eq", slice(1, count)), ("ineq", slice(count, None)))
         if kind == "ineq" or count > 1
     ]
     end = minimize(
-        lambda u: rows(u)[0][0],
+        lambda u: rows(u.tobytes())[0][0],
         start,
-        jac=lambda u: rows(u)[1][0],
+        jac=lambda u: rows(u.tobytes())[1][0],
         bounds=[(0.0, 1.0)] * len(start),
         constraints=constraints,
         method="SLSQP",
@@ -102,23 +98,10 @@ def _descend(problem: Problem, start: Vector) -> Vector:
     return np.asarray(np.clip(end, 0.0, 1.0))
 
 
-def _remembered(problem: Problem) -> Callable[[Vector], tuple[Vector, Vector]]:
-    """Return `problem.with_gradients`, which the optimiser asks for the same point several times."""
-    point, answer = np.full(8, np.nan), (np.empty(0), np.empty(0))
-
-    def rows(u: Vector) -> tuple[Vector, Vector]:
-        nonlocal point, answer
-        if not np.array_equal(u, point):
-            point, answer = u.copy(), problem.with_gradients(u)
-        return answer
-
-    return rows
-
-
 def _penalised(u: Vector, problem: Problem) -> Vector:
     """Return the objective plus what is violated, shape (n,), of designs of shape (8, n)."""
-    X = in_box(u)
-    rows = problem.rows(X)
+    d = in_box(u)
+    rows = problem.rows(d)
     count = 1 + len(problem.equalities)
     violated = np.abs(rows[1:count]).sum(axis=0) + np.maximum(-rows[count:], 0.0).sum(axis=0)
-    return np.asarray(np.where(assembles(X), rows[0] + PENALTY * violated, FAR))
+    return np.asarray(np.where(assembles(d), rows[0] + PENALTY * violated, FAR))

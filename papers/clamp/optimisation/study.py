@@ -7,18 +7,18 @@ scheme 4.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures import as_completed as in_any_order
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import count, product
 from multiprocessing import get_context
 from typing import TypeAlias
 
 import numpy as np
 
-from ..constraints import LITERAL, LOOSEST, Clearance, slacks, tightest
-from ..formulas import INITIAL, SCHEME_4
-from .measures import MEASURES, measure
+from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
+from ..formulas import SCHEME_4
+from ..measures import MEASURES, measure
 from .problem import Limit, Problem
 from .search import Optimum, restart, search
 
@@ -27,8 +27,6 @@ RATIOS = tuple(round(1 + 0.01 * step, 2) for step in range(13))  # of R_S
 TOLERANCE = 0.005
 PIN_ROOM = tuple(range(120, 141, 4))  # mm, of (d_D + d_E)/2
 
-BOTH = tightest(INITIAL, SCHEME_4)
-ALONE = tightest(SCHEME_4)
 LITERALLY = "160 deg read literally"
 ASSUMPTIONS = {
     "sizes that allow both published designs": (BOTH, frozenset({LITERAL})),
@@ -60,27 +58,32 @@ class Effort:
     restarts: int = 1
 
 
-Progress: TypeAlias = Callable[[Point, int], None]  # told of each point, and of how many there are in all
 Task: TypeAlias = tuple[str, str, Problem, Effort]
 
 
-def study(effort: Effort, ratios: Sequence[float], progress: Progress) -> list[Point]:
-    """Return every point, set by set."""
+def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], None]) -> list[Point]:
+    """Return every point, set by set; `progress` takes what was done last."""
     half = replace(effort, starts=max(effort.starts // 2, 1))  # for all that is not in the source
     again = replace(half, restarts=0)
-    count = len(ratios)
     curve = [
         (name, f"R_S = {ratio:.2f}", fixed_ratio(ratio, *assumed), effort if name == MAIN else again)
         for name, assumed in ASSUMPTIONS.items()
         for ratio in ratios
     ]
     beyond = list(_beyond(half))
-    total = len(curve) + count + len(beyond)
+    done, total = count(1), len(ratios) + len(curve) + len(beyond)
     with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
-        points = _solve(pool, [*curve, *beyond], total, progress)
-        best, others, ahead = points[:count], points[count : len(curve)], points[len(curve) :]
+
+        def solve(tasks: Sequence[Task]) -> list[Point]:
+            futures = [pool.submit(_point, *task) for task in tasks]
+            for future in in_any_order(futures):
+                progress(f"{next(done)} of {total} points: {future.result().set}, {future.result().at}")
+            return [future.result() for future in futures]
+
+        points = solve([*curve, *beyond])
+        best, rest = points[: len(ratios)], points[len(ratios) :]
         steps = [(LENGTHS, p.at, least_length(p), effort) for p in best if p.optimum.feasible]
-        return [*best, *_solve(pool, steps, total, progress), *others, *ahead]
+        return [*best, *solve(steps), *rest]
 
 
 def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str] = frozenset({LITERAL})) -> Problem:
@@ -90,7 +93,7 @@ def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str
 
 def least_length(point: Point) -> Problem:
     """Return the search for the least L_sum, M_P and R_S within the tolerance of a point's."""
-    values = {name: measure(name, point.optimum.X) for name in ("M_P", "R_S")}
+    values = {name: measure(name, point.optimum.design) for name in ("M_P", "R_S")}
     limits = (Limit(name, (1 - TOLERANCE) * value, (1 + TOLERANCE) * value) for name, value in values.items())
     return replace(point.problem, objective="L_sum", limits=tuple(limits))
 
@@ -124,7 +127,7 @@ SIZES = {"for both": BOTH, "for scheme 4": ALONE}
 def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
     """Return the search for the largest gain on scheme 4 that M_P, R_S and L_sum have at once."""
     waived, limits = CONDITIONS[condition]
-    return Problem("M_P", clearance, (*AIMS[aim], *limits), waived, tuple(SCHEME_4))
+    return Problem("M_P", clearance, (*AIMS[aim], *limits), waived, SCHEME_4)
 
 
 def _beyond(effort: Effort) -> Iterator[Task]:
@@ -140,13 +143,6 @@ def _beyond(effort: Effort) -> Iterator[Task]:
     for room in PIN_ROOM:
         yield ROOM, f"{room} mm", ahead(THREE, AS_PRINTED, replace(ALONE, L4=float(room))), replace(effort, restarts=0)
     yield MOST_ROOM, AS_PRINTED, Problem("L4", replace(ALONE, L4=0.0), (force, ratio, length)), effort
-
-
-def _solve(pool: ProcessPoolExecutor, tasks: Sequence[Task], total: int, progress: Progress) -> list[Point]:
-    futures: list[Future[Point]] = [pool.submit(_point, *task) for task in tasks]
-    for future in in_any_order(futures):
-        progress(future.result(), total)
-    return [future.result() for future in futures]
 
 
 def _point(set_name: str, at: str, problem: Problem, effort: Effort) -> Point:

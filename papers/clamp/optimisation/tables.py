@@ -6,38 +6,40 @@ from typing import Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ..constraints import LITERAL, Clearance, slacks
-from ..formulas import INITIAL, SCHEME_4, UNITS, VARIABLES, Array, third_length
-from .measures import MEASURES, measure
-from .problem import gains
+from ..constraints import BOTH, LITERAL, Clearance, slacks
+from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Design
+from ..measures import MEASURES, measure
+from ..printed import LARGEST_FORCE_RATIO, TABLE_1
+from .problem import VARIABLES, gains
 from .recheck import Recheck
 from .search import AGREES
-from .study import AHEAD, BASELINE, BOTH, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, ROOM, Point
+from .study import AHEAD, BASELINE, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, ROOM, Point
 
 Row: TypeAlias = dict[str, Any]
 
-PUBLISHED: Mapping[str, Array] = {"initial": INITIAL, "scheme 4": SCHEME_4}
-PRINTED: Mapping[str, Mapping[str, float]] = {
-    "initial": {"M_P": 20.20, "R_S": 1.02, "L_sum": 1354, "R_V max": 1.63, "R_V peak-valley": 0.65, "R_V start": 1.16},
-    "scheme 4": {"M_P": 23.10, "R_S": 1.09, "L_sum": 1346, "R_V max": 1.80, "R_V peak-valley": 0.65, "R_V start": 1.17},
-}
-LARGEST_IN_PRINT = 26.55  # M_P of all designs
+PRINTED_AS = {"R_V start": "R_V startup"}  # in table 1
 
 
-def variables(X: Array) -> dict[str, float]:
+def printed(name: str, design: str) -> str:
+    """Return a measure of a published design as table 1 has it."""
+    return TABLE_1[PRINTED_AS.get(name, name)][design]
+
+
+def variables(d: Design) -> dict[str, float]:
     """Return a design as the source lists it, mm and deg."""
-    return dict(zip(VARIABLES, (X / UNITS).tolist(), strict=True)) | {"L3": float(third_length(X))}
+    listed = {name: float(value / unit) for name, value, unit in zip(d._fields, d, UNITS, strict=True)}
+    return {name: listed[name] for name in (*VARIABLES, "L3")}
 
 
-def measures(X: Array) -> dict[str, float]:
+def measures(d: Design) -> dict[str, float]:
     """Return what a design is worth, and how far ahead of scheme 4 it is in the worst of M_P, R_S and L_sum."""
-    return {name: measure(name, X) for name in MEASURES} | {"gain": float(min(gains(X, SCHEME_4)))}
+    return {name: measure(name, d) for name in MEASURES} | {"gain": float(min(gains(d, SCHEME_4)))}
 
 
 def rows(points: Sequence[Point]) -> list[Row]:
     """Return everything that is known of the published designs and of each point, flat."""
     published: list[Row] = [
-        {"set": "published", "at": name} | variables(X) | measures(X) for name, X in PUBLISHED.items()
+        {"set": "published", "at": name} | variables(d) | measures(d) for name, d in PUBLISHED.items()
     ]
     return [*published, *map(_row, points)]
 
@@ -51,7 +53,7 @@ def _row(point: Point) -> Row:
         "agree": optimum.agree,
         "evolution_short": min(point.short, default=np.nan),
     }
-    return {"set": point.set, "at": point.at} | variables(optimum.X) | measures(optimum.X) | outcome
+    return {"set": point.set, "at": point.at} | variables(optimum.design) | measures(optimum.design) | outcome
 
 
 def of(points: Sequence[Point], name: str) -> list[Point]:
@@ -71,53 +73,66 @@ def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
 
 
 def _shown(point: Point) -> Row:
-    X, optimum = point.optimum.X, point.optimum
-    digits = {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V start": 3, "R_V peak-valley": 3}
+    d, digits = point.optimum.design, {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V start": 3, "R_V peak-valley": 3}
     return (
         {"at": point.at}
-        | {name: f"{measure(name, X):.{count}f}" for name, count in digits.items()}
-        | {name: f"{value:.2f}" for name, value in variables(X).items()}
-        | {"agree": f"{optimum.agree} of {optimum.starts}", "violation": f"{optimum.violation:.0e}"}
-        | {"evolution": f"{min(point.short):.0e}" if point.short else "–"}
+        | _rounded(d, digits)
+        | _listed(d)
+        | _searched(point)
+        | {"violation": f"{point.optimum.violation:.0e}"}
     )
+
+
+def _rounded(d: Design, digits: Mapping[str, int]) -> Row:
+    return {name: f"{measure(name, d):.{count}f}" for name, count in digits.items()}
+
+
+def _listed(d: Design) -> Row:
+    return {name: f"{value:.2f}" for name, value in variables(d).items()}
+
+
+def _searched(point: Point) -> Row:
+    evolution = f"{min(point.short):.0e}" if point.short else "–"
+    return {"agree": f"{point.optimum.agree} of {point.optimum.starts}", "evolution": evolution}
 
 
 def ahead(points: Sequence[Point]) -> pd.DataFrame:
     """Return one row for each search for a design ahead of scheme 4, scheme 4 itself first."""
     found = [point for name in (FORCE, AHEAD, ROOM) for point in of(points, name)]
-    return pd.DataFrame([_against("scheme 4", SCHEME_4), *(_against(_label(p), p.optimum.X, p) for p in found)])
+    return pd.DataFrame([_against("scheme 4", SCHEME_4), *(_against(_label(p), p.optimum.design, p) for p in found)])
 
 
 def _label(point: Point) -> str:
     return point.at if point.set == AHEAD else f"{point.set.removeprefix(f'{AHEAD}, ')}: {point.at}"
 
 
-def _against(label: str, X: Array, point: Point | None = None) -> Row:
+def _against(label: str, d: Design, point: Point | None = None) -> Row:
+    digits = {"M_P": 4, "R_S": 5, "L_sum": 2, "R_V start": 3, "R_V max": 3, "R_V peak-valley": 3}
     return (
-        {"searched": label, "gain [%]": f"{100 * min(gains(X, SCHEME_4)):+.3f}"}
-        | {name: f"{measure(name, X):.{digits}f}" for name, digits in {"M_P": 4, "R_S": 5, "L_sum": 2}.items()}
-        | {name: f"{measure(name, X):.3f}" for name in ("R_V start", "R_V max", "R_V peak-valley")}
-        | {"a_m range [1/m]": f"{1e3 * measure('a_m range', X):.2f}", "S_m": f"{measure('S_m', X):.2f}"}
-        | {name: f"{value:.2f}" for name, value in variables(X).items()}
-        | {"agree": f"{point.optimum.agree} of {point.optimum.starts}" if point else "–"}
-        | {"evolution": f"{min(point.short):.0e}" if point and point.short else "–"}
+        {"searched": label, "gain [%]": f"{100 * min(gains(d, SCHEME_4)):+.3f}"}
+        | _rounded(d, digits)
+        | {"a_m range [1/m]": f"{1e3 * measure('a_m range', d):.2f}"}
+        | _rounded(d, {"S_m": 2})
+        | _listed(d)
+        | (_searched(point) if point else {"agree": "–", "evolution": "–"})
     )
 
 
 def published() -> pd.DataFrame:
     """Return the published designs' measures beside what is printed."""
     return pd.DataFrame(
-        {"design": name, "measure": of, "printed": f"{printed:g}", "computed": f"{measure(of, PUBLISHED[name]):.5f}"}
-        for name, row in PRINTED.items()
-        for of, printed in row.items()
+        {"design": name, "measure": of, "printed": printed(of, name), "computed": f"{measure(of, d):.5f}"}
+        for name, d in PUBLISHED.items()
+        for of in ("M_P", "R_S", "L_sum", "R_V max", "R_V peak-valley", "R_V start")
     )
 
 
 def constraints(points: Sequence[Point]) -> pd.DataFrame:
-    """Return the slack of every printed constraint, of both published designs and of the curve's ends."""
-    shown = dict(PUBLISHED) | {p.at: p.optimum.X for p in of(points, MAIN)}
+    """Return the slack of every printed constraint, of both published designs and of the curve's points."""
+    shown = dict(PUBLISHED) | {p.at: p.optimum.design for p in of(points, MAIN)}
+    slack = {label: slacks(d, BOTH) for label, d in shown.items()}
     return pd.DataFrame(
-        {"constraint": name} | {label: f"{float(slacks(X, BOTH)[name]):.4f}" for label, X in shown.items()}
+        {"constraint": name} | {label: f"{float(of[name]):.4f}" for label, of in slack.items()}
         for name in slacks(INITIAL, BOTH)
     )
 
@@ -125,14 +140,13 @@ def constraints(points: Sequence[Point]) -> pd.DataFrame:
 def assumed(clearances: Mapping[str, Clearance]) -> pd.DataFrame:
     """Return what is assumed of the unknown sizes, mm."""
     return pd.DataFrame(
-        {"assumed": name, "L1 - Hb <=": c.B, "L5 - Hb <=": c.D, "L3 >=": c.L3, "L4 >=": c.L4}
-        | dict(zip(("d_B", "d_D", "d_E", "H_s"), c.sizes, strict=True))
+        {"assumed": name, "L1 - Hb <=": c.B, "L5 - Hb <=": c.D, "L3 >=": c.L3, "L4 >=": c.L4} | dict(c.sizes)
         for name, c in clearances.items()
     ).map(lambda value: value if isinstance(value, str) else f"{value:.2f}")
 
 
 def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
-    """Return what the dynamic models say of each design."""
+    """Return each design by the dynamic models."""
     return pd.DataFrame(
         {"design": r.design, "engine": r.engine, "status": r.status}
         | {"M_P": f"{r.M_P:.5f}", "R_S": f"{r.R_S:.6f}", "R_V max": f"{r.R_V_max:.5f}"}
@@ -141,7 +155,7 @@ def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
     )
 
 
-def verdicts(points: Sequence[Point]) -> Iterator[str]:
+def findings(points: Sequence[Point]) -> Iterator[str]:
     """Yield what the study finds, a sentence each."""
     best, steps = of(points, MAIN), of(points, LENGTHS)
     for name, found in (("Coordination curve", best), ("Least L_sum", steps)):
@@ -159,17 +173,14 @@ def verdicts(points: Sequence[Point]) -> Iterator[str]:
     most = max((optimum.value for optimum in strict.values() if optimum.feasible), default=np.nan)
     yield f"With {LITERALLY}, no design is found at {', '.join(none) or 'no point'}, and M_P is {most:.2f} at most."
     for point in of(points, BASELINE):
-        X = point.optimum.X
+        d = point.optimum.design
         yield (
-            f"The largest M_P at any R_S is {point.optimum.value:.4f}, where R_S = {measure('R_S', X):.4f} and"
-            f" S_m = {measure('S_m', X):.1f} mm; in print it is {LARGEST_IN_PRINT}."
+            f"The largest M_P at any R_S is {point.optimum.value:.4f}, with R_S = {measure('R_S', d):.4f} and"
+            f" S_m = {measure('S_m', d):.1f} mm, or others, since it leaves alpha_max free; in print it is"
+            f" {LARGEST_FORCE_RATIO}."
         )
     for point in of(points, AHEAD):
-        gain = 100 * min(gains(point.optimum.X, SCHEME_4))
-        outcome = f"one is ahead by {gain:.3f} %" if gain > 0 else f"none is found, the best is {-gain:.3f} % behind"
-        if abs(gain) <= 100 * AGREES:
-            outcome = "none is found but scheme 4 itself"
-        yield f"Ahead of scheme 4 ({point.at}): {outcome}."
+        yield f"Ahead of scheme 4 ({point.at}): {_outcome(point)}."
     for point in of(points, MOST_ROOM):
         yield (
             "All constraints as printed leave room ahead of scheme 4 while"
@@ -177,6 +188,17 @@ def verdicts(points: Sequence[Point]) -> Iterator[str]:
         )
 
 
+def _outcome(point: Point) -> str:
+    """Return how far a design is ahead of scheme 4, in what, and which printed limits it misses for that."""
+    d = point.optimum.design
+    gain = 100 * min(gains(d, SCHEME_4))
+    if abs(gain) <= 100 * AGREES:
+        return "none is found but scheme 4 itself"
+    if gain < 0:
+        return f"none is found, the best is {-gain:.3f} % behind"
+    return f"one is ahead by {gain:.3f} %"
+
+
 def literal_slack() -> dict[str, float]:
     """Return by how many degrees the published designs keep the limit of 160 deg, read literally."""
-    return {name: float(np.degrees(slacks(X, BOTH)[LITERAL])) for name, X in PUBLISHED.items()}
+    return {name: float(np.degrees(slacks(d, BOTH)[LITERAL])) for name, d in PUBLISHED.items()}

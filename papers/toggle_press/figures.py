@@ -1,0 +1,78 @@
+"""Pictures of the toggle press against the crank press, and of what its lengths do."""
+
+from collections.abc import Iterator
+from math import degrees
+
+import numpy as np
+import plotly.graph_objects as go
+
+from compare.report.style import DASHES, GREY, LEGEND_BESIDE, colour, draw, layout, marker, stacked
+from scenes.motion import Samples
+
+from .presses import Press, Side, family, press
+from .table_1 import HEIGHT, MOST, speed
+
+STRIDE = 10  # of the presses' samples: a degree of the crank
+
+
+def figures() -> Iterator[tuple[str, str, go.Figure]]:
+    """Yield title, note and figure of every picture."""
+    yield (
+        "Toggle press against crank press: the slider over a turn",
+        f"From where each slider is lowest, as the crank turns; {MOST} strokes a minute. Circles: 6 mm above it.",
+        _presses(),
+    )
+    yield (
+        "Toggle press: one length 1 % longer or shorter",
+        "Height of the slider above its lowest point. Solid: longer; dashed: shorter; grey: as printed.",
+        _family(),
+    )
+
+
+def _presses() -> go.Figure:
+    toggle, crank = press("toggle_press"), press("crank_press")
+    sides = {
+        "toggle press, clockwise": (toggle.after, toggle.before),
+        "toggle press, counter-clockwise": (toggle.before, toggle.after),
+        "crank press": (crank.before, crank.after),
+    }
+    figure = stacked(1, 1)
+    for number, (name, (closing, opening)) in enumerate(sides.items()):
+        angles, (angle, rate) = _angles(closing, opening), closing.at(HEIGHT)
+        line, circle = {"color": colour(number), "width": 1.8}, marker(number, "circle-open", 9)
+        rows = ((1, _heights(closing, opening), 1e3 * HEIGHT), (2, _speeds(closing, opening), -speed(rate)))
+        for row, values, there in rows:
+            draw(figure, name, angles, values, row, line=line)
+            above = f"{name}, 6 mm above"
+            draw(figure, above, [-degrees(angle)], [there], row, group=name, mode="markers", marker=circle)
+    figure.update_yaxes(title="height [mm]", row=1, col=1)
+    figure.update_yaxes(title="speed [mm/s]", row=2, col=1)
+    figure.update_xaxes(dtick=60)
+    figure.update_xaxes(title="crank angle from the lowest point [deg]", row=2, col=1)
+    return figure.update_layout(layout(560))
+
+
+def _angles(closing: Side, opening: Side) -> Samples:
+    return np.asarray(np.degrees(np.concatenate([-closing.angle[::-STRIDE], opening.angle[::STRIDE]])))
+
+
+def _heights(closing: Side, opening: Side) -> Samples:
+    return np.asarray(1e3 * np.concatenate([closing.height[::-STRIDE], opening.height[::STRIDE]]))
+
+
+def _speeds(closing: Side, opening: Side) -> Samples:
+    return np.asarray(speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]]))
+
+
+def _family() -> go.Figure:
+    figure = stacked()
+
+    def add(name: str, of: Press, line: dict[str, object]) -> None:
+        draw(figure, name, _angles(of.before, of.after), _heights(of.before, of.after), line={"width": 1.5} | line)
+
+    add("as printed", press("toggle_press"), {"color": GREY, "width": 3})
+    for number, (name, member) in enumerate(family()):
+        add(name, member, {"color": colour(number // 2), "dash": DASHES[1 - number % 2]})
+    figure.update_yaxes(title="height [mm]")
+    figure.update_xaxes(title="crank angle from the lowest point, counter-clockwise [deg]", dtick=60)
+    return figure.update_layout(layout(560), legend=LEGEND_BESIDE)

@@ -1,0 +1,151 @@
+"""The clamp's claims: its numbers and verdicts against a second transcription, its rounding, and the engines' rows."""
+
+import re
+
+import numpy as np
+import pytest
+
+from compare.engines import registry
+from papers.claims import EXACT, Claim, Verdict, half_unit
+from papers.clamp.claims import ENGINES, by_engines, claims
+from papers.clamp.corners import corners
+from papers.clamp.formulas import DEGREE, PUBLISHED, acceleration, at, force_ratio
+from papers.clamp.measures import MEASURES
+from papers.clamp.printed import TABLE_2
+from papers.clamp.rounding import one_for_all
+
+from . import audit_transcription as second
+
+CLAMPS = {"initial": second.INITIAL, "scheme 4": second.SCHEME_4}
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, Claim]:
+    return {claim.claim: claim for claim in claims()}
+
+
+@pytest.fixture(scope="module")
+def engine_rows() -> dict[str, Claim]:
+    return {claim.claim: claim for claim in by_engines(pytest.fail)}
+
+
+# --- formulas and numbers --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CLAMPS)
+def test_the_formulas_are_those_of_the_second_transcription(name: str) -> None:
+    clamp, alphas = CLAMPS[name], np.linspace(1, CLAMPS[name].alpha_max - 1, 40)
+    pose = at(PUBLISHED[name], DEGREE * alphas)
+    assert np.abs(1 / force_ratio(pose) - clamp.ratio(alphas)).max() < 1e-8  # of the differences
+    mine, theirs = clamp.acceleration(alphas, 100.0), acceleration(pose, 100.0)
+    assert np.abs(mine - theirs).max() < 1e-4 * np.abs(mine).max()
+    assert float(MEASURES["R_S"].of(PUBLISHED[name])) == pytest.approx(clamp.stroke_ratio, rel=1e-12)
+    assert np.abs(acceleration(pose, 100.0, printed=True) - theirs).max() > 0.1 * np.abs(theirs).max()
+
+
+def test_the_clamps_numbers(rows: dict[str, Claim]) -> None:
+    """The figures that were worked out by hand, to the digits given."""
+    expected = {
+        "table 1 M_P, initial": 20.10666,
+        "table 1 R_S, initial": 1.0149010,
+        "table 1 R_V max, initial": 1.63040,
+        "table 1 M_P, scheme 4": 22.73834,
+        "table 1 R_S, scheme 4": 1.0982354,
+        "table 1 R_V max, scheme 4": 1.79600,
+        "table 1 L_sum, scheme 4": 1347.0,
+        "constraint on S_m, scheme 4": 600.4775,
+    }
+    for name, value in expected.items():
+        assert rows[name].computed == pytest.approx(value, rel=3e-7 if "R_S" in name else 3e-6), name
+
+
+def test_the_readings_of_the_acceleration(rows: dict[str, Claim]) -> None:
+    """By the second transcription, at 100 mm/s; none has the printed rise of 5.5 %, and the note names how far off."""
+    spans, means = {}, {}
+    for name, clamp in CLAMPS.items():
+        alphas = np.linspace(0.5, clamp.alpha_max - 0.2, 4000)  # the differences need room
+        a = clamp.acceleration(alphas, 100.0)
+        spans[name] = a.max() - a[: a.argmax()].min()
+        assert rows[f"table 1 a_m peak-valley, {name}"].computed == pytest.approx(spans[name], rel=1e-5)
+        ends = clamp.crosshead(np.array([0.0, clamp.alpha_max]))
+        means[name] = clamp.ratio(np.array([clamp.alpha_max]))[0] / np.ptp(ends)
+    row = rows["table 1 change of a_m peak-valley, at the same V_o"]
+    assert row.computed == pytest.approx(100 * (spans["scheme 4"] / spans["initial"] - 1), abs=1e-3)
+    assert row.verdict is Verdict.NOT_REPRODUCIBLE
+    assert f"{100 * (means['scheme 4'] / means['initial'] - 1):+.1f} the mean deceleration" in row.note
+    assert f"at {np.sqrt(128.5 / means['initial']):.0f} mm/s" in row.note
+    assert "as printed, over the stroke" in row.note
+
+
+# --- verdicts --------------------------------------------------------------------------------------------------------
+
+
+def test_the_clamps_verdicts(rows: dict[str, Claim]) -> None:
+    assert rows["eq R_S"].verdict is Verdict.WRONG_BRANCH
+    assert rows["eq a_m"].verdict is Verdict.MISPRINT
+    for name in ("R_V", "omega_1", "omega_2", "omega_4", "epsilon_1", "M_P"):
+        assert rows[f"eq {name}"].verdict is Verdict.HOLDS
+    for name in ("eq R_S", "eq a_m"):
+        assert (rows[name].corrected_residual or 0.0) <= EXACT
+    assert rows["constraint on L1/L2, scheme 4"].verdict is Verdict.INCONSISTENT
+    assert rows["constraint on S_m, scheme 4"].verdict is Verdict.UNDERDETERMINED
+    assert rows["constraint, toggle-lock stability, initial"].verdict is Verdict.MISPRINT
+
+
+def test_exudyn_agrees_with_the_formulas(engine_rows: dict[str, Claim]) -> None:
+    for name in ("eq R_V, exudyn", "eq M_P, exudyn", "eq omega_4, exudyn"):
+        assert engine_rows[name].verdict is Verdict.HOLDS
+    assert engine_rows["eq a_m, exudyn"].verdict is Verdict.MISPRINT
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_simulated_figures(engine: str, engine_rows: dict[str, Claim]) -> None:
+    row = engine_rows[f"simulated R_V, as ADAMS, {engine}"]
+    assert row.verdict is Verdict.HOLDS
+    assert "R_S 1.09824, R_V max 1.79" in str(row.computed)
+
+
+def test_an_engine_that_cannot_run_has_no_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry.Entry, "missing", "it is not installed")
+    notes: list[str] = []
+    assert list(by_engines(notes.append)) == []
+    assert len(notes) == len(ENGINES)
+
+
+# --- the rounding of table 2 -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CLAMPS)
+def test_one_clamp_has_all_of_table_1(name: str, rows: dict[str, Claim]) -> None:
+    """The clamp that is named rounds to table 2, and its numbers round to table 1, by the second transcription."""
+    listed = str(rows[f"table 1 but for a_m with table 2, {name}"].computed).partition(":")[2]
+    found = {variable: float(value) for variable, value in re.findall(r"(\w+) (\d+\.\d+)", listed)}
+    for variable, text in TABLE_2[name].items():
+        assert abs(found[variable] - float(text)) <= half_unit(text)
+    clamp = second.Clamp(**{variable: value for variable, value in found.items() if variable != "L3"})
+    third = np.sqrt(clamp.L1**2 + clamp.L5**2 - 2 * clamp.L1 * clamp.L5 * np.cos(np.radians(clamp.gamma)))
+    assert found["L3"] == pytest.approx(third, abs=1e-3)  # seven digits are listed
+    ratios = clamp.ratio(np.linspace(1, clamp.alpha_max, 2000))
+    numbers = {
+        "M_P": 1 / clamp.ratio(np.array([2.5]))[0],
+        "R_S": clamp.stroke_ratio,
+        "L_sum": sum(found[f"L{k}"] for k in range(1, 6)),
+        "R_V max": ratios.max(),
+        "R_V startup": ratios[-1],
+        "R_V peak-valley": ratios.max() - ratios[ratios.argmax() :].min(),
+    }
+    for what, value in numbers.items():
+        text = rows[f"table 1 {what}, {name}"].printed
+        assert abs(value - float(text)) <= half_unit(text), what
+
+
+def test_no_clamp_is_named_where_none_rounds_to_table_2() -> None:
+    force = MEASURES["M_P"].of
+    assert one_for_all("initial", [(force, "20.60")]) is not None
+    assert one_for_all("initial", [(force, "20.80")]) is None  # beyond the largest corner, 20.72
+
+
+@pytest.mark.parametrize("name", ["M_P", "R_S", "L_sum", "S_m", "R_V max", "R_V start"])
+def test_the_rounding_of_table_2_is_a_range_around_face_value(name: str) -> None:
+    face, (low, high) = corners("initial").over(MEASURES[name].of)
+    assert low < face < high

@@ -1,0 +1,194 @@
+"""The clamp's optimisation: its gradients, a few optima, the dynamic models, and the report."""
+
+import csv
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import scenes
+from compare.engines import runner
+from papers.clamp.constraints import ALONE, BOTH, slacks
+from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, at, closed
+from papers.clamp.measures import MEASURES, measure
+from papers.clamp.optimisation.problem import LOWER, UPPER, VARIABLES, Limit, Problem, gains, in_box
+from papers.clamp.optimisation.recheck import ENGINES, rechecks
+from papers.clamp.optimisation.report import Outcome, write
+from papers.clamp.optimisation.search import FEASIBLE, Optimum, restart, search
+from papers.clamp.optimisation.study import (
+    AHEAD,
+    BROKEN,
+    LENGTHS,
+    MAIN,
+    MET,
+    SIX,
+    Effort,
+    Point,
+    ahead,
+    fixed_ratio,
+    study,
+)
+from papers.clamp.optimisation.tables import improved
+from papers.optimise import main
+
+from .designs import AHEAD_IN_SIX
+
+BY_SAMPLES = ("R_V max", "R_V peak-valley", "a_m range")  # differences see it where another sample is the largest
+
+
+@pytest.fixture(scope="module")
+def six() -> Optimum:
+    return search(ahead(SIX, MET, ALONE), 4)
+
+
+# --- gradients --------------------------------------------------------------------------------------------------------
+
+
+def by_differences(problem: Problem, u: Array) -> Array:
+    """Return the gradients of all rows, (rows, 8), by central differences extrapolated to no step, good to 1e-9."""
+    steps = 4e-3 / 2.0 ** np.arange(5)
+    table = [
+        (problem.rows(in_box(u[:, None] + h * np.eye(8))) - problem.rows(in_box(u[:, None] - h * np.eye(8)))) / (2 * h)
+        for h in steps
+    ]
+    for order in range(1, len(steps)):
+        table = [(4**order * fine - coarse) / (4**order - 1) for coarse, fine in pairwise(table)]
+    return np.asarray(table[0])
+
+
+@pytest.mark.parametrize("d", [INITIAL, AHEAD_IN_SIX], ids=["initial", "ahead"])
+@pytest.mark.parametrize(
+    ("names", "tolerance"), [([n for n in MEASURES if n not in BY_SAMPLES], 1e-10), (BY_SAMPLES, 1e-5)]
+)
+def test_gradients_are_exact(d: Design, names: Sequence[str], tolerance: float) -> None:
+    limits = (*(Limit(name, 0.1, np.inf) for name in names), Limit("R_S", 1.05, 1.05))
+    u = (np.array([getattr(d, name) for name in VARIABLES]) - LOWER) / (UPPER - LOWER)
+    for objective in ("M_P", "L_sum"):
+        problem = Problem(objective, BOTH, limits, frozenset(), SCHEME_4)
+        values, gradients = problem.with_gradients(u)
+        assert np.abs(values - problem.rows(d)).max() <= 1e-14  # rounding
+        assert np.abs(gradients - by_differences(problem, u)).max() <= tolerance
+
+
+# --- optima -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_limit_that_is_broken_counts() -> None:
+    problem = fixed_ratio(1.05)
+    assert abs(problem.violation(SCHEME_4) - (1.09823537 - 1.05)) <= 1e-8  # the worst of three
+    assert abs(ahead(SIX, MET, ALONE).violation(SCHEME_4)) <= 1e-15  # scheme 4 is no worse than itself
+
+
+@pytest.mark.parametrize(("ratio", "best"), [(1.0, 26.874086), (1.08, 24.163611), (1.12, 22.462748)])
+def test_a_few_starts_find_the_optimum(ratio: float, best: float) -> None:
+    optimum = search(fixed_ratio(ratio), 16)
+    assert optimum.violation <= FEASIBLE
+    assert abs(optimum.value - best) <= 1e-6  # the digits given
+    assert optimum.agree >= 2
+    d = optimum.design
+    inside = np.array([getattr(d, name) for name in VARIABLES])
+    assert ((inside >= LOWER) & (inside <= UPPER)).all()
+    pose = at(d, np.linspace(0, d.alpha_max, 2001))
+    assert (pose.ear + pose.phi).min() > 0
+    assert (pose.ear + pose.phi).max() <= 160 * DEGREE + 1e-9  # no dead point of the crosshead within the stroke
+
+
+def test_the_optimum_where_the_bounds_leave_one_variable() -> None:
+    """At R_S = 1 all but L1 and L4 end at bounds; R_S and phi = 85 deg then leave nothing to choose."""
+    theta, gamma, alpha_max, L2, L5, Hb = 4 * DEGREE, 18 * DEGREE, 110 * DEGREE, 505.0, 280.0, 250.0
+    L4 = (Hb - L5 * np.sin(theta + gamma)) / np.sin(85 * DEGREE)
+
+    def design(L1: float) -> Design:
+        return closed(Design(L1, L2, np.nan, L4, L5, Hb, theta, gamma, alpha_max))
+
+    true = design(brentq(lambda L1: measure("R_S", design(L1)) - 1, 320, 410, xtol=1e-12))
+    assert np.abs(np.subtract(search(fixed_ratio(1.0), 4).design, true)).max() <= 1e-8  # mm
+
+
+def test_least_length_is_no_longer_and_within_its_tolerance() -> None:
+    limits = (Limit("M_P", 0.995 * 26.874086, 1.005 * 26.874086), Limit("R_S", 0.995, 1.005))
+    optimum = search(Problem("L_sum", BOTH, limits), 8)
+    assert abs(optimum.value - 1372.6911) <= 1e-3  # mm
+    assert 0.995 - 1e-9 <= measure("M_P", optimum.design) / 26.874086 <= 1.005 + 1e-9
+
+
+def test_a_design_is_ahead_of_scheme_4_and_no_worse_to_the_searchs_sampling(six: Optimum) -> None:
+    d = six.design
+    assert six.violation <= FEASIBLE
+    assert min(gains(d, SCHEME_4)) >= 0.005
+    for name in ("R_V start", "R_V peak-valley", "a_m range"):
+        margin = (measure(name, SCHEME_4) - measure(name, d)) * (1 if MEASURES[name].least else -1)
+        assert margin >= -FEASIBLE, name
+    kept = {name: slack for name, slack in slacks(d, ALONE).items() if name not in BROKEN}
+    assert min(kept.values()) >= -FEASIBLE
+
+
+def test_an_optimum_that_evolution_can_improve_is_reported() -> None:
+    problem = fixed_ratio(1.0)
+    true = search(problem, 2)
+    worse = replace(true, value=0.99 * true.value)
+    found = restart(problem, worse, 0)
+    assert abs(found + 1 / 0.99 - 1) <= 1e-6
+    assert abs(restart(problem, true, 0)) <= 1e-6
+    points = [Point(MAIN, "", problem, optimum, (short,)) for optimum, short in ((true, 0.0), (worse, found))]
+    assert improved(points) == points[1:]
+
+
+def test_no_design_is_no_optimum() -> None:
+    impossible = Problem("M_P", BOTH, (Limit("R_S", 1.3, 1.3),))
+    optimum = search(impossible, 2)
+    assert optimum.feasible == 0
+    assert np.isnan([optimum.value, *optimum.design]).all()
+    assert improved([Point(MAIN, "", impossible, optimum)])
+
+
+# --- dynamic models and the report -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_dynamic_models_confirm_designs(engine: str) -> None:
+    """Scheme 4, and one whose open pose is far from that of the shipped scene."""
+    designs = {"scheme 4": SCHEME_4, "curve": search(fixed_ratio(1.1), 4).design}
+    for found, d in zip(rechecks(designs, [engine], lambda _: None), designs.values(), strict=True):
+        assert found.status == "ok"
+        assert abs(found.R_S - measure("R_S", d)) <= 1e-8
+        assert abs(found.M_P / measure("M_P", d) - 1) <= 1e-4  # inertia takes 6e-5
+        assert abs(found.R_V_max / measure("R_V max", d) - 1) <= 1e-5  # of 3600 samples
+
+
+def test_a_run_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    failed = runner.Run("exudyn", None, scenes.Status.diverged)
+    monkeypatch.setattr("compare.judge.measure.run", lambda *_: failed)
+    monkeypatch.setattr("compare.engines.runner.run", lambda *_: failed)
+    (found,) = rechecks({"design": SCHEME_4}, ["exudyn"], lambda _: None)
+    assert found.status == "diverged"
+    assert np.isnan([found.M_P, found.R_S, found.R_V_max]).all()
+
+
+def test_study_and_report(tmp_path: Path) -> None:
+    done: list[str] = []
+    points = study(Effort(2, 0), (1.0,), done.append)
+    assert len(done) == len(points)
+    assert all(f" of {len(points)} points: " in text for text in done)
+    assert {MAIN, LENGTHS, AHEAD} <= {point.set for point in points}
+    folder = write(Outcome(points, [], {"ahead": AHEAD_IN_SIX}, 1.0), tmp_path)
+    assert sorted(path.name for path in folder.iterdir()) == ["design.csv", "design.html", "design.json"]
+    found = json.loads((folder / "design.json").read_text())
+    assert [point["set"] for point in found["points"]] == [point.set for point in points]
+    assert abs(found["published"][1]["M_P"] - 22.738335) <= 5e-7
+    with (folder / "design.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 2 + len(points)
+    assert set(VARIABLES) <= rows[0].keys()
+    assert "26.8741" in (folder / "design.html").read_text()
+
+
+@pytest.mark.parametrize("arguments", [["--out"], ["--out", __file__], ["extra"]])
+def test_bad_input_is_named_in_one_line(arguments: Sequence[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(list(arguments)) == 2
+    assert capsys.readouterr().err.count("\n") == 1

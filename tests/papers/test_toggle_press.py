@@ -1,0 +1,167 @@
+"""The toggle press's claims: verdicts follow from residuals, and a second transcription agrees."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from papers.claims import EXACT, Claim, Verdict, judge
+from papers.toggle_press.claims import claims
+from papers.toggle_press.positions import EQUATIONS as POSITIONS
+from papers.toggle_press.rates import EQUATIONS as RATES
+from papers.toggle_press.variables import Uneven, Variables, over_two_turns
+
+from . import audit_transcription as second
+
+MISPRINTS = {"5.2", "7", "7.2", "11", "14", "17.2", "20.2", "24.2", "26.2", "27"}
+WRONG_BRANCHES = {"8", "10", "18"}
+PRESSES = ("toggle press", "crank press")
+
+
+@pytest.fixture(scope="module")
+def rows() -> dict[str, Claim]:
+    return {claim.claim: claim for claim in claims()}
+
+
+@pytest.fixture(scope="module")
+def variables() -> Variables:
+    return over_two_turns()
+
+
+# --- equations -------------------------------------------------------------------------------------------------------
+
+
+def test_every_equation_has_a_row(rows: dict[str, Claim]) -> None:
+    assert {f"eq {k}" for k in range(1, 33)} <= set(rows)
+    assert {f"eq {k}.2" for k in (6, 7, 13, 17, 20, 21, 22, 24, 25, 26)} <= set(rows)
+
+
+def test_the_kinematic_verdicts(rows: dict[str, Claim]) -> None:
+    """What was found by hand, equation by equation; every form that holds does so to rounding."""
+    for equation in (*POSITIONS, *RATES):
+        row, name = rows[equation.claim], equation.claim.removeprefix("eq ")
+        expected = Verdict.MISPRINT if name in MISPRINTS else Verdict.HOLDS
+        expected = Verdict.WRONG_BRANCH if name in WRONG_BRANCHES else expected
+        assert row.verdict is expected, name
+        held = row.residual if expected is Verdict.HOLDS else row.corrected_residual
+        assert held is not None
+        assert held <= EXACT
+        if expected is not Verdict.HOLDS:
+            assert row.residual is not None
+            assert row.residual > 0.1  # a misprint is no rounding error
+
+
+def test_the_kinetostatic_verdicts(rows: dict[str, Claim]) -> None:
+    forces = {name: claim for name, claim in rows.items() if re.match(r"eq (28|29|30|31|32)", name)}
+    holding = {"eq 28", "eq 28.2", "eq 29", "eq 29.2", "eq 30", "eq 31", "eq 31.2"}
+    assert {name for name, claim in forces.items() if claim.verdict is Verdict.HOLDS} == holding
+    assert [name for name, claim in forces.items() if claim.verdict is Verdict.INCONSISTENT] == ["eq 30.2"]
+    for name, claim in forces.items():
+        held = claim.residual if name in holding else claim.corrected_residual
+        assert held is not None
+        assert held <= EXACT, name  # the corrected form has the reference's reactions
+
+
+def test_a_wrong_correction_is_no_correction(variables: Variables) -> None:
+    """The verdict follows from the residuals: exchange the forms, and it changes with them."""
+    for equation in (*POSITIONS, *RATES):
+        if equation.corrected is not None:
+            right = replace(equation, printed=equation.corrected)
+            wrong = replace(equation, corrected=equation.printed)
+            assert judge(right, variables, variables.scale).verdict is Verdict.HOLDS
+            assert judge(wrong, variables, variables.scale).verdict is Verdict.NOT_REPRODUCIBLE
+
+
+def test_the_equations_are_sharp(variables: Variables) -> None:
+    """A length that is a hair off, or a rate, is seen by every equation that has it."""
+    rates = [w * (1 + 1e-9 * k) for k, w in enumerate(variables.w)]
+    off = replace(variables, x=variables.x * (1 + 3e-9), w=rates)
+    assert judge(POSITIONS[3], off, off.scale).verdict is Verdict.NOT_REPRODUCIBLE
+    assert [e.claim for e in RATES if judge(e, off, off.scale).verdict is Verdict.HOLDS] == []
+
+
+def test_the_crank_accelerates_somewhere(variables: Variables) -> None:
+    """Else the terms of alpha in (24) would not be tested."""
+    assert np.abs(variables.a[0]).max() > 0.1 * np.abs(variables.w[0]).max() ** 2
+
+
+def test_the_rates_of_the_uneven_crank_are_derivatives() -> None:
+    drive = Uneven("crank", (0.0, 2.0), (0.0, 2 * np.pi), periodic=True)
+    times, step = np.linspace(0, 2, 50), 1e-4
+    before, now, after = (drive.at(times + k * step) for k in (-1, 0, 1))
+    assert np.abs((after.position - before.position) / (2 * step) - now.rate).max() < 1e-7  # of the differences
+    assert np.abs((after.rate - before.rate) / (2 * step) - now.acceleration).max() < 1e-7
+    assert after.position[-1] - after.position[0] == pytest.approx(2 * np.pi, abs=1e-12)
+
+
+# --- the second transcription ----------------------------------------------------------------------------------------
+
+
+def some(v: Variables) -> tuple[NDArray[np.intp], list[second.Angle]]:
+    at = np.arange(7, len(v.t[0]), 60)
+    return at, second.moving(v.t[0][at], v.w[0][at], v.a[0][at])
+
+
+def test_the_motion_is_that_of_the_second_transcription(variables: Variables) -> None:
+    at, angles = some(variables)
+    for t, w, a, angle in zip(variables.t, variables.w, variables.a, angles, strict=True):
+        assert np.abs(np.exp(1j * (t[at] - angle.at)) - 1).max() < 1e-12
+        assert np.abs(w[at] - angle.rate).max() < 1e-8  # of the differences
+        assert np.abs(a[at] - angle.second).max() < 1e-6
+
+
+def test_printed_equations_are_off_as_the_second_transcription_is(variables: Variables) -> None:
+    at, angles = some(variables)
+    known = {equation.claim: equation for equation in (*POSITIONS, *RATES)}
+    for name, mine in second.printed(angles).items():
+        theirs = known[name].printed(variables)[at]
+        assert np.abs(np.abs(theirs) - np.abs(mine)).max() < 1e-5 * np.abs(mine).max(), name
+
+
+def test_roots_are_those_of_the_second_transcription(variables: Variables) -> None:
+    """The printed root is the other one in (8); (14) has neither, for its E1 is wrong."""
+    at, angles = some(variables)
+    roots = second.half_angle_roots(angles)
+    eight = next(equation for equation in POSITIONS if equation.claim == "eq 8")
+    plus, minus = (eight.printed(variables)[at], eight.branches["with −√"](variables)[at])
+    assert np.abs(np.exp(1j * (variables.t[1][at] - roots["eq 8"][1])) - 1).max() < 1e-12
+    assert np.abs(np.exp(1j * (variables.t[1][at] - roots["eq 8"][0])) - np.exp(1j * plus)).max() < 1e-12
+    assert np.abs(minus).max() < EXACT
+    for root in roots["eq 14"]:
+        assert np.nanmax(np.abs(np.exp(1j * (variables.t[3][at] - root)) - 1)) > 0.1
+
+
+# --- numbers ---------------------------------------------------------------------------------------------------------
+
+
+def crank_press(height: float) -> tuple[float, float]:
+    """Return angle, rad, and rate, mm/rad, of the crank press so many mm above its lowest point, in closed form."""
+    turned = np.linspace(0.3, 0.4, 100_001)
+    heights = 1480 - (90 * np.cos(turned) + np.sqrt(1390**2 - (90 * np.sin(turned)) ** 2))
+    at = float(np.interp(height, heights, turned))
+    return at, 90 * np.sin(at) + 90**2 * np.sin(at) * np.cos(at) / np.sqrt(1390**2 - (90 * np.sin(at)) ** 2)
+
+
+def test_the_presses_numbers(rows: dict[str, Claim]) -> None:
+    """Of the crank press by its closed form; of the toggle press by the second transcription."""
+    at, rate = crank_press(6)
+    assert rows["table 1 pressure angle [deg], crank press"].computed == pytest.approx(np.degrees(at), abs=1e-4)
+    assert rows["table 1 speed [mm/s], crank press"].computed == pytest.approx(2 * np.pi * rate, rel=1e-5)
+    assert rows["table 1 torque [N m], crank press"].computed == pytest.approx(1600 * rate, rel=1e-5)
+    theta = np.linspace(0, 2 * np.pi, 36_001)
+    t1, _, t3, _, t5 = second.angles(theta)
+    y = second.ROCKER * np.sin(t1) + second.SIDE * np.sin(t3) + second.ROD * np.sin(t5)
+    assert rows["stroke [mm]"].computed == pytest.approx(1e3 * np.ptp(y), abs=1e-4)
+
+
+def test_the_table_contradicts_itself(rows: dict[str, Claim]) -> None:
+    for press in PRESSES:
+        assert rows[f"table 1 virtual work, {press}: nominal force [kN]"].verdict is Verdict.INCONSISTENT
+        assert rows[f"table 1 torque [N m], {press}"].verdict is Verdict.NOT_REPRODUCIBLE
+        assert rows[f"table 1 unit of the speed, {press}"].verdict is Verdict.MISPRINT
+    assert rows["conclusion 2, quick return"].verdict is Verdict.UNDERDETERMINED
+    for name in ("conclusion 1, low speed where the nominal force begins", "conclusion 4, torque at nominal force"):
+        assert rows[name].verdict is Verdict.HOLDS
+    assert rows["geometry, P2-P4 when the slider is lowest [mm]"].computed == pytest.approx(760 - 1.0952, abs=1e-3)
