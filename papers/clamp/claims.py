@@ -14,7 +14,7 @@ from ..reference import solved
 from .corners import corners
 from .equations import EQUATIONS, KINDS, Moving, moving, scale
 from .formulas import PUBLISHED, velocity_ratio
-from .limits import constraints
+from .limits import constraints, largest_force_ratio
 from .printed import SCENES, TABLE_2
 from .tables import measured, table_1, table_2
 
@@ -34,6 +34,7 @@ def claims() -> Iterator[Claim]:
     yield from table_2(designs)
     for name, known in designs.items():
         yield from constraints(name, known)
+    yield largest_force_ratio()
     yield from measured(designs["scheme 4"])
 
 

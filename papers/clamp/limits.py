@@ -2,15 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 
-from ..claims import Claim, limit
+from ..claims import Claim, limit, number
 from . import printed
-from .constraints import opening
+from .constraints import ALONE, BOTH, LOOSEST, Clearance, opening
 from .corners import Corners
 from .formulas import DEGREE, at
 from .measures import MEASURES
+from .optimisation.problem import Problem
+from .optimisation.search import search
 
 PINS = (60.0, 140.0)  # mm, plausible diameters of the pins B, D and E
 HEIGHTS = (100.0, 500.0)  # mm, plausible heights H_s of the crosshead
+SMALLER = Clearance(B=129.0, D=BOTH.D, L3=132.0, L4=135.0)  # mm, of sizes with which M_P can be what is printed
+STARTS = 8  # of local searches, all of which end at one M_P
 
 
 def constraints(name: str, design: Corners) -> Iterator[Claim]:
@@ -90,3 +94,17 @@ def _ranges(name: str, design: Corners) -> Iterator[Claim]:
             computed=face,
             note=f"{least:.4g} to {most:.4g} within the rounding of table 2",
         )
+
+
+def largest_force_ratio() -> Claim:
+    """Return the row of the largest M_P of all designs, which goes with the sizes that are not given."""
+    both, alone, any_, smaller = (search(Problem("M_P", c), STARTS).value for c in (BOTH, ALONE, LOOSEST, SMALLER))
+    return number(
+        "optimisation, largest M_P",
+        printed.LARGEST_FORCE_RATIO,
+        both,
+        allowed=[(alone, any_)],
+        note="by the sizes of pins and crosshead, from those that just allow scheme 4 to any; here with those that just"
+        f" allow both printed designs; {smaller:.2f} where L3 ≥ {SMALLER.L3:g}, L4 ≥ {SMALLER.L4:g} and"
+        f" L1 − H_b ≤ {SMALLER.B:g} mm, of which the last leaves room",
+    )

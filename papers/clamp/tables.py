@@ -147,13 +147,21 @@ def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
 
 
 def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
-    """Yield the rows of what table 2 prints twice, L3 and the ratio of L1 and L2."""
+    """Yield the rows of what table 2 prints twice, L3 and the ratio of L1 and L2; and whether its values can lock."""
     for name, design in known.items():
         face, allowed = design.over(formulas.third_length)
         note = "mm, from L₁, L₅ and γ"
         yield number(f"table 2 L3, {name}", TABLE_2[name]["L3"], face, allowed=[allowed], note=note)
     L1, L2 = (float(TABLE_2["scheme 4"][length]) for length in ("L1", "L2"))
     yield number("table 2 L1/L2, scheme 4", "0.856", L1 / L2, among_printed=True)
+    for name, design in known.items():
+        yield comparison(
+            f"table 2 with its rounding, {name}",
+            "a clamp that locks",
+            [True, design.locking == design.count],
+            f"{design.locking} of {design.count} corners of the rounding can lock",
+            "the others cannot where L₄ is shorter than H_b − L₅ sin(θ+γ); no range here is over such corners",
+        )
 
 
 def measured(design: Corners) -> Iterator[Claim]:

@@ -1,7 +1,8 @@
 """Toggle press: table 1 of Yang (2023), each entry by itself, and its columns against each other by virtual work.
 
 Without friction and inertia the torque T on the crank and the force F on the slider do the same work: T w = F v. The
-direction in which the crank turns and the strokes a minute, 40 to 60, are not given.
+direction in which the crank turns and the strokes a minute, 40 to 60, are not given. The speeds are printed negative:
+y is up, and the slider goes down while it closes.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,14 +14,15 @@ from ..claims import Claim, comparison, joined, limit, number, span
 from .presses import Press, Side
 
 HEIGHT, FORCE = 6e-3, 1600e3  # m above the lowest point, N
-HEIGHTS = (HEIGHT,)
+HEIGHTS = (5.5e-3, HEIGHT, 6.5e-3)  # "6 mm" and the ends of its rounding
 FEWEST, MOST = 40, 60  # strokes a minute
 UNIFORM = 0.1  # of the largest speed: where it varies by more it is not uniform
 TOGGLE, CRANK = "toggle press", "crank press"
 PRINTED: Mapping[str, Mapping[str, str]] = {
-    TOGGLE: {"angle": "36.0", "from": "135", "speed": "112.6", "torque": "1563"},
-    CRANK: {"angle": "20.6", "from": "153", "speed": "228.2", "torque": "3615"},
+    TOGGLE: {"angle": "36.0", "from": "135", "speed": "-112.6", "torque": "1563"},
+    CRANK: {"angle": "20.6", "from": "153", "speed": "-228.2", "torque": "3615"},
 }
+SIGN = "printed negative: the slider goes down"
 
 
 def speed(rate: float, strokes: float = MOST) -> float:
@@ -49,13 +51,13 @@ def _row(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
             takes = " or ".join(f"{level * float(text) / v:.3g} {way}".strip() for way, v in face.items())
             found = f"{found} at {at}; the printed one takes {takes}"
         allowed = [span([*values, *(least * v for v in values)]) for values in ranges]
-        note = joined(f"6 mm above the end: {found}")
+        note = joined(f"6 mm above the end, 5.5 to 6.5 mm for the range: {found}", SIGN if text.startswith("-") else "")
         return number(f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=note)
 
     yield entry("pressure angle [deg]", lambda angle, _: degrees(angle))
     yield _uniform(name, printed["from"], press)
     yield _unit(name, printed["speed"], press)
-    yield entry("speed [mm/s]", lambda _, rate: speed(rate), f"{MOST} strokes a minute", FEWEST / MOST)
+    yield entry("speed [mm/s]", lambda _, rate: -speed(rate), f"{MOST} strokes a minute", FEWEST / MOST)
     yield entry("torque [N m]", lambda _, rate: FORCE * rate, f"{FORCE / 1e3:g} kN")
 
 
@@ -91,6 +93,7 @@ def _unit(name: str, printed: str, press: Press) -> Claim:
         scale=peak,
         computed=f"at most {peak:.3f} m/s over the whole turn, at {MOST} a minute",
         corrected=("mm/s", size / 1e3 - peak),
+        note=SIGN,
     )
 
 
@@ -105,7 +108,7 @@ def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
             high,
             allowed=[(low, high)],
             among_printed=True,
-            note="torque times the crank's speed over the slider's speed, both as printed",
+            note="torque times the crank's speed over the slider's speed, both as printed, but for the sign",
         )
     torques, speeds = ([float(PRINTED[name][what]) for name in PRINTED] for what in ("torque", "speed"))
     share = speeds[0] / speeds[1]
@@ -123,8 +126,8 @@ def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
         yield number(
             f"table 1 speed, {TOGGLE}, with the quick return of conclusion 2 [mm/s]",
             PRINTED[TOGGLE]["speed"],
-            speed(side.at(HEIGHT)[1]),
-            allowed=[span(speed(rate, strokes) for rate in rates for strokes in (FEWEST, MOST))],
+            -speed(side.at(HEIGHT)[1]),
+            allowed=[span(-speed(rate, strokes) for rate in rates for strokes in (FEWEST, MOST))],
             among_printed=True,
-            note=f"it returns quickly only {way}",
+            note=f"it returns quickly only {way}; {SIGN}",
         )

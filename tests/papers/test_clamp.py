@@ -92,6 +92,15 @@ def test_the_clamps_verdicts(rows: dict[str, Claim]) -> None:
     assert rows["constraint, toggle-lock stability, initial"].verdict is Verdict.MISPRINT
 
 
+def test_the_largest_force_ratio_goes_with_the_sizes_that_are_not_given(rows: dict[str, Claim]) -> None:
+    row = rows["optimisation, largest M_P"]
+    assert row.printed == "26.55"
+    assert row.verdict is Verdict.UNDERDETERMINED
+    assert row.computed == pytest.approx(28.757368, abs=1e-6)
+    assert "possible: 26.373 to 30.757;" in row.note
+    assert "26.55 where L3 ≥ 132, L4 ≥ 135 and L1 − H_b ≤ 129 mm" in row.note
+
+
 def test_exudyn_agrees_with_the_formulas(engine_rows: dict[str, Claim]) -> None:
     for name in ("eq R_V, exudyn", "eq M_P, exudyn", "eq omega_4, exudyn"):
         assert engine_rows[name].verdict is Verdict.HOLDS
@@ -149,3 +158,21 @@ def test_no_clamp_is_named_where_none_rounds_to_table_2() -> None:
 def test_the_rounding_of_table_2_is_a_range_around_face_value(name: str) -> None:
     face, (low, high) = corners("initial").over(MEASURES[name].of)
     assert low < face < high
+
+
+@pytest.mark.parametrize(("name", "out", "most"), [("initial", 0, 20.721), ("scheme 4", 32, 23.542)])
+def test_corners_that_cannot_lock_are_reported(name: str, out: int, most: float, rows: dict[str, Claim]) -> None:
+    """By the second transcription: the crosshead is nowhere where DE is too short for the locked pose."""
+    halves = {variable: half_unit(text) for variable, text in TABLE_2[name].items() if variable != "L3"}
+    with np.errstate(invalid="ignore"):
+        signs = np.stack(np.meshgrid(*[[-1, 1]] * len(halves))).reshape(len(halves), -1)
+        ends = {v: getattr(CLAMPS[name], v) + half * s for (v, half), s in zip(halves.items(), signs, strict=True)}
+        clamps = second.Clamp(**ends)  # all at once
+        locked = clamps.crosshead(np.zeros(signs.shape[1]))
+        ratios = 1 / clamps.ratio(np.full(signs.shape[1], 2.5))
+    assert np.isnan(locked).sum() == out
+    assert ratios[~np.isnan(locked)].max() == pytest.approx(most, abs=5e-4)
+    assert f"to {most}; " in rows[f"table 1 M_P, {name}"].note  # the range is over the others alone
+    row = rows[f"table 2 with its rounding, {name}"]
+    assert str(row.computed).startswith(f"{256 - out} of 256 corners")
+    assert row.verdict is (Verdict.UNDERDETERMINED if out else Verdict.HOLDS)

@@ -148,12 +148,31 @@ def test_the_presses_numbers(rows: dict[str, Claim]) -> None:
     """Of the crank press by its closed form; of the toggle press by the second transcription."""
     at, rate = crank_press(6)
     assert rows["table 1 pressure angle [deg], crank press"].computed == pytest.approx(np.degrees(at), abs=1e-4)
-    assert rows["table 1 speed [mm/s], crank press"].computed == pytest.approx(2 * np.pi * rate, rel=1e-5)
+    assert rows["table 1 speed [mm/s], crank press"].computed == pytest.approx(-2 * np.pi * rate, rel=1e-5)
     assert rows["table 1 torque [N m], crank press"].computed == pytest.approx(1600 * rate, rel=1e-5)
     theta = np.linspace(0, 2 * np.pi, 36_001)
     t1, _, t3, _, t5 = second.angles(theta)
     y = second.ROCKER * np.sin(t1) + second.SIDE * np.sin(t3) + second.ROD * np.sin(t5)
     assert rows["stroke [mm]"].computed == pytest.approx(1e3 * np.ptp(y), abs=1e-4)
+
+
+def test_6_mm_is_rounded(rows: dict[str, Claim]) -> None:
+    """The crank press's 20.6 deg is within what "6 mm" allows; its speed is not."""
+    row = rows["table 1 pressure angle [deg], crank press"]
+    possible = [float(end) for end in re.findall(r"possible: ([\d.]+) to ([\d.]+);", row.note)[0]]
+    assert possible == pytest.approx([np.degrees(crank_press(height)[0]) for height in (5.5, 6.5)], abs=1e-3)
+    assert row.verdict is Verdict.UNDERDETERMINED
+    assert rows["table 1 speed [mm/s], crank press"].verdict is Verdict.NOT_REPRODUCIBLE
+    assert rows["table 1 pressure angle [deg], toggle press"].verdict is Verdict.NOT_REPRODUCIBLE
+
+
+@pytest.mark.parametrize("press", PRESSES)
+def test_the_sign_of_the_speeds_is_named(press: str, rows: dict[str, Claim]) -> None:
+    """They are printed negative, and the slider does go down where it closes."""
+    for row in (rows[f"table 1 speed [mm/s], {press}"], rows[f"table 1 unit of the speed, {press}"]):
+        assert row.printed.startswith("-")
+        assert "printed negative" in row.note
+    assert float(rows[f"table 1 speed [mm/s], {press}"].computed) < 0
 
 
 def test_the_table_contradicts_itself(rows: dict[str, Claim]) -> None:
