@@ -1,4 +1,4 @@
-"""Settings of pymunk: what can be chosen, and every named setting of the ladders in one place."""
+"""Settings of pymunk: what can be chosen, and every named setting in one place."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -100,12 +100,12 @@ def test_the_reference_is_held_to_arbitrary_precision(ladder: str, rung: str, st
 
 
 def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = registry.reference
+    real = registry.checked_reference
 
-    def wrong(scene: scenes.Scene, _channels: object = None) -> registry.Solve:
+    def wrong(scene: scenes.Scene) -> registry.Solve:
         return lambda position, time: changed(real(scene)(position, time), "P3.fx", 1e-3, row=5)
 
-    monkeypatch.setattr(registry, "reference", wrong)
+    monkeypatch.setattr(registry, "checked_reference", wrong)
     monkeypatch.setattr(
         "compare.judge.round_off.sensitivity", lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"])
     )
