@@ -64,7 +64,7 @@ def references() -> References:
 def plug(monkeypatch: pytest.MonkeyPatch) -> Plug:
     """Return a function that makes the engine named `stub` end as told."""
     real = registry.engine
-    entry = registry.Entry("a stub", "", "numpy", "numpy", "", 1e-3)
+    entry = registry.Entry("a stub", "", 1e-3, "numpy", "numpy", "")
     monkeypatch.setitem(registry.ENTRIES, "stub", entry)
 
     def plug(outcome: Outcome) -> None:

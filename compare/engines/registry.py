@@ -20,10 +20,10 @@ class Entry:
 
     purpose: str
     module: str
+    promise: float  # the largest relative error of an ok run at balanced settings; hard cases hold it to that
     package: str  # what is imported
     distribution: str  # what is installed
     install: str
-    promise: float  # the largest relative error of a run at balanced settings that says ok: hard cases hold it to that
 
     @property
     def missing(self) -> str | None:
@@ -39,33 +39,23 @@ class Entry:
             return "not installed"
 
 
+_CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
+_FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
 ENTRIES = {
-    "analytic": Entry(
-        "vector equations: dyads in closed form, larger groups by Newton; the reference",
-        "analytic.engine",
-        "numpy",
-        "numpy",
-        "pip install numpy",
-        1e-12,
-    ),
+    "analytic": Entry(_CORE, "analytic.engine", 1e-12, "numpy", "numpy", "pip install numpy"),
     "exudyn": Entry(
         "multibody DAE with Lagrange multipliers",
         "sim_models.exudyn.engine",
+        1e-3,
         "exudyn",
         "exudyn",
         "pip install exudyn",
-        1e-3,
     ),
     "pymunk": Entry(
-        "impulses, block Gauss-Seidel", "sim_models.pymunk.engine", "pymunk", "pymunk", "pip install pymunk", 1e-2
+        "impulses, block Gauss-Seidel", "sim_models.pymunk.engine", 1e-2, "pymunk", "pymunk", "pip install pymunk"
     ),
     "multiprecision": Entry(
-        "50 digits, Newton on the constraints; certifies the reference's floor",
-        "sim_models.multiprecision.engine",
-        "flint",
-        "python-flint",
-        "pip install '.[certify]'",
-        1e-12,
+        _FLINT, "sim_models.multiprecision.engine", 1e-12, "flint", "python-flint", "pip install '.[certify]'"
     ),
 }
 REFERENCE = "analytic"

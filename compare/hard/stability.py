@@ -12,7 +12,7 @@ has an answer to how many sweeps they need (`iterations_needed`).
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..engines.reference import Reference, establish
 from ..engines.stopping import kept
 from ..judge.errors import SHOWN_GROUPS
 from ..judge.measure import Measurement, checked_run, measure
+from ..judge.perturbation import put
 
 SAMPLES = 24  # a cycle
 STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples
@@ -138,23 +139,14 @@ def over_turns(
 def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
     """Return the scene with its heaviest body lighter and heavier, by factor."""
     heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0)
-    return [
-        (
-            f"{factor:g}",
-            replace(
-                scene,
-                bodies={
-                    **scene.bodies,
-                    heaviest.name: replace(
-                        heaviest,
-                        mass=factor * (heaviest.mass or 0.0),
-                        inertia=None if heaviest.inertia is None else factor * heaviest.inertia,
-                    ),
-                },
-            ),
-        )
-        for factor in factors
-    ]
+    where = ("bodies", heaviest.name)
+    variants = []
+    for factor in factors:
+        other = put(scene, (*where, "mass"), factor * (heaviest.mass or 0.0))
+        if heaviest.inertia is not None:
+            other = put(other, (*where, "inertia"), factor * heaviest.inertia)
+        variants.append((f"{factor:g}", other))
+    return variants
 
 
 def _at_steps(engine: str, *numbers: int) -> Settings:
@@ -174,12 +166,7 @@ def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns:
     worst = found.worst()
     errors = {group: worst[group] for group in SHOWN_GROUPS if group in worst}
     last = found.worst("last_turn_max").get("position", np.nan)
-    return {
-        "map": place.map,
-        "engine": place.engine,
-        "x": place.x,
-        "label": place.label,
-        "steps": place.steps,
+    return asdict(place) | {
         "setting": settings.label,
         "status": found.run.status.name,
         "reason": found.run.reason,

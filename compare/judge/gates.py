@@ -1,7 +1,7 @@
 """What a CI run is stopped by: the scene's tolerances, engine by engine and group by group."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import pandas as pd
 
@@ -63,16 +63,5 @@ def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[st
 
 def gate_table(held: Iterable[Gate]) -> pd.DataFrame:
     """Return one row a tolerance: the error measured, and whether it was met."""
-    return pd.DataFrame(
-        [
-            {
-                "engine": gate.engine,
-                "group": gate.group,
-                "tolerance": gate.tolerance,
-                "error": gate.error,
-                "met": "missed" if gate.missed else "met",
-                "worst": gate.worst,
-            }
-            for gate in held
-        ]
-    )
+    rows = [asdict(gate) | {"met": "missed" if gate.missed else "met"} for gate in held]
+    return pd.DataFrame(rows, columns=["engine", "group", "tolerance", "error", "met", "worst"])

@@ -27,20 +27,15 @@ class Limit(NamedTuple):
     sentence: str
 
 
+POOR = Status.not_converged
 LIMITS = {
     "drive": Limit(OPEN, Status.diverged, "{of} is off where the drive asks it to be by {worst} of a {relative_to}"),
     "closure": Limit(OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}"),
     "branch": Limit(0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch"),
-    "estimate": Limit(WORTHLESS, Status.not_converged, "by its own poses {of} is off by {worst} of the {relative_to}"),
-    "Newton": Limit(
-        WORTHLESS, Status.not_converged, "forces and m a of {of} are out of balance by {worst} of the {relative_to}"
-    ),
-    "Euler": Limit(
-        WORTHLESS, Status.not_converged, "moments and I alpha of {of} are out of balance by {worst} of {relative_to}"
-    ),
-    "power": Limit(
-        WORTHLESS, Status.not_converged, "the power of the {of} is out of balance by {worst} of the {relative_to}"
-    ),
+    "estimate": Limit(WORTHLESS, POOR, "by its own poses {of} is off by {worst} of the {relative_to}"),
+    "Newton": Limit(WORTHLESS, POOR, "forces and m a of {of} are out of balance by {worst} of the {relative_to}"),
+    "Euler": Limit(WORTHLESS, POOR, "moments and I alpha of {of} are out of balance by {worst} of {relative_to}"),
+    "power": Limit(WORTHLESS, POOR, "the power of the {of} is out of balance by {worst} of the {relative_to}"),
 }
 
 

@@ -30,7 +30,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     """Return an engine named `stub`, the only one there is besides the analytic core, under a clock of its own."""
     clock, real = Clock(tick=1e-9), registry.engine
     engine = StubEngine(reference, clock)
-    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", "", 1e-3))
+    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", 1e-3, "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
     monkeypatch.setattr("compare.engines.runner.perf_counter", clock)
     monkeypatch.setattr("compare.speed.speed_table.take_turns", partial(take_turns, clock=clock, wall=clock))
