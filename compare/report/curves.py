@@ -19,7 +19,7 @@ from ..engines.registry import REFERENCE
 from ..study import Study
 from .style import BOUND, COLOURS, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 
-MARKERS = 36  # a cycle, shared out between the engines
+MARKERS = 36  # per cycle, shared out between the engines
 
 
 @dataclass(frozen=True)

@@ -23,16 +23,19 @@ def head(title: str) -> str:
 
 
 def figure_html(figure: go.Figure) -> str:
-    """Return a figure for a page that has plotly in its head."""
-    return str(
-        figure.to_html(full_html=False, include_plotlyjs=False, config={"displayModeBar": False, "responsive": True})
-    )
+    """Return a figure as wide as the page; it scrolls on a narrow screen."""
+    return f'<div class="scroll wide">{_plot(figure)}</div>'
+
+
+def _plot(figure: go.Figure) -> str:
+    config = {"displayModeBar": False, "responsive": True}
+    return str(figure.to_html(full_html=False, include_plotlyjs=False, config=config))
 
 
 def section_html(title: str, figure: go.Figure, note: str = "") -> str:
-    """Return a titled figure with a note above it."""
+    """Return a titled figure with a note above it, for a grid of figures."""
     source = f'<p class="source">{escape(note)}</p>' if note else ""
-    return f"<section><h3>{escape(title)}</h3>{source}{figure_html(figure)}</section>"
+    return f"<section><h3>{escape(title)}</h3>{source}{_plot(figure)}</section>"
 
 
 def table_html(table: pd.DataFrame, kind: str = "") -> str:

@@ -54,7 +54,7 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
         figure.update_xaxes(showgrid=False, zeroline=False)
         figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps per cycle", col=1)
         figure.add_annotation(text=_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
-        figure.update_layout(layout(170 + 42 * len(steps), titled=True), coloraxis=SCALE)
+        figure.update_layout(layout(190 + 42 * len(steps), titled=True), coloraxis=SCALE)
         yield title, figure.update_layout(margin_b=100)
 
 
