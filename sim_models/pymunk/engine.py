@@ -15,6 +15,7 @@ enough.
 
 from scenes import Request, Scene
 
+from . import simulation, textbook
 from .settings import (
     ABLATIONS,
     DEFAULT,
@@ -73,5 +74,5 @@ def build(scene: Scene, settings: AnySettings, request: Request) -> PymunkSimula
         ImportError: pymunk is not installed.
     """
     if isinstance(settings, Textbook):
-        return TextbookSimulation(scene, settings, request)
-    return PymunkSimulation(scene, settings, request)
+        return textbook.build(scene, settings, request)
+    return simulation.build(scene, settings, request)

@@ -1,16 +1,17 @@
-"""The runs of all levels, and what follows from them."""
+"""The runs of all levels, and their extrapolation."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil
 
 import numpy as np
 
-from scenes import Failure, Motion, Request, Scene
+from scenes import Failure, Motion, Request, Sampling, Scene
 from scenes.engine import equal_steps
 from scenes.motion import Samples, force_channels
 
+from . import stepping
 from .channels import found_channels, joint_forces
 from .checks import check_finite, check_impulses, check_path
 from .constraints import Linkage, Poses, branch, planes, with_ground
@@ -26,21 +27,21 @@ LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
 @dataclass(frozen=True)
 class Level:
-    """What one run gave at the n samples: poses, rates, accelerations, and the channels that follow from them.
+    """A run's poses, rates and accelerations at the n samples, and its channels.
 
-    These are those asked for, and where there are forces among them, all forces.
+    These are the ones requested, and where there are forces among them, all forces.
     """
 
     run: Run
     q: Poses
     v: Poses
     a: Poses
-    acts: Active  # (n, press forces)
+    active: Active  # (n, press forces)
     samples: Mapping[str, Samples]
 
 
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
-    """Return whether forces act on the bodies; where nobody asks for any, the drive alone moves fictitious masses."""
+    """Return whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
     return request.wants_forces(scene) and not settings.fictitious
 
 
@@ -54,35 +55,31 @@ def linkage_of(scene: Scene, settings: PymunkSettings, request: Request) -> Link
     return Linkage(scene, own_masses if settings.extra == "motor" else masses)
 
 
+def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSimulation":
+    """Prepare one run for each level from a consistent start, see `engine.build`.
+
+    Where no forces are requested, they have fictitious masses and fewer sweeps.
+    """
+    sampling, with_forces = equal_steps(request), loaded(scene, settings, request)
+    linkage = linkage_of(scene, settings, request)
+    if not (with_forces or settings.fictitious or settings.extra == "motor"):
+        settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
+    pose = start(linkage)
+    ends = stroke_ends(linkage, pose)
+    strides = [ceil(settings.steps / sampling.samples) * 2**level for level in range(settings.levels)]
+    runs = [stepping.build(linkage, pose, ends, sampling, n, settings, loaded=with_forces) for n in strides]
+    return PymunkSimulation(sampling, linkage, runs, ends, branch(linkage.jacobian(pose)))
+
+
 class PymunkSimulation:
-    """One run for each level. Where nobody asks for forces, they have fictitious masses and fewer sweeps."""
+    """One run for each level."""
 
-    def __init__(self, scene: Scene, settings: PymunkSettings, request: Request) -> None:
-        sampling = equal_steps(request)
-        self._scene, self._sampling = scene, sampling
-        self._wanted = frozenset(request.wanted(scene))
-        self._loaded = loaded(scene, settings, request)
-        self._linkage = linkage_of(scene, settings, request)
-        spared = not (self._loaded or settings.fictitious or settings.extra == "motor")
-        iterations = ceil(settings.iterations / LIGHTER) if spared else settings.iterations
-
-        pose = start(self._linkage)
-        self._branch = branch(self._linkage.jacobian(pose))
-        self._stroke_ends = stroke_ends(self._linkage, pose)
-        stride = ceil(settings.steps / sampling.samples)
-        self._runs = [
-            Run(
-                self._linkage,
-                pose,
-                self._stroke_ends,
-                sampling,
-                stride * 2**level,
-                iterations,
-                settings,
-                loaded=self._loaded,
-            )
-            for level in range(settings.levels)
-        ]
+    def __init__(
+        self, sampling: Sampling, linkage: Linkage, runs: Sequence[Run], stroke_ends: Sequence[float], branch: Samples
+    ) -> None:
+        self._scene, self._sampling, self._linkage, self._runs = linkage.scene, sampling, linkage, runs
+        self._stroke_ends, self._branch = stroke_ends, branch
+        self._wanted = frozenset(sampling.wanted(linkage.scene))
         self.residuals: dict[str, float] = {}
 
     @property
@@ -118,18 +115,18 @@ class PymunkSimulation:
         return motion
 
     def _level(self, run: Run) -> Level:
-        before, after = run.record[: -1 : run.stride], run.record[1 :: run.stride]
-        q, a = after[..., :3], (after[..., 3:] - before[..., 3:]) / run.dt
-        v = after[..., 3:] - run.dt / 2 * a
-        acts = run.acts if self._loaded else self._acting(q, v)
-        return Level(run, q, v, a, acts, found_channels(self._linkage, self._wanted, q, v, a, acts))
+        before, after = run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
+        q, a = after[..., :3], (after[..., 3:] - before[..., 3:]) / run.steps.size
+        v = after[..., 3:] - run.steps.size / 2 * a
+        active = run.active if run.forces else self._active(q, v)
+        return Level(run, q, v, a, active, found_channels(self._linkage, self._wanted, q, v, a, active))
 
     def _extrapolated(self, levels: Sequence[Level]) -> dict[str, Samples]:
-        asked = [name for name in self._sampling.wanted(self._scene) if name in levels[0].samples]
-        samples = {name: _richardson([level.samples[name] for level in levels]) for name in asked}
-        # Where the levels have a press force now on and now off, no limit can be told from them.
+        wanted = [name for name in self._sampling.wanted(self._scene) if name in levels[0].samples]
+        samples = {name: _richardson([level.samples[name] for level in levels]) for name in wanted}
+        # Where the levels differ in a press force that is on or off, they have no limit.
         finest = levels[-1]
-        switched = np.any([level.acts != finest.acts for level in levels], axis=(0, 2))
+        switched = np.any([level.active != finest.active for level in levels], axis=(0, 2))
         for name in force_channels(self._scene):
             if name in samples:
                 samples[name][switched] = finest.samples[name][switched]
@@ -142,10 +139,11 @@ class PymunkSimulation:
         check_finite(self._scene, level.samples)
         if run.joints:
             expected = joint_forces(linkage, level.q, level.v, level.a, level.samples, run.joints)
-            residuals |= check_impulses(linkage, run.positions[:: run.stride], expected, run.impulses / run.dt)
+            found = run.impulses / run.steps.size
+            residuals |= check_impulses(linkage, run.positions[:: run.steps.stride], expected, found)
         return residuals
 
-    def _acting(self, q: Poses, v: Poses) -> Active:
+    def _active(self, q: Poses, v: Poses) -> Active:
         """Return, for the n samples, which press forces act, shape (n, press forces)."""
         (z, turn), (velocity, _) = planes(with_ground(q)), planes(with_ground(v))
         found = active_presses(self._linkage, z.T, turn.T, velocity.T, self._stroke_ends)

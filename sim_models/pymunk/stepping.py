@@ -1,116 +1,134 @@
-"""One run through the whole time: every step recorded, the drive and the forces set before it."""
+"""One integration over the whole time: every step recorded, the drive and the forces set before it."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from scenes import Failure, Sampling
-from scenes.scene import ConstantSpeed
+from scenes.motion import Samples
+from scenes.scene import ConstantSpeed, PressForce
 
 from .applied_forces import AppliedForces
 from .constraints import Linkage, Poses
 from .loads import Active
-from .record import BatchRecord, PropertyRecord, Record
+from .recorders import BatchRecorder, PropertyRecorder, Recorder
 from .settings import PymunkSettings
 from .space import Model, pair
 from .start import move, rates
 
-# Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The joints forget the
-# latter within four steps, if their sweeps converge and each step corrects the whole error; the former with the sweeps,
-# of which the first step has more. Where the linkage does not assemble that far back, fewer steps leave the first
-# acceleration less exact.
-PREROLL, LEAST_PREROLL = 5, 3
-FIRST_SWEEPS = 10  # times those of a step
+# Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The error of the rates
+# decays within four steps, if the sweeps converge and each step corrects the whole error; that of the impulses with the
+# sweeps, of which the first step has more. Where the linkage does not assemble that far back, fewer steps leave the
+# first acceleration less exact.
+PRE_ROLL, LEAST_PRE_ROLL = 5, 3
+FIRST_SWEEPS = 10  # times those of a later step
 
 
-class Run:
-    """The whole time at one step size dt, s; `loaded` says whether forces act on the bodies.
+@dataclass(frozen=True)
+class Steps:
+    """Equal steps in time, from before t = 0 to the end."""
 
-    Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
-    row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
-    samples, and `acts`, shape (n, press forces), says which of these it was given. `positions`, shape (steps + 1,), are
-    the drive's.
+    size: float  # s
+    stride: int  # from sample to sample
+    pre_roll: int  # before t = 0
+    count: int  # from t = 0 on
+
+
+def build(
+    linkage: Linkage,
+    start: Poses,
+    stroke_ends: Sequence[float],
+    sampling: Sampling,
+    stride: int,
+    settings: PymunkSettings,
+    *,
+    loaded: bool = True,
+) -> "Run":
+    """Return an integration with `stride` steps from sample to sample; `loaded`: with forces on the bodies.
 
     Raises:
         Failure: cannot_assemble, for the steps before t = 0; unsupported, the settings.
+    """
+    scene = linkage.scene
+    dt, count = float(sampling.times(scene)[1]) / stride, stride * sampling.samples * sampling.turns
+    pre_roll, pose = _before(linkage, start, dt, ceil(PRE_ROLL / settings.corrected(dt)))
+    # The last rate follows from the position one step after the end.
+    driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
+    model = Model(linkage, pose, rates(linkage, pose, float(driven.rate[0])), settings.error_bias(dt), settings.extra)
+    model.space.gravity = (scene.gravity if loaded else None) or (0, 0)
+    forces = AppliedForces(linkage, model.bodies, stroke_ends, dt) if loaded else None
+    bodies = model.bodies.values()
+    recorder = PropertyRecorder(bodies) if settings.extra == "properties" else BatchRecorder(model.space, bodies)
+    return Run(linkage, model, forces, recorder, driven.position, Steps(dt, stride, pre_roll, count), settings)
+
+
+class Run:
+    """One integration; `driven` are the drive's positions from the first step to one after the end.
+
+    Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
+    row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
+    samples, and `active`, shape (n, press forces), those that acted. `positions`, shape (steps + 1,), are the drive's.
     """
 
     def __init__(
         self,
         linkage: Linkage,
-        start: Poses,
-        stroke_ends: Sequence[float],
-        sampling: Sampling,
-        stride: int,
-        iterations: int,
+        model: Model,
+        forces: AppliedForces | None,
+        recorder: Recorder,
+        driven: Samples,
+        steps: Steps,
         settings: PymunkSettings,
-        *,
-        loaded: bool = True,
     ) -> None:
-        scene = linkage.scene
-        self._linkage = linkage
-        self._loaded = loaded
-        self.stride = stride
-        self.steps = stride * sampling.samples * sampling.turns
-        self.dt = float(sampling.times(scene)[1]) / stride
-        self.iterations = iterations
-
-        self.preroll, pose = _before(linkage, start, self.dt, ceil(PREROLL / settings.corrected(self.dt)))
-        # The place after the end tells the last rate.
-        driven = scene.drive.at(self.dt * np.arange(-self.preroll, self.steps + 2, dtype=np.float64))
-        self._driven = driven.position
-        self.positions = self._driven[self.preroll : -1]
-        rate = rates(linkage, pose, float(driven.rate[0]))
-        self._model = Model(linkage, pose, rate, settings.error_bias(self.dt), settings.extra)
-        self._space, self._bodies = self._model.space, self._model.bodies
-        self.joints = self._model.joints if loaded else {}
-        self._space.gravity = (scene.gravity if loaded else None) or (0, 0)
-        self._forces = AppliedForces(linkage, self._bodies, stroke_ends, self.dt) if loaded else None
-        self._follows_law = not isinstance(scene.drive, ConstantSpeed)
-
-        bodies = self._bodies.values()
-        by_property = settings.extra == "properties"
-        self._record: Record = PropertyRecord(bodies) if by_property else BatchRecord(self._space, bodies)
-        self.record: Poses = np.empty((self.steps + 2, len(self._bodies), 6))
-        self.impulses = np.empty((sampling.count, len(self.joints)))
-        self.acts: Active = np.zeros((sampling.count, len(stroke_ends)), dtype=np.bool_)
+        self._linkage, self._model, self._recorder, self._driven = linkage, model, recorder, driven
+        self.forces, self.steps, self._settings = forces, steps, settings
+        self.positions = driven[steps.pre_roll : -1]
+        self.joints = model.joints if forces else {}
+        samples = steps.count // steps.stride + 1
+        self.record: Poses = np.empty((steps.count + 2, len(model.bodies), 6))
+        self.impulses = np.empty((samples, len(self.joints)))
+        presses = sum(isinstance(load, PressForce) for load in linkage.scene.loads)
+        self.active: Active = np.zeros((samples, presses), dtype=np.bool_)
 
     @property
     def counters(self) -> dict[str, int]:
-        """Steps, sweeps times constraints, and what each step goes over."""
-        found = self._model.counters
-        sweeps = self.iterations * (FIRST_SWEEPS - 1 + self.preroll + self.steps)
-        return {"steps": self.preroll + self.steps, "constraint_iterations": sweeps * found["constraints"]} | found
+        """Steps, sweeps times constraints, and the size of the model."""
+        found, steps = self._model.counters, self.steps.pre_roll + self.steps.count
+        sweeps = self._settings.iterations * (FIRST_SWEEPS - 1 + steps)
+        return {"steps": steps, "constraint_iterations": sweeps * found["constraints"]} | found
 
     def advance(self) -> None:
         """Step from before t = 0 to the end."""
-        space, record, joints = self._space, self._record, [*self.joints.values()]
-        record.append()
-        space.iterations = FIRST_SWEEPS * self.iterations
-        for k in range(1 - self.preroll, self.steps + 1):
-            if self._forces:
-                self._forces.apply()
-            if self._follows_law:
+        space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self.forces
+        follows_law = not isinstance(self._linkage.scene.drive, ConstantSpeed)
+        joints = [*self.joints.values()]
+        recorder.append()
+        space.iterations = FIRST_SWEEPS * self._settings.iterations
+        for k in range(1 - steps.pre_roll, steps.count + 1):
+            if forces:
+                forces.apply()
+            if follows_law:
                 self._drive(k)
-            space.step(self.dt)
-            record.append()
+            space.step(steps.size)
+            recorder.append()
             if k <= 0:
-                space.iterations = self.iterations
-            if self._forces and k >= 0 and k % self.stride == 0:
-                self.impulses[k // self.stride] = [joint.impulse for joint in joints]
-                self.acts[k // self.stride] = self._forces.active
-        self.record[:] = record.rows()[self.preroll - 1 :]
+                space.iterations = self._settings.iterations
+            if forces and k >= 0 and k % steps.stride == 0:
+                self.impulses[k // steps.stride] = [joint.impulse for joint in joints]
+                self.active[k // steps.stride] = forces.active
+        self.record[:] = recorder.rows()[steps.pre_roll - 1 :]
 
     def _drive(self, k: int) -> None:
-        """Let the driven body be where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
+        """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
 
         pymunk moves it first, by that same rate; hence it starts from as far behind.
         """
-        here, there = self._driven[k + self.preroll : k + self.preroll + 2]
-        behind, rate = 2 * here - there, (there - here) / self.dt
+        here, there = self._driven[k + self.steps.pre_roll : k + self.steps.pre_roll + 2]
+        behind, rate = 2 * here - there, (there - here) / self.steps.size
         name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
-        body = self._bodies[name]
+        body = self._model.bodies[name]
         if slide is None:
             body.angle, body.angular_velocity = behind, rate
         else:
@@ -120,15 +138,15 @@ class Run:
 
 
 def _before(linkage: Linkage, start: Poses, dt: float, wanted: int) -> tuple[int, Poses]:
-    """Return how many steps to go before t = 0, as wanted or fewer, and the pose there.
+    """Return the number of steps before t = 0, as wanted or fewer, and the pose there.
 
     Raises:
         Failure: cannot_assemble, with the drive's position.
     """
     drive = linkage.scene.drive
-    for steps in (wanted, LEAST_PREROLL):
+    for steps in (wanted, LEAST_PRE_ROLL):
         try:
             return steps, move(linkage, start, drive.start, float(drive.at(-steps * dt).position))
         except Failure as failure:
             found = failure
-    raise Failure(found.status, f"pymunk starts {LEAST_PREROLL} steps before zero, where {found.reason}")
+    raise Failure(found.status, f"pymunk starts {LEAST_PRE_ROLL} steps before zero, where {found.reason}")

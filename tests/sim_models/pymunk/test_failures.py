@@ -14,7 +14,7 @@ from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.settings import PymunkSettings
 from sim_models.pymunk.start import start
-from sim_models.pymunk.stepping import Run
+from sim_models.pymunk.stepping import build
 from tests import scene_files
 
 from .runs import driven_slider, errors, off, reference, slider_crank, solve
@@ -47,7 +47,7 @@ def test_every_step_is_checked(press: Scene) -> None:
     linkage = Linkage(press, ballasted_masses)
     pose = start(linkage)
     start_branch = branch(linkage.jacobian(pose))
-    run = Run(linkage, pose, [], Sampling(72), 3, 200, DEFAULT)
+    run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
     run.advance()
     check_path(linkage, run.path, start_branch)
     good = run.record.copy()

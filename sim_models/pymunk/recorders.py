@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import pymunk
 
 
-class BatchRecord:
+class BatchRecorder:
     """Record by one call for all bodies into a growing buffer in C, which is faster than copying each time."""
 
     def __init__(self, space: "pymunk.Space", bodies: "Iterable[pymunk.Body]") -> None:
@@ -34,7 +34,7 @@ class BatchRecord:
         return np.frombuffer(self._buffer.float_buf()).reshape(-1, self._listed, 6)[:, self._columns]
 
 
-class PropertyRecord:
+class PropertyRecorder:
     """Record by the properties of each body."""
 
     def __init__(self, bodies: "Iterable[pymunk.Body]") -> None:
@@ -52,4 +52,4 @@ class PropertyRecord:
         return np.array(self._rows)
 
 
-Record: TypeAlias = BatchRecord | PropertyRecord
+Recorder: TypeAlias = BatchRecorder | PropertyRecorder
