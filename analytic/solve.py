@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import Failure, Motion, Request, Scene, Status
+from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.drive import Driven
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
@@ -70,7 +70,7 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
 
 def prepared(scene: Scene, whole: Decomposition, channels: AbstractSet[str] | None = None) -> "Solver":
     """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed."""
-    request = Request(channels=None if channels is None else frozenset(channels))
+    request = Sampling(channels=None if channels is None else frozenset(channels))
     forces = request.wants_forces(scene)
     linkage = followed(scene, _needed(whole, request.channels, forces=forces))
     press_forces = [load for load in scene.loads if isinstance(load, PressForce) and forces]

@@ -1,6 +1,7 @@
 """What is asked of a model: at which instants, and for which channels."""
 
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -10,23 +11,10 @@ from .scene import Scene
 
 
 @dataclass(frozen=True)
-class Request:
-    """Base of both kinds of request: equal steps of the time, or positions of the drive. `scene` is whose they are."""
+class _Channels:
+    """Which channels are wanted."""
 
     channels: frozenset[str] | None = field(default=None, kw_only=True)  # besides the time and the drive's; None: all
-
-    @property
-    def count(self) -> int:
-        """The number of samples, n."""
-        raise NotImplementedError
-
-    def times(self, scene: Scene) -> Samples:
-        """Return the instants, shape (n,), s."""
-        raise NotImplementedError
-
-    def commanded(self, scene: Scene) -> Samples:
-        """Return the positions that the drive commands at those instants, shape (n,), rad or m."""
-        raise NotImplementedError
 
     def wanted(self, scene: Scene) -> tuple[str, ...]:
         """Return the names of the wanted channels, with time and drive, in the order of the files."""
@@ -42,7 +30,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Sampling(Request):
+class Sampling(_Channels):
     """Samples at equal steps of the time, `samples` a cycle of the drive, over `turns` cycles, both ends included."""
 
     samples: int = 360
@@ -67,7 +55,7 @@ class Sampling(Request):
 
 
 @dataclass(frozen=True)
-class Positions(Request):
+class Positions(_Channels):
     """Samples at positions of a drive at constant speed, rad or m, in the order in which it passes them.
 
     Only models without a time step can answer; the others refuse it as unsupported.
@@ -93,3 +81,6 @@ class Positions(Request):
     def commanded(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself
         """Return the positions, shape (n,), rad or m."""
         return np.array(self.positions)
+
+
+Request: TypeAlias = Sampling | Positions

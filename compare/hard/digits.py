@@ -38,7 +38,7 @@ from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.press_switches import acts, press_forces, stroke_end
-from ..engines.reference import relative_errors
+from ..engines.reference import magnitude, relative_errors
 from ..engines.runner import run
 from ..engines.state import State
 from ..judge.constraints import condition
@@ -172,7 +172,7 @@ def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bo
 
 def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
     """Return by channel the largest magnitude, that of its vector for x and y; of one that is zero a natural size."""
-    peak = {channel: float(np.abs(_whole(motion, channel)).max()) for channel in channels(scene)}
+    peak = {channel: float(magnitude(motion, channel).max()) for channel in channels(scene)}
 
     def largest(*quantities: str) -> float:
         return max((peak[channel] for channel in peak if quantity(channel) in quantities), default=0.0)
@@ -188,14 +188,6 @@ def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
         if not value > ZERO * natural.get(quantity(channel), 0.0):
             peak[channel] = natural.get(quantity(channel), 0.0) or 1.0
     return peak
-
-
-def _whole(motion: Motion, channel: str) -> Samples:
-    """Return the magnitude of the vector that a channel is a component of, or the channel itself."""
-    stem, name = channel[: -len(quantity(channel))], quantity(channel)
-    if name[-1] in "xy":
-        return np.hypot(motion[f"{stem}{name[:-1]}x"], motion[f"{stem}{name[:-1]}y"])
-    return motion[channel]
 
 
 # --- the problem's own condition --------------------------------------------------------------------------------------

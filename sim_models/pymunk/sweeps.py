@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Request, Scene
+from scenes import Sampling, Scene
 
 from .constraints import Linkage, Poses
 from .settings import Extra, PymunkSettings
@@ -42,7 +42,7 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     Raises:
         Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
     """
-    linkage = linkage_of(scene, settings, Request())
+    linkage = linkage_of(scene, settings, Sampling())
     rho = max(rho for _, rho in contractions(linkage, start(linkage)))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
 
