@@ -93,7 +93,7 @@ def test_a_body_that_is_mirrored_is_another(reference: Reference, motion: Motion
 
 
 def near_lock(rung: str) -> Reference:
-    (step,) = (step for step in hard.ladder("dead_centre_driven").steps if step.label == rung)
+    (step,) = (step for step in hard.ladder("dead_centre_driven").rungs if step.label == rung)
     return found(step.scene())
 
 
@@ -154,7 +154,7 @@ def test_another_spring_than_the_scenes_is_known_by_its_forces(references: Refer
 
 
 def test_nothing_to_compare_with_is_judged_all_the_same() -> None:
-    coarse = registry.engine("exudyn").LADDER[2]
+    coarse = registry.engine("exudyn").WORK_PRECISION[2]
     wrong = checked_run("exudyn", scenes.load("walking_leg"), Sampling(72), coarse)
     assert (wrong.status, wrong.found_by) == (Status.not_converged, "checks")
     assert checked_run("exudyn", scenes.load("walking_leg"), Sampling(72)).status is Status.ok
