@@ -28,10 +28,12 @@ SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many 
 class Outcome(StrEnum):
     """How an attempt is judged."""
 
-    right = "right"  # it says ok and is
-    refused = "refused"  # it says that it failed, and it did, or there is nothing to solve
-    false_alarm = "false alarm"
-    silent = "silent"  # it says ok and is not, and nobody noticed till here
+    right = "right"  # ok, and within the promise
+    refused = (
+        "refused"  # failed, by the engine or by checks without a reference; and it did, or nothing is to be solved
+    )
+    false_alarm = "false alarm"  # failed, and within the promise
+    silent = "silent"  # ok by the engine and by all checks without a reference, and wrong by the reference alone
     uncertified = "not certified"  # the reference, where arbitrary precision had no answer
 
 
@@ -107,6 +109,8 @@ def _attempted(case: Case, scene: Scene, reference: Reference, measured: Measure
     run = measured.run
     if run.status is Status.ok:
         outcome = Outcome.right
+    elif run.found_by == "reference":
+        outcome = Outcome.silent
     else:
         as_if_ok = replace(measured, run=replace(run, status=Status.ok))
         kept = len(measured.errors) > 0 and not any(gate.missed for gate in gates(scene, [as_if_ok]))
@@ -171,8 +175,8 @@ def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Fai
         )
     if outcome.status is not Status.ok:
         return case_row(case, outcome.status.name, outcome.reason, outcome.found_by, Outcome.refused)
-    reason = f"it says ok where the reference says: {failure.reason}"
-    return case_row(case, failure.status.name, reason, "reference", Outcome.refused)
+    reason = f"ok where the reference has no motion: {failure.reason}"
+    return case_row(case, failure.status.name, reason, "reference", Outcome.silent)
 
 
 def case_row(case: Case, status: str, reason: str, found_by: str, outcome: Outcome) -> Row:

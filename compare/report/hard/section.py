@@ -14,10 +14,10 @@ RULES = """<p>Every engine on every rung of every ladder, each run in a process 
 memory. A run with status ok is held to what its engine promises ($promises), above what round-off explains: the
 condition &kappa; of the constraint Jacobian times the unit round-off &epsilon;, and how far the motion moves when the
 scene's numbers are off by a few last places. <b>refused</b>: the run failed, and its result is wrong or there is
-nothing to solve; found by the engine itself, by the checks of its output that need no reference, by nothing but the
-reference, by the limits of its process, or by the reader of the scene. <b>silent</b>: a wrong result with status ok
-that nobody found. <b>false alarm</b>: a run that failed, with a result within the promise. A failure is followed by an
-attempt at more accurate settings. The reference itself is held to arbitrary precision.</p>"""
+nothing to solve; found by the engine itself, by the checks of its output that need no reference, by the limits of its
+process, or by the reader of the scene. <b>silent</b>: a result that the engine and these checks call ok, and that is
+wrong by the reference alone. <b>false alarm</b>: a run that failed, with a result within the promise. A failure is
+followed by an attempt at more accurate settings. The reference itself is held to arbitrary precision.</p>"""
 
 DIGITS = """<p>Against arbitrary precision, relative to each channel's own peak, also at the position nearest to the
 singular configuration and close around it; of as many as log10 of the condition of the problem and one more. The
