@@ -16,7 +16,7 @@
 | round-off | what doubles cost: their last place, 2.2e-16, times the condition |
 | floor | how far the reference itself may be off, measured against 50 digits; no error below it is shown |
 | promise | the largest relative error at which an engine's run may end `ok` |
-| silent | of a run that is ok by the engine and every check without a reference, and breaks its promise by the reference |
+| silent | of a run whose broken promise the reference alone shows, and no check without one |
 | work-precision | time against error, over an engine's settings from cheap to accurate |
 | request | the instants, or positions of the drive, and the channels that a model is asked for |
 | channel, sample | one column of a motion, as `P5.y`, and one row, at one instant; a step is an engine's own |

@@ -29,9 +29,7 @@ class Outcome(StrEnum):
     """How an attempt is judged."""
 
     right = "right"  # ok, and within the promise
-    refused = (
-        "refused"  # failed, by the engine or by checks without a reference; and it did, or nothing is to be solved
-    )
+    refused = "refused"  # failed by the engine or by a check without a reference, and wrong; or nothing is to be solved
     false_alarm = "false alarm"  # failed, and within the promise
     silent = "silent"  # ok by the engine and by all checks without a reference, and wrong by the reference alone
     uncertified = "not certified"  # the reference, where arbitrary precision had no answer

@@ -37,8 +37,8 @@ def verdict(cases: pd.DataFrame) -> str:
     outcomes = Outcome.silent, Outcome.false_alarm
     silent, alarms = (int((cases["outcome"] == outcome).sum()) for outcome in outcomes)
     return (
-        f"{silent} silent wrong answers, which the reference alone shows, and {alarms} false alarms in {len(cases)}"
-        f" attempts on {rungs} rungs of {ladders} ladders."
+        f"{silent} silent wrong answers and {alarms} false alarms in {len(cases)} attempts on {rungs} rungs of"
+        f" {ladders} ladders."
     )
 
 
