@@ -43,7 +43,7 @@ class Cycle:
     """One linkage over one cycle of its drive."""
 
     position: Samples  # on the axis of the curves, SI: of the drive, or the time under a law
-    curves: Curves  # of the output and the drive
+    curves: Curves  # of the output, the drive and the joints
     quantities: Mapping[str, float]  # by name, SI
     joints: Mapping[str, str]  # by quantity, the joint where it is found
 
@@ -56,9 +56,9 @@ def cycle(scene: Scene, motion: Motion, solve: Solve) -> Cycle:
     """
     time = SAMPLING.times(scene)
     curves = _curves(scene, motion)
-    sampled = curves | _joint_curves(motion)
-    extremes = _extremes(scene, time, sampled, solve)
-    quantities = _peaks(extremes)
+    extremes = _extremes(scene, time, curves, solve)
+    peaks = (name for name in ("velocity", "acceleration", "torque", "force") if name in extremes)
+    quantities = {f"peak {name}": max(map(abs, extremes[name])) for name in peaks}
     if "displacement" in curves:
         closing = _closing(scene)
         quantities |= _stroke(time, curves["displacement"], extremes["displacement"], closing)
@@ -75,7 +75,7 @@ def cycle(scene: Scene, motion: Motion, solve: Solve) -> Cycle:
 
 
 def _curves(scene: Scene, motion: Motion) -> dict[str, Samples]:
-    """Return the output's curves, along its guide where it has one, and the drive's effort."""
+    """Return the output's curves, along its guide if any, the drive's effort, pins' forces and transmission angles."""
     place, velocity, acceleration = (
         np.array([motion[f"{scene.output}.{q}x"], motion[f"{scene.output}.{q}y"]]) for q in ("", "v", "a")
     )
@@ -87,15 +87,15 @@ def _curves(scene: Scene, motion: Motion) -> dict[str, Samples]:
         along, through = np.array(guided[1].along), np.array(guided[1].through)
         curves = {"displacement": along @ (place - through[:, None])}
         curves |= {"velocity": along @ velocity, "acceleration": along @ acceleration}
-    efforts = {effort: f"drive.{effort}" for effort in ("torque", "force")}
-    return curves | {effort: motion[channel] for effort, channel in efforts.items() if channel in motion}
-
-
-def _joint_curves(motion: Motion) -> dict[str, Samples]:
-    """Return the magnitude of every pin's force, and the transmission angle where the reference knows one."""
-    pins = [channel.removesuffix(".fx") for channel in motion.samples if channel.endswith(".fx")]
-    reactions = {f"{pin}.reaction": np.hypot(motion[f"{pin}.fx"], motion[f"{pin}.fy"]) for pin in pins}
-    return reactions | {name: values for name, values in motion.samples.items() if name.endswith(".transmission")}
+    for channel, values in motion.samples.items():
+        stem, _, measured = channel.rpartition(".")
+        if stem == "drive" and measured in ("torque", "force"):
+            curves[measured] = values
+        elif measured == "transmission":
+            curves[channel] = values
+        elif measured == "fx":
+            curves[f"{stem}.reaction"] = np.hypot(values, motion[f"{stem}.fy"])
+    return curves
 
 
 def _extremes(scene: Scene, time: Samples, sampled: Curves, solve: Solve) -> Extremes:
@@ -105,8 +105,7 @@ def _extremes(scene: Scene, time: Samples, sampled: Curves, solve: Solve) -> Ext
         fine = np.add.outer(np.unique(found), step * np.linspace(-1, 1, 2 * FINE + 1)).ravel()
         if not scene.drive.repeats:
             fine = np.clip(fine, 0, time[-1])
-        motion = solve(fine)
-        close = _curves(scene, motion) | _joint_curves(motion)
+        close = _curves(scene, solve(fine))
         found, step = fine[_ends(close)], step / FINE
     return {name: (float(values.min()), float(values.max())) for name, values in close.items()}
 
@@ -114,11 +113,6 @@ def _extremes(scene: Scene, time: Samples, sampled: Curves, solve: Solve) -> Ext
 def _ends(curves: Curves) -> NDArray[np.intp]:
     """Return where every curve is least and where it is largest."""
     return np.array([(values.argmin(), values.argmax()) for values in curves.values()])
-
-
-def _peaks(extremes: Extremes) -> dict[str, float]:
-    peaks = ("velocity", "acceleration", "torque", "force")
-    return {f"peak {name}": max(map(abs, extremes[name])) for name in peaks if name in extremes}
 
 
 # --- a slider's stroke -----------------------------------------------------------------------------------------------

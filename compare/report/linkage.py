@@ -49,33 +49,31 @@ def _title(scene: Scene, position: float) -> str:
 
 def _pose(figure: go.Figure, state: State, paths: Mapping[str, Vectors], row: int, column: int) -> None:
     scene = state.scene
+
+    def add(name: str, points: Vectors, **style: Any) -> None:
+        draw(figure, name, points.real, points.imag, 1, column, **style)
+
     for point in scene.moving_points:
-        path = paths[point]
-        draw(figure, "", path.real, path.imag, 1, column, line={"color": "#dddddd", "width": 1})
+        add("", paths[point], line={"color": "#dddddd", "width": 1})
     colours = {name: BODY_COLOURS[number % len(BODY_COLOURS)] for number, name in enumerate(scene.bodies)}
     for body in scene.bodies.values():
         if body.slide is not None and body.slide.on != GROUND:
-            ends, carrier = _slot(state, body, row), body.slide.on
+            carrier = body.slide.on
             line = {"color": colours[carrier], "width": 10}
-            draw(figure, "", ends.real, ends.imag, 1, column, group=carrier, line=line, opacity=0.3)
+            add("", _slot(state, body, row), group=carrier, line=line, opacity=0.3)
     for body in scene.bodies.values():
         points = _around(body, paths, row)
-        corners = np.array([paths[point][row] for point in points])
-        closed = len(corners) > 2
-        outline = np.append(corners, corners[0]) if closed else corners
-        style: dict[str, Any] = {
-            "mode": "lines+markers" if len(corners) > 1 else "markers",
-            "fill": "toself" if closed else None,
-            "line": {"color": colours[body.name], "width": 5},
-            "marker": _marker(state, body, colours[body.name], row),
-        }
-        draw(figure, body.name, outline.real, outline.imag, 1, column, text=points, **style)
+        closed = len(points) > 2
+        outline = np.array([paths[point][row] for point in (*points, *points[:closed])])
+        mode = "lines+markers" if len(points) > 1 else "markers"
+        marker, line = _marker(state, body, colours[body.name], row), {"color": colours[body.name], "width": 5}
+        add(body.name, outline, mode=mode, text=points, line=line, marker=marker, fill="toself" if closed else None)
     for spring in scene.springs:
         ends = np.array([paths[point][row] for _, point in (spring.first, spring.second)])
-        draw(figure, "spring", ends.real, ends.imag, 1, column, line={"color": "#777777", "width": 2, "dash": "dot"})
-    x, y = 1e3 * np.array(list(scene.ground.values())).T
+        add("spring", ends, line={"color": "#777777", "width": 2, "dash": "dot"})
+    ground = np.array([1e3 * complex(*place) for place in scene.ground.values()], np.complex128)
     triangle = {"symbol": "triangle-up", "size": 12, "color": "black"}
-    draw(figure, "ground", x, y, 1, column, mode="markers", marker=triangle, text=list(scene.ground))
+    add("ground", ground, mode="markers", marker=triangle, text=list(scene.ground))
 
 
 def _around(body: Body, paths: Mapping[str, Vectors], row: int) -> tuple[str, ...]:

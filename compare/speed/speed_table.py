@@ -60,7 +60,7 @@ def speed_table(
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
 
 
-def steps_a_cycle(settings: Settings) -> int | None:
+def steps_per_cycle(settings: Settings) -> int | None:
     """Return the steps of the coarsest run, rounded up as engines do; None of settings that take none."""
     steps = getattr(settings, "steps", None)
     return None if steps is None else SAMPLING.samples * ceil(steps / SAMPLING.samples)
@@ -72,7 +72,7 @@ def _error_runs(
     """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps per cycle, by family
     for settings, role in settings_of(engine, full=budget.full).items():
-        steps, least = steps_a_cycle(settings) or 0, too_slow.get(settings.family, inf)
+        steps, least = steps_per_cycle(settings) or 0, too_slow.get(settings.family, inf)
         if steps > least:
             reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
             run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
@@ -96,7 +96,7 @@ def _row(point: Point, times: Times | None) -> dict[str, object]:
         "family": settings.family,
         "expected_order": settings.order,
         "note": settings.note,
-        "steps": steps_a_cycle(settings),
+        "steps": steps_per_cycle(settings),
         "samples_a_turn": SAMPLING.samples,
         "status": run.status.name,
         "reason": run.reason,
