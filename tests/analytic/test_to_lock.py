@@ -19,7 +19,7 @@ from tests import scene_files
 from tests.agreement import solve, where
 
 from .test_class_iii import LONG_CRANK
-from .test_properties import Change
+from .views import Change
 
 Vectors = NDArray[np.complex128]
 

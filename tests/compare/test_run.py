@@ -14,6 +14,8 @@ from scenes import Scene
 from scenes.motion import channels, header
 from tests import scene_files
 
+from .test_bad_input import refused
+
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -159,100 +161,6 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
     said = capsys.readouterr().out
     for name in ("toggle_press", *registry.ENTRIES):
         assert name in said
-
-
-# --- bad input --------------------------------------------------------------------------------------------------------
-
-
-def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
-    """Run what must exit 2 with one line, and return the line."""
-    assert main(arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["--engines", "exudin"], ["exudin", "did you mean 'exudyn'"]),
-        (["--engines", ""], ["--engines", "analytic"]),
-        (["--samples", "ten"], ["--samples", "whole number", "'ten'"]),
-        (["--samples", "-5"], ["--samples"]),
-        (["--turns", "0"], ["--turns", "from 1"]),
-        (["--nonsense"], ["--nonsense", "usage"]),
-        (["toggle_pres"], ["toggle_pres", "did you mean 'toggle_press'"]),
-        (["no/such/scene.toml"], ["no/such/scene.toml", "no such"]),
-        (["toggle_press", "toggle_press"], ["two scenes"]),
-        (["double_toggle_clamp", "--turns", "2"], ["--turns 2", "double_toggle_clamp", "once from start to end"]),
-        (["--vary", "drive.speed"], ["--vary drive.speed", "PATH=FROM:TO:COUNT"]),
-        (["--vary", "drive.speed=1:2"], ["PATH=FROM:TO:COUNT"]),
-        (["--vary", "drive.speed=1:2:three"], ["PATH=FROM:TO:COUNT"]),
-        (["--vary", "drive.speed=1:2:3:4"], ["PATH=FROM:TO:COUNT"]),
-        (["--vary", "drive.speed=1:1:3"], ["two different values"]),
-        (["--vary", "drive.speed=1:inf:3"], ["two different values"]),
-        (["--vary", "drive.speed=1:2:1"], ["COUNT from 2 to 200", "1"]),
-        (["--vary", "drive.speed=1:2:15", "--vary", "drive.start=0:1:14"], ["200 members at most", "210"]),
-        (["--vary", "drive.sped=1:2:3"], ["toggle_press: drive.sped", "did you mean 'speed'"]),
-        (["--vary", "drive.body=1:2:3"], ["drive.body", "the path of a number"]),
-        (["--vary", "drive.speed=1:2:3", "--vary", "drive.speed=1:2:3"], ["drive.speed", "each number once"]),
-        (["toggle_press", "four_bar", "--vary", "loads.0.force.1=1:2:3"], ["four_bar: loads.0.force.1"]),
-        (["--vary", "drive.speed=1:2:3", "--full"], ["--full", "--vary"]),
-        (["--vary", "drive.speed=1:2:3", "--channels", "P5.y"], ["--channels", "--vary"]),
-        (["--vary", "drive.speed=1:2:3", "--accuracy", "exact"], ["--accuracy", "--vary"]),
-        (["--accuracy", "best"], ["--accuracy", "fast, balanced, exact", "'best'"]),
-        (["--accuracy", "-1e-3"], ["--accuracy"]),
-        (["--channels", "P5.y,P5.z"], ["--channels", "toggle_press", "P5.z", "did you mean 'P5.y'"]),
-        (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
-    ],
-)
-def test_bad_arguments(
-    arguments: list[str], expected: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    line = refused([*arguments, "--out", str(tmp_path / "out")], capsys)
-    for part in expected:
-        assert part in line
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The rocker is too short to reach the toggle's pin all the way round."""
-    file = scene_files.write(tmp_path, "toggle_press", {"bodies.rocker.lengths.O-P3": 30})
-    line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
-    for part in (
-        "toggle_press.toml",
-        "bodies",
-        "cannot_assemble",
-        "rocker and toggle in line at P3",
-        "crank angle",
-        "turns only",
-    ):
-        assert part in line
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_folder_that_cannot_be_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    for out in (tmp_path / "file", tmp_path / "file" / "below"):
-        line = refused(["--engines", "analytic", "--out", str(out)], capsys)
-        assert "--out" in line
-        assert "is a file" in line
-
-
-def test_a_write_that_fails_leaves_the_old_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    target = tmp_path / "toggle_press"
-    target.mkdir()
-    (target / "report.html").write_text("the old one", encoding="utf-8")
-
-    def disk_full(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("compare.report.files.page", disk_full)
-    assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 2
-    assert (target / "report.html").read_text(encoding="utf-8") == "the old one"
-    assert [path.name for path in target.iterdir()] == ["report.html"]
-    assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"]
 
 
 # --- tolerances -------------------------------------------------------------------------------------------------------

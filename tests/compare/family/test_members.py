@@ -1,0 +1,81 @@
+"""The members of a family: which there are, those that cannot run, and how each is cross-checked."""
+
+from dataclasses import replace
+
+import pytest
+
+import scenes
+from compare.engines import registry
+from compare.family.family import Family
+from compare.family.grid import grid, variation
+from compare.report.family import tables as family_tables
+from scenes import InputError
+
+from .runs import CRANK_SLIDER, ROCKER, run
+
+
+def test_members_that_cannot_run_are_rows_in_their_place() -> None:
+    family = run("toggle_press", [f"{ROCKER}=-100:500:7"])
+    assert [member.changes[ROCKER] for member in family] == [-100, 0, 100, 200, 300, 400, 500]
+    assert [member.status for member in family] == [
+        *("invalid", "invalid", "cannot_assemble", "cannot_assemble"),
+        *("ok", "ok", "cannot_assemble"),
+    ]
+    for member in family:
+        assert (member.cycle is None) == (member.status != "ok")
+        assert bool(member.reason) == (member.status != "ok")
+    assert family[0].reason == f"{ROCKER}: expected greater than 0, found -100.0"
+    assert "crank angle" in family[2].reason
+
+
+def test_a_grid_is_every_combination_the_last_changing_fastest() -> None:
+    changes = grid([variation("a.b=1:2:2"), variation("c=0:1:3")])
+    assert [tuple(change.values()) for change in changes] == [(1, 0), (1, 0.5), (1, 1), (2, 0), (2, 0.5), (2, 1)]
+    assert all(list(change) == ["a.b", "c"] for change in changes)
+    with pytest.raises(InputError, match="200 members at most, found 201"):
+        grid([variation("a=0:1:67"), variation("b=0:1:3")])
+
+
+def test_every_member_is_cross_checked() -> None:
+    """And what is reported is that member's own error: an engine that has another linkage in mind is far off."""
+    family = run(CRANK_SLIDER, ["bodies.rod.lengths.A-B=250:350:3"], ["analytic", "exudyn"])
+    for member in family:
+        reference, engine = member.measurements
+        assert reference.errors["max"].max() <= 1e-13  # against 50 digits
+        assert 0 < engine.errors["max"].max() <= 1e-4  # exudyn's accelerations at 72 samples per turn
+        assert [gate.missed for gate in member.gates] == [False]
+
+
+def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = replace(registry.ENTRIES["pymunk"], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, "pymunk", entry)
+    vary = [variation(f"{ROCKER}=300:310:2")]
+    family = Family(
+        scenes.load("toggle_press"), vary, ["pymunk"], run("toggle_press", [f"{ROCKER}=300:310:2"], ["pymunk"])
+    )
+    assert "bottom [mm]" in family_tables.overview(family), "the bottom, at -1.1 m, is told as finely as the stroke"
+    assert list(family_tables.overview(family)["pymunk error"]) == ["unsupported", "unsupported"]
+    floor, *failures = family_tables.notes(family)
+    assert "certified by" in floor
+    assert len(failures) == 2
+    assert "pip install pymunk" in failures[0]
+    assert "pymunk solved 0 of them." in family_tables.verdict(family)
+
+
+def test_without_a_certificate_none_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = replace(registry.ENTRIES[registry.ORACLE], package="no_such_package")
+    monkeypatch.setitem(registry.ENTRIES, registry.ORACLE, entry)
+    vary = f"{ROCKER}=300:310:2"
+    found = run("toggle_press", [vary], ["analytic"])
+    family = Family(scenes.load("toggle_press"), [variation(vary)], ["analytic"], found)
+    assert list(family_tables.overview(family)["analytic error"]) == ["not certified"] * 2
+    assert family_tables.notes(family)[0].startswith("Floor of the reference: not certified: ")
+
+
+def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def solve(scene: scenes.Scene, *_: object) -> scenes.Motion:
+        raise ZeroDivisionError(f"{scene.name}\nand more")
+
+    monkeypatch.setattr(registry, "reference", solve)
+    found = run("toggle_press", [f"{ROCKER}=300:310:2"])
+    assert [(member.status, member.reason) for member in found] == [("crashed", "ZeroDivisionError: toggle_press")] * 2

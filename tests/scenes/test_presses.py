@@ -1,0 +1,142 @@
+"""The shipped presses: geometry and figures from their sources, a law, and a force at the end of the stroke."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+import scenes
+from scenes import Scene
+from tests.agreement import solve as moving
+
+from .test_library import turned
+
+SERVO_LAW = ((0, 209), (0.15, 274), (0.3, 325), (0.45, 348), (0.6, 371), (0.75, 424), (0.9, 515), (1, 569))  # s, deg
+
+
+@dataclass(frozen=True)
+class Press:
+    """A slider that closes against an axis once a cycle and meets a force in the last part of that stroke."""
+
+    name: str
+    point: str
+    axis: str
+    mass: float  # kg, of the slider
+    force: float  # N
+    last: float  # m
+
+    @property
+    def scene(self) -> Scene:
+        return scenes.load(self.name)
+
+    @property
+    def position(self) -> str:
+        return f"{self.point}.{self.axis}"
+
+
+PRESSES = {
+    press.name: press
+    for press in (
+        Press("crank_press", "B", "y", 800, 1600e3, 0.006),
+        Press("servo_press", "P5", "y", 800, 1600e3, 0.006),
+        Press("quick_return", "E", "x", 150, 6e3, 0.400),
+    )
+}
+
+
+def stroke(press: Press) -> tuple[float, float]:
+    """Return when the slider meets the force and when its closing stroke ends, s."""
+    scene = press.scene
+
+    def at(time: float, channel: str) -> float:
+        return float(moving(scene, np.array([time]))[channel][0])
+
+    time = np.linspace(0, scene.drive.cycle, 361)
+    way = moving(scene, time)[press.position]
+    lowest = int(way.argmin())
+    velocity = f"{press.point}.v{press.axis}"
+    end = float(brentq(lambda t: at(t, velocity), time[lowest - 1], time[lowest + 1], xtol=1e-15))
+    left = at(end, press.position) + press.last
+    before = int(np.flatnonzero(way[:lowest] > left)[-1])
+    met = float(brentq(lambda t: at(t, press.position) - left, time[before], time[before + 1], xtol=1e-15))
+    return met, end
+
+
+def test_crank_press() -> None:
+    dead = turned("crank_press", np.radians([90, 270]))["B.y"]
+    assert abs(dead[1] + 1.390 + 0.090) <= 1e-14  # m, rounding; the rod in line below the crank
+    assert abs(dead[0] - dead[1] - 0.180) <= 1e-14  # m, rounding; in line, the stroke is twice the crank's radius
+    # Where the paper's force begins, 20.40 deg before the lower dead centre; 209.1 mm/s by r, l and the sine law.
+    there = turned("crank_press", np.radians([270 - 20.40, 270 - 20.39]))
+    assert abs(there["B.y"][0] - dead[1] - 0.006) <= 3e-6  # m; as much as 0.005 deg are
+    assert abs(there["B.vy"][0] + 0.2091) <= 1e-4  # m/s; the digits given
+    assert abs(there["drive.torque"][1] - 53e3) <= 500  # N m; the digits of the scene's head
+
+
+def test_servo_press_is_the_toggle_press_with_a_law() -> None:
+    """By the chain rule, with the toggle press's motion by the angle and a spline made here."""
+    times, degrees = np.array(SERVO_LAW).T
+    trend = 360 / times[-1]
+    spline = CubicSpline(times, np.radians(degrees - trend * times), bc_type="periodic")
+    time = np.linspace(0, 1, 721)
+    angle, rate = spline(time) + np.radians(trend) * time, spline(time, 1) + np.radians(trend)
+    motion, plain = moving(scenes.load("servo_press"), time), turned("toggle_press", angle)
+    w = 2 * np.pi  # rad/s, of the toggle press
+    by_the_law = {
+        "crank_angle": angle,
+        "P5.y": plain["P5.y"],
+        "P5.vy": plain["P5.vy"] / w * rate,
+        "P5.ay": plain["P5.ay"] / w**2 * rate**2 + plain["P5.vy"] / w * spline(time, 2),
+    }
+    for channel, expected in by_the_law.items():
+        assert np.abs(motion[channel] - expected).max() <= 1e-13 * np.abs(expected).max(), channel  # rounding
+
+
+def test_servo_press_goes_down_fast_and_presses_slowly() -> None:
+    scene, press = scenes.load("servo_press"), PRESSES["servo_press"]
+    on_table = moving(scene, np.array([time for time, _ in SERVO_LAW]))["crank_angle"]
+    assert np.abs(np.degrees(on_table) - [angle for _, angle in SERVO_LAW]).max() <= 1e-12  # deg, rounding
+    rate = np.degrees(scene.drive.at(np.linspace(0, 1, 10_001)).rate)
+    assert 113 <= rate.min() <= rate.max() <= 638  # deg/s; as the head says, and never backwards
+    met, end = stroke(press)
+    there = moving(scene, np.array([met, end]))
+    plain = turned("toggle_press", there["crank_angle"])
+    assert abs(np.degrees(there["crank_angle"][1]) - 372.8) <= 0.05  # deg; this and the rest to the head's digits
+    assert abs(there["P5.vy"][0] + 0.054) <= 5e-4  # m/s
+    assert abs(plain["P5.vy"][0] + 0.158) <= 5e-4
+    upper = turned("toggle_press", np.radians([208.55, 208.65]))
+    assert upper["P5.vy"][0] > 0 > upper["P5.vy"][1]
+
+
+@pytest.mark.parametrize("name", ["crank_press", "servo_press", "quick_return"])
+def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(name: str) -> None:
+    """What the slider's own balance leaves when its inertia and its pin are taken away."""
+    press = PRESSES[name]
+    switches = np.array(stroke(press))
+    end = moving(press.scene, switches)[press.position][1]
+    hair = 1e-9  # s, beside the switches: ten thousand times what rounding leaves of them
+    time = np.sort([*np.linspace(0, press.scene.drive.cycle, 361), *(switches - hair), *(switches + hair)])
+    motion = moving(press.scene, time)
+    inertia = press.mass * motion[f"{press.point}.a{press.axis}"]
+    load = inertia - motion[f"{press.point}.f{press.axis}"]
+    acts = (motion[press.position] - end <= press.last) & (motion[f"{press.point}.v{press.axis}"] < 0)
+    assert np.abs(load - press.force * acts).max() <= 1e-12 * (press.force + np.abs(inertia).max())  # rounding
+    assert np.count_nonzero(np.diff(acts)) == 2  # on once and off once in a cycle
+
+
+@pytest.mark.parametrize("name", ["crank_press", "servo_press", "quick_return"])
+def test_the_drive_does_the_work_of_pressing_in_a_cycle(name: str) -> None:
+    """Inertia and weight give back what they take; what is left is force times way."""
+    press = PRESSES[name]
+    drive = press.scene.drive
+    knots = [time for time, _ in SERVO_LAW] if name == "servo_press" else [0, drive.cycle]
+    breaks = np.unique([*knots, *stroke(press)])  # where the power, or a derivative of it, jumps
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    work = 0.0
+    for start, end in pairwise(breaks):
+        time = start + (nodes + 1) / 2 * (end - start)
+        work += weights @ (moving(press.scene, time)["drive.torque"] * drive.at(time).rate) * (end - start) / 2
+    assert abs(work - press.force * press.last) <= 1e-9 * press.force * press.last  # the quadrature's
