@@ -1,4 +1,4 @@
-"""How closely two motions of one scene must agree, channel by channel, and what they are measured by.
+"""How far two motions of one scene are apart, channel by channel, and how closely two exact ones must agree.
 
 Roundings are 1.1e-16 of coordinates up to some 30 m. A dyad at 20 degrees from lock makes them 1 / sin(20 deg) = 3
 times larger in positions and up to 3^3 = 27 times in accelerations and reactions; a second dyad does so once more.
@@ -10,20 +10,74 @@ import numpy as np
 from numpy.typing import NDArray
 
 import analytic
-from scenes import Motion, Scene
+from compare.engines import registry
+from compare.engines.reference import found as uncertified
+from compare.engines.reference import relative_errors
+from scenes import Motion, Request, Scene
 from scenes.motion import Samples, channels, quantity
 
 Channels = Mapping[str, Samples]
 
-# Relative to the peak of a kind. Of 400 drawn linkages a test the worst are 3e-14 and 1e-13: times ten for other draws.
-MOTION, FORCES = 3e-13, 1e-12
-TOLERANCE = dict.fromkeys(("time", "crank_angle", "displacement", "x", "angle", "vx", "omega"), MOTION) | dict.fromkeys(
-    ("ax", "alpha", "fx", "torque"), FORCES
-)
 ALIKE = {
     **{"y": "x", "vy": "vx", "ay": "ax", "fy": "fx"},
     **{"guide_force": "fx", "force": "fx", "guide_moment": "torque"},
 }
+# On the scale of `errors`. Of 400 drawn linkages a test the worst are 3e-14 and 1e-13: times ten for other draws.
+MOTION, FORCES = 3e-13, 1e-12
+TOLERANCE = dict.fromkeys(("time", "crank_angle", "displacement", "x", "angle", "vx", "omega"), MOTION) | dict.fromkeys(
+    ("ax", "alpha", "fx", "torque"), FORCES
+)
+
+
+def kind(channel: str) -> str:
+    """Return what channels of one unit and one size have in common."""
+    return ALIKE.get(quantity(channel), quantity(channel))
+
+
+def scales(samples: Channels) -> dict[str, float]:
+    """Return by kind what an error is relative to: 1 rad, the range of coordinates, the peak of all others.
+
+    A kind that vanishes has the size of what it is a difference or a product of: where all guides stay parallel and the
+    drive is steady, nothing accelerates, and a torque may vanish where the forces do not.
+    """
+    found: dict[str, float] = {"angle": 1.0, "crank_angle": 1.0}
+    for channel, values in samples.items():
+        of = kind(channel)
+        if of not in ("angle", "crank_angle"):
+            size = np.ptp(values) if of in ("x", "displacement") else np.abs(values).max()
+            found[of] = max(found.get(of, 0.0), float(size))
+    span = found.get("x", 0.0) or 1.0
+    for of, least in (
+        ("omega", found.get("vx", 0.0) / span),
+        ("alpha", found.get("omega", 0.0) ** 2),
+        ("ax", found.get("vx", 0.0) ** 2 / span),
+        ("torque", found.get("fx", 0.0) * span),
+    ):
+        if of in found:
+            found[of] = max(found[of], least)
+    return {of: size or 1.0 for of, size in found.items()}
+
+
+def errors(motion: Motion, expected: Channels, whole: Channels | None = None) -> dict[str, Samples]:
+    """Return the relative error of each channel expected, shape (n,); the scales are those of the whole motion."""
+    scale, found = scales(whole or expected), {}
+    for channel, values in expected.items():
+        difference = motion[channel] - values
+        if quantity(channel) == "angle":
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        found[channel] = np.abs(difference) / scale[kind(channel)]
+    return found
+
+
+def worst(found: Channels) -> dict[str, float]:
+    """Return the largest error of each kind; NaN where there is one."""
+    largest: dict[str, float] = {}
+    for channel, error in found.items():
+        largest[kind(channel)] = float(np.maximum(largest.get(kind(channel), 0.0), error.max()))
+    return largest
+
+
+# --- exact motions ----------------------------------------------------------------------------------------------------
 
 
 def instants(scene: Scene) -> Samples:
@@ -35,9 +89,22 @@ def solve(scene: Scene, time: Samples | None = None) -> Motion:
     return analytic.solve(scene, scene.drive.at(time).position, time)
 
 
-def kind(channel: str) -> str:
-    """Return what channels of one unit and one size have in common."""
-    return ALIKE.get(quantity(channel), quantity(channel))
+def exact(scene: Scene, request: Request) -> Motion:
+    """Return the motion by the arbitrary-precision model, in 50 digits."""
+    engine = registry.engine(registry.ORACLE)
+    run = engine.build(scene, engine.DEFAULT, request)
+    run.solve()
+    motion: Motion = run.read()
+    return motion
+
+
+def off_50_digits(scene: Scene, request: Request) -> dict[str, Samples]:
+    """Return how far the core is from 50 digits, by channel; a force is relative to the peak of its own joint."""
+    true = exact(scene, request)
+    motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
+    found = relative_errors(motion, true, uncertified(scene).scale)
+    assert set(found) == set(channels(scene)) - {"time"}
+    return found
 
 
 def size(motion: Motion, scene: Scene) -> float:
@@ -45,35 +112,11 @@ def size(motion: Motion, scene: Scene) -> float:
     return float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
 
 
-def scales(scene: Scene, motion: Motion) -> dict[str, float]:
-    """Return by kind the peak over all channels of that kind; a torque may vanish where the forces do not.
-
-    So may angular velocities and accelerations: they are differences of velocities, and of squares of velocities. Where
-    all guides stay parallel and the drive is steady, nothing accelerates.
-    """
-    peaks: dict[str, float] = {"angle": 1.0, "crank_angle": 1.0, "displacement": 1.0}
-    for channel in channels(scene):
-        if kind(channel) not in ("angle", "crank_angle", "displacement"):
-            peaks[kind(channel)] = max(peaks.get(kind(channel), 0.0), float(np.abs(motion[channel]).max()))
-    peaks["displacement"] = peaks["x"]
-    peaks["ax"] = max(peaks["ax"], peaks["vx"] ** 2 / size(motion, scene))
-    if "omega" in peaks:
-        peaks["omega"] = max(peaks["omega"], peaks["vx"] / size(motion, scene))
-        peaks["alpha"] = max(peaks["alpha"], peaks["omega"] ** 2)
-    if "fx" in peaks:
-        peaks["torque"] = max(peaks.get("torque", 0.0), peaks["fx"] * size(motion, scene))
-    return {name: peak or 1.0 for name, peak in peaks.items()}
-
-
 def assert_agree(scene: Scene, motion: Motion, expected: Channels, whole: Motion | None = None) -> None:
-    """Compare every channel of the scene's motion with the one expected; scales are those of the whole motion."""
-    scale = scales(scene, whole or motion)
+    """Compare every channel of the scene's motion with the one expected."""
     assert set(expected) == set(channels(scene))
-    for channel, samples in expected.items():
-        difference = motion[channel] - samples
-        if quantity(channel) == "angle":
-            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        assert np.abs(difference).max() <= TOLERANCE[kind(channel)] * scale[kind(channel)], channel
+    for channel, error in errors(motion, expected, whole.samples if whole else None).items():
+        assert error.max() <= TOLERANCE[kind(channel)], channel
 
 
 def attitude(scene: Scene, motion: Motion, body: str) -> NDArray[np.complex128]:

@@ -15,14 +15,13 @@ from analytic.group_equations import Group
 from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from analytic.solve import prepared
-from compare.engines import registry
-from compare.engines.reference import establish, relative_errors
+from compare.engines.reference import found, relative_errors
 from compare.judge.checks import checks
-from compare.judge.errors import GROUPS
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import channels, quantity
+from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from tests import absolute_coordinates, scene_files
+from tests.agreement import off_50_digits
 
 from .test_mechanisms import FLIPPED, flipped
 
@@ -32,25 +31,6 @@ TURN = np.radians(np.arange(720) / 2)  # half-degree steps, without the end
 @pytest.fixture
 def class_iii() -> Scene:
     return scenes.load("class_iii")
-
-
-def exact_motion(scene: Scene, samples: int) -> Motion:
-    """Return the answer of the other route, in 50 digits."""
-    engine = registry.engine("multiprecision")
-    run = engine.build(scene, engine.DEFAULT, Sampling(samples))
-    run.solve()
-    motion: Motion = run.read()
-    return motion
-
-
-def test_against_50_digits(class_iii: Scene) -> None:
-    exact = exact_motion(class_iii, 360)
-    errors = relative_errors(analytic.solve(class_iii, exact["crank_angle"]), exact, establish(class_iii).scale)
-    assert set(errors) == set(channels(class_iii)) - {"time"}
-    # A few dozen roundings of 1e-16 each; the group never comes near lock.
-    for channel, error in errors.items():
-        tolerance = 1e-12 if GROUPS[quantity(channel)] in ("reaction", "torque") else 1e-13
-        assert error.max() <= tolerance, channel
 
 
 def test_power_balance(class_iii: Scene) -> None:
@@ -80,7 +60,7 @@ def test_dyads_as_one_group(name: str) -> None:
     by_dyads = decompose(scene)
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
     by_newton = prepared(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)))(position)
-    scale = establish(scene).scale
+    scale = found(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         # near 30 deg rod and guide of the busy scene are almost square, which multiplies roundings by thousands
         assert error.max() <= 1e-11, channel
@@ -99,7 +79,7 @@ def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(name: str) -> Non
     groups = (*before, larger_group(placed, members(last)))
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
     by_newton = prepared(scene, replace(by_dyads, groups=groups))(position)
-    scale = establish(scene).scale
+    scale = found(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings of each
 
@@ -121,9 +101,7 @@ def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
     dyad, newton, last = analytic.route(scene).removeprefix("crank, ").split(", ")
     assert (dyad, last) == ("RRR", "RRP")
     assert set(newton.removeprefix("Newton on ").split("-")) == {"coupler", "plate", "upper", "lower"}
-    exact = exact_motion(scene, 24)
-    motion = analytic.solve(scene, exact["crank_angle"])
-    for channel, error in relative_errors(motion, exact, establish(scene).scale).items():
+    for channel, error in off_50_digits(scene, Sampling(24)).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings, all groups well clear of lock
 
 
@@ -134,14 +112,14 @@ def test_route(class_iii: Scene, toggle_press: Scene) -> None:
 
 def test_one_angle_at_a_time(class_iii: Scene) -> None:
     """No history: any order, any number, far turns. Far angles carry their own rounding, 1e5 turns of it here."""
-    whole = analytic.solve(class_iii, TURN)
+    solve = analytic.solver(class_iii)
+    whole = solve(TURN)
     shuffled = np.random.default_rng(1).permutation(len(TURN))
-    again = analytic.solve(class_iii, TURN[shuffled])
-    alone = analytic.solve(class_iii, TURN[99:100])
+    again, alone = solve(TURN[shuffled]), solve(TURN[99:100])
     for channel in channels(class_iii)[1:]:
         assert np.array_equal(again[channel], whole[channel][shuffled]), channel
         assert np.array_equal(alone[channel], whole[channel][99:100]), channel
-    far = analytic.solve(class_iii, TURN + 1e5 * 2 * np.pi)
+    far = solve(TURN + 1e5 * 2 * np.pi)
     assert np.abs(far["D.y"] - whole["D.y"]).max() <= 1e5 * 2 * np.pi * 2.3e-16
 
 

@@ -10,27 +10,12 @@ import scenes
 from analytic import continuation
 from analytic.decomposition import decompose
 from analytic.solve import prepared
-from compare.engines import registry
-from compare.engines.reference import establish, relative_errors
-from scenes import Failure, Motion, Positions, Sampling, Scene, hard
-from scenes.motion import Samples
-from scenes.scene import ConstantSpeed
+from scenes import Failure, Positions, Sampling, hard
+from tests.agreement import off_50_digits
 
 from .test_class_iii import all_but_the_driver
 
 EPS = 2.0**-52
-
-
-def exact_at(scene: Scene, position: Samples) -> Motion:
-    """Return the answer of the other route, in 50 digits, at these very doubles."""
-    assert isinstance(scene.drive, ConstantSpeed)
-    engine = registry.engine(registry.ORACLE)
-    there = replace(scene, drive=replace(scene.drive, start=float(position[0])))
-    run = engine.build(there, engine.DEFAULT, Positions(tuple(position)))
-    run.solve()
-    motion: Motion = run.read()
-    assert np.array_equal(motion[scene.drive_channel], position)
-    return motion
 
 
 # --- many turns -------------------------------------------------------------------------------------------------------
@@ -41,13 +26,12 @@ def test_the_error_is_the_same_in_every_turn(name: str) -> None:
     """10,000 turns and not a digit less: 6e4 rad off by one in their last place would be 7e-12, 30,000 times eps."""
     pytest.importorskip("flint")
     scene = scenes.load(name)
-    scale = establish(scene).scale
     position = Sampling(8, 10_000).commanded(scene)
     error = {}
     for turn in (0, 9_999):
-        there = position[8 * turn : 8 * turn + 9]
-        errors = relative_errors(analytic.solve(scene, there), exact_at(scene, there), scale)
-        error[turn] = max(float(error.max()) for error in errors.values())
+        there = position[8 * turn : 8 * turn + 9].tolist()
+        near = replace(scene, drive=replace(scene.drive, start=there[0]))  # nobody follows it through all the turns
+        error[turn] = max(float(of.max()) for of in off_50_digits(near, Positions(tuple(there))).values())
     # A few dozen roundings, as in the first turn; which, is by chance.
     assert error[0] <= 100 * EPS
     assert error[9_999] <= 100 * EPS

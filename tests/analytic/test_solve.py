@@ -10,30 +10,14 @@ from hypothesis import strategies as st
 
 import analytic
 from analytic.dyads import rrr_reach
-from compare.engines import registry
-from compare.engines.reference import establish, relative_errors
 from compare.judge.checks import checks
-from compare.judge.errors import GROUPS
 from scenes import Sampling, Scene
-from scenes.motion import channels, quantity
+from scenes.motion import channels
 from tests import scene_files
+from tests.agreement import off_50_digits
 from tests.comparisons import CHECKS
 
 TURN = np.linspace(0, 2 * pi, 3601)
-
-
-def test_against_50_digits(toggle_press: Scene) -> None:
-    """The other route is Newton on the constraints and Newton-Euler with multipliers, in 50 digits, from the sketch."""
-    engine = registry.engine("multiprecision")
-    run = engine.build(toggle_press, engine.DEFAULT, Sampling(3600))
-    run.solve()
-    exact = run.read()
-    errors = relative_errors(analytic.solve(toggle_press, exact["crank_angle"]), exact, establish(toggle_press).scale)
-    assert set(errors) == set(channels(toggle_press)) - {"time"}
-    # A few dozen roundings of 1e-16 each; the toggle press never comes near lock, so nothing amplifies them.
-    for channel, error in errors.items():
-        tolerance = 1e-12 if GROUPS[quantity(channel)] in ("reaction", "torque") else 1e-13
-        assert error.max() <= tolerance, channel
 
 
 def test_power_balance(toggle_press: Scene) -> None:
@@ -174,13 +158,7 @@ def test_a_busy_scene_in_any_order(order: tuple[int, ...], mirrored: bool) -> No
     """Three bodies at one pin, whichever comes first; given inertias, weights, loads; backwards, from 40 degrees."""
     # the triangle B-D-E, given by lengths, lies on the other side of B-D
     scene = scene_files.in_order("busy", order, {"sketch.E": [560, 500]} if mirrored else {})
-    engine = registry.engine("multiprecision")
-    run = engine.build(scene, engine.DEFAULT, Sampling(24))
-    run.solve()
-    exact = run.read()
-    motion = analytic.solve(scene, exact["crank_angle"])
-    assert np.abs(motion["time"] - exact["time"]).max() <= 1e-15
-    for channel, error in relative_errors(motion, exact, establish(scene).scale).items():
+    for channel, error in off_50_digits(scene, Sampling(24)).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings, transmission angles above 20 degrees
 
 

@@ -5,36 +5,31 @@ import pytest
 
 from analytic.engine import WORK_PRECISION, AnalyticSettings
 from compare.engines import registry
-from compare.engines.reference import establish, relative_errors
-from compare.judge.errors import GROUPS
+from compare.engines.reference import establish
 from compare.judge.measure import measure
 from scenes import Sampling, Scene
-from scenes.motion import quantity
+from scenes.motion import channels
 from tests import scene_files
+from tests.agreement import errors, worst
 
 SCENES = ("shaper", "driven_toggle", "carried_block", "turning_law")
 
 
-def errors(scene: Scene, settings: AnalyticSettings) -> dict[str, float]:
-    """Return by group how far a variant is from the core, relative to each channel's peak."""
-    engine = registry.engine(registry.REFERENCE)
+def off(name: str, settings: AnalyticSettings) -> dict[str, float]:
+    """Return by kind of channel how far a variant is from the core."""
+    scene, engine = scene_files.load(name), registry.engine(registry.REFERENCE)
     motions = []
     for variant in (settings, engine.DEFAULT):
         run = engine.build(scene, variant, Sampling(72))
         run.solve()
         motions.append(run.read())
-    worst: dict[str, float] = {}
-    variant_motion, motion = motions
-    for channel, error in relative_errors(variant_motion, motion, establish(scene).scale).items():
-        group = GROUPS[quantity(channel)]
-        worst[group] = max(worst.get(group, 0.0), float(error.max()))
-    return worst
+    return worst(errors(motions[0], {channel: motions[1][channel] for channel in channels(scene)}))
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_half_angles_are_another_form_of_the_same(name: str) -> None:
     """It loses digits where A + C cancels: thousands of roundings here, and none where there is no RRR dyad."""
-    found = errors(scene_files.load(name), AnalyticSettings("half angles", half_angles=True))
+    found = off(name, AnalyticSettings("half angles", half_angles=True))
     assert max(found.values()) <= 1e-11
     assert (max(found.values()) > 0) == (name in ("driven_toggle", "carried_block"))
 
@@ -42,19 +37,17 @@ def test_half_angles_are_another_form_of_the_same(name: str) -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_single_precision_is_single(name: str) -> None:
     """Roundings of 6e-8, a hundred times larger at most; and not those of doubles."""
-    found = errors(scene_files.load(name), AnalyticSettings("single", single=True))
+    found = off(name, AnalyticSettings("single", single=True))
     assert 1e-9 <= max(found.values()) <= 1e-5
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_differences_are_of_second_order(name: str) -> None:
     """Half the step, a quarter of the error; positions have none."""
-    coarse, fine = (
-        errors(scene_files.load(name), AnalyticSettings("differences", steps=steps)) for steps in (720, 1440)
-    )
-    for group in ("velocity", "acceleration"):
+    coarse, fine = (off(name, AnalyticSettings("differences", steps=steps)) for steps in (720, 1440))
+    for group in ("vx", "omega", "ax", "alpha"):
         assert np.log2(coarse[group] / fine[group]) == pytest.approx(2, abs=0.1)  # the next order is h^2 smaller still
-    assert coarse["position"] == 0
+    assert coarse["x"] == coarse["angle"] == 0
 
 
 def test_labels_are_told_apart() -> None:

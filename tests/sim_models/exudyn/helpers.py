@@ -1,5 +1,6 @@
 """What the tests of the Exudyn model share: runs of it, and errors against equations written in the tests."""
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -8,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from scenes import Motion, Sampling, Scene
-from scenes.motion import quantity
 from sim_models.exudyn import engine as model
 from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.settings import ExudynSettings
 from tests import scene_files
 from tests.absolute_coordinates import solve
+from tests.agreement import errors, worst
 
 NAMES = (*scene_files.MECHANISMS, "wedge", "wedge_of_points", "oldham")
 ROD = "bodies.rod.lengths.P4-P5"
@@ -63,35 +64,19 @@ def referred(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
     return scene, solve(scene, *scene.drive.at(Sampling(60).times(scene)))
 
 
-LEVELS = {
-    "position": ("x", "y", "crank_angle", "displacement", "angle"),
-    "velocity": ("vx", "vy", "omega"),
-    "acceleration": ("ax", "ay", "alpha"),
-    "force": ("fx", "fy", "guide_force", "force"),
-    "moment": ("guide_moment", "torque"),
+LEVEL = {
+    **dict.fromkeys(("x", "displacement", "angle", "crank_angle"), "position"),
+    **{"vx": "velocity", "omega": "velocity", "ax": "acceleration", "alpha": "acceleration"},
+    **{"fx": "force", "torque": "moment"},
 }
 
 
-def errors(scene: Scene, motion: Motion, reference: dict[str, NDArray[np.float64]]) -> dict[str, float]:
-    """Return the largest error of each level, lengths and angles apart, over the reference's peak there."""
-    worst = dict.fromkeys(LEVELS, 0.0)
-    for level, quantities in LEVELS.items():
-        for turning in (True, False):
-            names = [
-                name
-                for name in reference
-                if quantity(name) in quantities
-                and turning == (quantity(name) in ("crank_angle", "angle", "omega", "alpha"))
-            ]
-            gaps = [motion[name] - reference[name] for name in names]
-            if level == "position" and turning:
-                gaps = [np.angle(np.exp(1j * gap)) for gap in gaps]
-            peak = max((np.abs(reference[name]).max() for name in names), default=0.0)
-            if level == "acceleration" and turning:
-                peak = max(peak, scene.drive.peak_rate**2)  # where nothing turns faster and faster
-            gap = max((np.abs(gap).max() for gap in gaps), default=0.0)
-            worst[level] = max(worst[level], gap / peak if gap > 0 else 0.0)
-    return worst
+def by_level(motion: Motion, expected: Mapping[str, NDArray[np.float64]]) -> dict[str, float]:
+    """Return the largest error of each level."""
+    found = dict.fromkeys(LEVEL.values(), 0.0)
+    for kind, error in worst(errors(motion, expected)).items():
+        found[LEVEL[kind]] = float(np.maximum(found[LEVEL[kind]], error))
+    return found
 
 
 def check(found: dict[str, float], limits: dict[str, float]) -> None:

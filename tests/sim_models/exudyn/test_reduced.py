@@ -15,7 +15,7 @@ from sim_models.exudyn.equations import Equations
 from sim_models.exudyn.reduced import ReducedSystem
 from tests import scene_files
 
-from .helpers import NAMES, check, errors, referred, run
+from .helpers import NAMES, by_level, check, referred, run
 from .test_joints import KNOTTED, SMOOTH
 
 IN_PAIRS = replace(DEFAULT, reduced=True)
@@ -32,12 +32,12 @@ def test_mechanism(name: str) -> None:
     scene, reference = referred(name)
     motion = run(scene, IN_PAIRS, samples=60)
     assert set(motion.samples) == set(channels(scene))
-    check(errors(scene, motion, reference), KNOTTED if isinstance(scene.drive, MotionLaw) else SMOOTH)
+    check(by_level(motion, reference), KNOTTED if isinstance(scene.drive, MotionLaw) else SMOOTH)
 
 
 def test_bodies_that_share_a_pivot() -> None:
     scene, reference = referred("shared_pivot")
-    check(errors(scene, run(scene, IN_PAIRS, samples=60), reference), SMOOTH)
+    check(by_level(run(scene, IN_PAIRS, samples=60), reference), SMOOTH)
     assert reduced("shared_pivot") == (9, 9, {"crank", "rocker", "other"}, set())
 
 

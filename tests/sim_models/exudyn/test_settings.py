@@ -34,6 +34,7 @@ from sim_models.exudyn.stepping import SteppedRun
 from sim_models.exudyn.system import engine
 from tests import scene_files
 from tests.absolute_coordinates import solve
+from tests.agreement import errors, worst
 
 from .helpers import meeting_spring, run
 
@@ -51,12 +52,10 @@ def exact(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
 
 
 def error(name: str, settings: ExudynSettings) -> float:
-    """Return the largest error of any pin's force, over the peak of all."""
+    """Return the largest error of any force."""
     scene, true = exact(name)
     motion = run(scene, settings, samples=24)
-    pins = [name for name in true if name.endswith((".fx", ".fy"))]
-    worst = max(np.abs(motion[pin] - true[pin]).max() for pin in pins)
-    return float(worst / max(np.abs(true[pin]).max() for pin in pins))
+    return worst(errors(motion, true))["fx"]
 
 
 # Coarser steps show the next order too, by more than 0.15, and finer ones round-off, which generalised-alpha takes over
@@ -106,8 +105,8 @@ def solved(scene: Scene, settings: ExudynSettings, channels: frozenset[str] | No
 
 
 def gap(a: Motion, b: Motion) -> float:
-    """Return the largest difference of two motions, over the peak of each channel or over 1 N, 1 N m or 1 m."""
-    return max(float(np.abs(a[c] - b[c]).max() / max(1.0, np.abs(b[c]).max())) for c in b.samples)
+    """Return the largest difference of two motions."""
+    return max(worst(errors(a, b.samples)).values())
 
 
 def test_newton_factorises_as_often_as_it_says() -> None:

@@ -16,8 +16,9 @@ from sim_models.pymunk.settings import PymunkSettings
 from sim_models.pymunk.start import start
 from sim_models.pymunk.stepping import build
 from tests import scene_files
+from tests.agreement import errors
 
-from .runs import driven_slider, errors, off, reference, slider_crank, solve
+from .runs import driven_slider, off, reference, slider_crank, solve
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from sim_models.pymunk.closed import closed, largest_errors
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Status
@@ -12,15 +13,15 @@ from scenes.engine import ESTIMATE
 from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import simulation as pymunk_simulation
-from sim_models.pymunk.closed import closed, largest_errors
 from sim_models.pymunk.constraints import Linkage, solved
 from sim_models.pymunk.engine import DEFAULT, EXACT, FAST, build
 from sim_models.pymunk.masses import fictitious_masses
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, Textbook
 from sim_models.pymunk.start import start
 from tests import scene_files
+from tests.agreement import errors
 
-from .runs import Array, errors, reference, solve
+from .runs import Array, reference, solve
 
 SAMPLING = Sampling(72)
 COARSE = PymunkSettings("", 144, 1, 100)

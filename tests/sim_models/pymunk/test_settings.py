@@ -18,8 +18,9 @@ from sim_models.pymunk.masses import ballasted_masses, fictitious_masses, groups
 from sim_models.pymunk.settings import PymunkSettings, Textbook
 from sim_models.pymunk.start import start
 from tests import scene_files
+from tests.agreement import errors, worst
 
-from .runs import Array, errors, kind, reference, solve
+from .runs import Array, reference, solve
 
 SAMPLING = Sampling(72)
 Make: TypeAlias = Callable[[int], PymunkSettings]
@@ -32,19 +33,16 @@ def shipped(name: str) -> tuple[Scene, dict[str, Array]]:
     return scene, reference(scene, SAMPLING)
 
 
-def worst(name: str, settings: Settings) -> dict[str, float]:
+def error(name: str, settings: Settings) -> dict[str, float]:
     """Return the largest error by kind of channel."""
     scene, expected = shipped(name)
     assert isinstance(settings, PymunkSettings | Textbook)
-    found: dict[str, float] = {}
-    for channel, error in errors(solve(scene, settings, SAMPLING), expected).items():
-        found[kind(channel)] = max(found.get(kind(channel), 0.0), float(error.max()))
-    return found
+    return worst(errors(solve(scene, settings, SAMPLING), expected))
 
 
 def orders(name: str, make: Make, steps: Sequence[int]) -> dict[str, float]:
     """Return the slope of log error over log steps, by kind of channel."""
-    runs = [worst(name, make(n)) for n in steps]
+    runs = [error(name, make(n)) for n in steps]
     return {k: -float(np.polyfit(np.log(steps), np.log([run[k] for run in runs]), 1)[0]) for k in runs[0]}
 
 
@@ -70,7 +68,7 @@ def test_half_a_correction_is_of_second_order(name: str, sweeps: int) -> None:
     for k in RATES_AND_FORCES:  # measured: 1.96 to 2.05
         assert found[k] == pytest.approx(2, abs=0.1), k
     # A joint lags by what a step moves it off, over what a step corrects.
-    assert worst(name, half(288))["x"] == pytest.approx(2 * worst(name, full(288))["x"], rel=0.05)
+    assert error(name, half(288))["x"] == pytest.approx(2 * error(name, full(288))["x"], rel=0.05)
 
 
 # By default a step corrects 6.3 dt of an error, so the error is in proportion to dt / 6.3, if that is a small part: 8 %
@@ -195,7 +193,7 @@ def test_reactions_that_are_not_the_impulses_do_not_pass(monkeypatch: pytest.Mon
 def test_settings_reach_what_they_are_for() -> None:
     # Measured: 8e-6, 5e-7 and 5e-11 of the reactions.
     for settings, reaction in ((FAST, 1e-2), (DEFAULT, 1e-5), (EXACT, 1e-9)):
-        assert worst("toggle_press", settings)["fx"] <= reaction, settings
+        assert error("toggle_press", settings)["fx"] <= reaction, settings
 
 
 def test_settings_have_labels_of_their_own() -> None:
@@ -217,7 +215,7 @@ def test_ablations_cost_more_and_change_nothing(settings: PymunkSettings) -> Non
     assert changed == {"shapes": {"shapes"}, "callback": {"callbacks"}, "motor": {"constraints"}}.get(
         settings.extra, set()
     )
-    found, usual = worst("toggle_press", few), worst("toggle_press", replace(few, extra=""))
+    found, usual = error("toggle_press", few), error("toggle_press", replace(few, extra=""))
     # Measured: 8e-6 with a motor, whose sweeps converge badly; the others are bit for bit what they were.
     assert found["fx"] <= 1e-4 if settings.extra == "motor" else found == usual
 
@@ -256,12 +254,12 @@ def test_too_small_a_correction_in_too_short_a_step_is_refused() -> None:
 
 def test_textbook_flips_the_toggle_press_at_its_usual_step() -> None:
     with pytest.raises(Failure) as caught:
-        worst("toggle_press", Textbook("", 60))
+        error("toggle_press", Textbook("", 60))
     assert caught.value.status is Status.wrong_branch
 
 
 def test_textbook_gets_there_by_small_steps() -> None:
-    coarse, fine = (worst("stephenson_six_bar", Textbook("", steps)) for steps in (1152, 2304))
+    coarse, fine = (error("stephenson_six_bar", Textbook("", steps)) for steps in (1152, 2304))
     # Measured: 1.4e-2 and 7e-3 of the reactions, half with half the step, as its correction of joints is.
     assert 1e-3 <= fine["fx"] <= 2e-2
     assert np.log2(coarse["fx"] / fine["fx"]) == pytest.approx(1, abs=0.15)
