@@ -5,12 +5,14 @@ from dataclasses import replace
 from typing import Any
 
 import pandas as pd
+import pytest
 
 from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.judge.errors import SHOWN_GROUPS
 from scenes import Motion, Sampling, Scene, Settings
 
+SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 SAMPLING = Sampling(72)
 CHECKS = {"drive", "closure", "branch", "estimate", *SHOWN_GROUPS, "Newton", "Euler", "power"}
 Outcome = Motion | Exception

@@ -1,60 +1,56 @@
-"""The shipped scenes, through the command line: every engine solves them within their tolerances."""
+"""The shipped scenes: every engine solves them within their tolerances."""
 
-import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+import compare
 import scenes
 from compare.engines import registry
 from compare.run import main
-from scenes import Scene
+from compare.study import Judgement
 from scenes.motion import kinematic_channels
-
-
-@dataclass(frozen=True)
-class Outcome:
-    scene: Scene
-    status: int
-    summary: dict[str, Any]
+from tests.comparisons import SLOW
 
 
 @pytest.fixture(scope="module", params=scenes.shipped())
-def outcome(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Outcome:
-    """Run one scene once, at the default settings, which its tolerances are for."""
-    folder: Path = tmp_path_factory.mktemp("library")
-    status = main([request.param, "--check", "--out", str(folder)])
-    summary = json.loads((folder / request.param / "summary.json").read_text(encoding="utf-8"))
-    return Outcome(scenes.load(request.param), status, summary)
+def judgement(request: pytest.FixtureRequest) -> Judgement:
+    """Judge one scene once, at the default settings, which its tolerances are for."""
+    return compare.check(request.param)
 
 
-def test_every_tolerance_is_met(outcome: Outcome) -> None:
-    assert outcome.status == 0
-    assert all(gate["error"] <= gate["tolerance"] for gate in outcome.summary["gates"])
+def test_every_tolerance_is_met(judgement: Judgement) -> None:
+    assert judgement.ok
+    assert all(gate.error <= gate.tolerance for gate in judgement.held)
 
 
-def test_every_engine_is_ok_or_says_why_not(outcome: Outcome) -> None:
-    assert set(outcome.summary["engines"]) == set(registry.DEFAULT_ENGINES)
-    for engine in outcome.summary["engines"].values():
-        assert engine["status"] == "ok" or (engine["status"] == "unsupported" and engine["reason"])
+def test_every_engine_is_ok_or_says_why_not(judgement: Judgement) -> None:
+    assert set(judgement.verdicts) == set(registry.DEFAULT_ENGINES)
+    for status, reason in judgement.verdicts.values():
+        assert status == "ok" or (status == "unsupported" and reason)
 
 
-def test_every_engine_that_is_ok_has_a_tolerance_for_every_group(outcome: Outcome) -> None:
-    for name, engine in outcome.summary["engines"].items():
-        if name == "analytic" or engine["status"] != "ok":
+def test_every_engine_that_is_ok_has_a_tolerance_for_every_group(judgement: Judgement) -> None:
+    for name, (status, _) in judgement.verdicts.items():
+        if name == "analytic" or status != "ok":
             continue  # the first is the reference itself
-        groups = {row["group"] for row in outcome.summary["errors"] if row["engine"] == name}
-        assert set(outcome.scene.tolerances[name]) == groups - {"drive"}, name
+        groups = set(judgement.errors.query("engine == @name")["group"])
+        assert set(judgement.scene.tolerances[name]) == groups - {"drive"}, name
 
 
-def test_the_reference_is_certified(outcome: Outcome) -> None:
+def test_the_reference_is_certified(judgement: Judgement) -> None:
     """To 1e-12: fifty times what doubles leave of the leg, and far below what it is used to judge but positions."""
-    floor = outcome.summary["reference"]["floor"]["by_channel"]
-    for channel in kinematic_channels(outcome.scene):
+    floor = judgement.reference.floor.by_channel
+    for channel in kinematic_channels(judgement.scene):
         if channel != "time":
             assert floor[channel] <= 1e-12, channel
+
+
+@SLOW
+@pytest.mark.parametrize("name", scenes.shipped())
+def test_the_command_line_reports_every_scene(name: str, tmp_path: Path) -> None:
+    assert main([name, "--check", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / name / "report.html").stat().st_size > 1e6  # with the plots' library in it
 
 
 @pytest.mark.parametrize("name", scenes.shipped())

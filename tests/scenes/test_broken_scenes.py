@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from copy import deepcopy
 from math import inf, nan
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import pytest
@@ -16,6 +16,7 @@ from compare.engines.reference import Floor, establish
 from compare.judge.measure import measure
 from scenes import InputError, Sampling, Status
 from tests import scene_files
+from tests.comparisons import SLOW
 
 Place = tuple[str | int, ...]
 TOGGLE_PRESS = scene_files.text("toggle_press")
@@ -29,6 +30,7 @@ BROKEN_IN_PART = {
     "slotted_class_iii": ("bodies.block",),
 }
 WHOLE = {name: tomllib.loads(scene_files.text(name)) for name in (*BROKEN_EVERYWHERE, *BROKEN_IN_PART)}
+LATER = ("busy", "slotted_class_iii")  # the others have most of what these have, and are solved much faster
 INSTEAD: dict[str, Any] = {
     "gone": None,
     "NaN": nan,
@@ -43,7 +45,7 @@ INSTEAD: dict[str, Any] = {
     "table": {},
     "nested": [[[1, 2], 3], 4],
 }
-PATIENCE = 20.0  # s for one scene and all engines; a sound one takes a tenth of a second
+PATIENCE = 20.0  # s of the processor, for one scene and all engines; a sound one takes a tenth of a second
 
 
 @pytest.fixture(autouse=True)
@@ -87,7 +89,7 @@ def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_E
     """Take a scene as far as it goes with the engines' cheapest settings, and return how it ended."""
     file = folder / "broken.toml"
     file.write_text(text, encoding="utf-8")
-    started = perf_counter()
+    started = process_time()
     try:
         reference = establish(scenes.load(file))
     except InputError as error:
@@ -101,12 +103,12 @@ def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_E
         assert run.status is not Status.crashed, f"{engine}: {run.reason}"
         assert (run.status is Status.ok) == (not run.reason)
         assert "\n" not in run.reason
-    assert perf_counter() - started < PATIENCE
+    assert process_time() - started < PATIENCE
     return "ran"
 
 
 @pytest.mark.parametrize("how", INSTEAD)
-@pytest.mark.parametrize("name", WHOLE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW if name in LATER else ()) for name in WHOLE])
 def test_one_thing_broken(name: str, how: str, tmp_path: Path) -> None:
     ends = []
     engines = registry.DEFAULT_ENGINES if name in BROKEN_EVERYWHERE else (registry.REFERENCE,)
