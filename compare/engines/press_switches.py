@@ -17,7 +17,7 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import Force, PressForce
 
-from .state import State
+from .motion_vectors import MotionVectors
 
 HAIR = 1e-6  # of the slider's range and peak speed: far above all rounding, far below the way between two samples
 TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
@@ -30,7 +30,7 @@ def press_forces(scene: Scene) -> tuple[PressForce, ...]:
     return tuple(load for load in scene.loads if isinstance(load, PressForce))
 
 
-def stroke_end(state: State, load: PressForce) -> float:
+def stroke_end(state: MotionVectors, load: PressForce) -> float:
     """Return where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
     x, v, a = (load.closing * samples for samples in state.displacement(state.scene.bodies[load.body]))
     time = state.motion["time"]
@@ -50,7 +50,7 @@ def _peak(h: float, x: Samples, v: Samples, a: Samples) -> float:
     return float(x[0] + path(real).max(initial=0.0))
 
 
-def acts(state: State, load: PressForce, end: float) -> Acts:
+def acts(state: MotionVectors, load: PressForce, end: float) -> Acts:
     """Return whether the force acts with displacement and velocity a hair less and a hair more, shape (4, n)."""
     x, v, _ = state.displacement(state.scene.bodies[load.body])
     dx = HAIR * np.ptp(x)

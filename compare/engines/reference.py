@@ -10,9 +10,9 @@ from scenes.motion import Samples, channels, force_channels, quantity
 
 from . import axis as units
 from . import registry
+from .motion_vectors import MotionVectors
 from .press_switches import Acts, acts, fixed, press_forces, stroke_end
 from .runner import run
-from .state import State
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
@@ -39,7 +39,7 @@ class Reference:
 
     def acts(self, *motions: Motion) -> list[Acts]:
         """Return what may be said of each press force, by sample, from motions that are the same but for a hair."""
-        states = [State(self.scene, motion) for motion in motions]
+        states = [MotionVectors(self.scene, motion) for motion in motions]
         loads = zip(press_forces(self.scene), self.stroke_ends, strict=True)
         return [np.concatenate([acts(state, load, end) for state in states]) for load, end in loads]
 
@@ -86,7 +86,7 @@ def found(scene: Scene) -> Reference:
     size = stroke(scene, motion)
     if not size > 0:
         raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
-    ends = tuple(stroke_end(State(scene, motion), load) for load in press_forces(scene))
+    ends = tuple(stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene))
     return Reference(scene, solve, size, scales(scene, motion, size), Floor({}, ""), ends)
 
 

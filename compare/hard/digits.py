@@ -37,10 +37,10 @@ from scenes.motion import Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
+from ..engines.motion_vectors import MotionVectors
 from ..engines.press_switches import acts, press_forces, stroke_end
 from ..engines.reference import magnitude, relative_errors
 from ..engines.runner import run
-from ..engines.state import State
 from ..judge.constraints import condition
 from ..judge.errors import GROUPS, SHOWN_GROUPS
 from ..judge.perturbation import inputs, put
@@ -163,9 +163,9 @@ def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bo
     decided = np.ones(true["time"].shape, bool)
     if loads := press_forces(scene):
         times = np.linspace(0, scene.drive.cycle, GRID + 1)
-        cycle = State(scene, solve(scene.drive.at(times).position, times))
+        cycle = MotionVectors(scene, solve(scene.drive.at(times).position, times))
         for load in loads:
-            may = acts(State(scene, true), load, stroke_end(cycle, load))
+            may = acts(MotionVectors(scene, true), load, stroke_end(cycle, load))
             decided &= may.all(axis=0) | ~may.any(axis=0)
     return decided
 

@@ -13,8 +13,8 @@ from scenes.motion import Samples, force_channels, kinematic_channels, quantity
 from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
+from ..engines.motion_vectors import MotionVectors, distances, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from ..engines.state import State, distances, inertia
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
 
@@ -35,7 +35,7 @@ class Check:
 
 def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
     """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to."""
-    state = State(scene, motion)
+    state = MotionVectors(scene, motion)
     violations = {("drive", scene.drive.body, "turn" if scene.driven_slide is None else "travel"): _drive(state)}
     for body in scene.bodies.values():
         if motion.samples.keys() >= _closed_by(scene, body):
@@ -49,7 +49,7 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
-def _worst(check: str, of: str, relative_to: str, violation: Samples, state: State) -> Check:
+def _worst(check: str, of: str, relative_to: str, violation: Samples, state: MotionVectors) -> Check:
     row = int(violation.argmax())
     max_at = float(axis(state.scene).of(state.motion)[row])
     where = state.scene.where(float(state.motion[state.scene.drive_channel][row]))
@@ -77,7 +77,7 @@ def _furthest(errors: Mapping[str, Samples]) -> str:
     return [*errors][int(np.argmax([error.max() for error in errors.values()]))]
 
 
-def _drive(state: State) -> Samples:
+def _drive(state: MotionVectors) -> Samples:
     """Return how far the drive is from where it was asked to be, in turns or travels, shape (n,)."""
     scene = state.scene
     least, most = scene.drive.extent
@@ -96,7 +96,7 @@ def _closed_by(scene: Scene, body: Body) -> set[str]:
     return angles | {f"{point}.{axis}" for point in points - set(scene.ground) for axis in "xy"}
 
 
-def _gaps(state: State, body: Body, stroke: float) -> Samples:
+def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     """Return by how much the body's points miss their distances, and it its guide, relative to the stroke, shape (n,).
 
     A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. A body
@@ -113,7 +113,7 @@ def _gaps(state: State, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: State, stroke: float) -> Violations:
+def _balances(state: MotionVectors, stroke: float) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less."""
     may = [acts(state, load, stroke_end(state, load)) for load in press_forces(state.scene)]
     least: Violations = {}
@@ -125,7 +125,7 @@ def _balances(state: State, stroke: float) -> Violations:
     return least
 
 
-def _newton_euler(state: State, stroke: float) -> Iterator[tuple[tuple[str, str, str], Samples]]:
+def _newton_euler(state: MotionVectors, stroke: float) -> Iterator[tuple[tuple[str, str, str], Samples]]:
     """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
     for body in state.scene.bodies.values():
         com, _, acceleration = state.com(body)
@@ -141,7 +141,7 @@ def _newton_euler(state: State, stroke: float) -> Iterator[tuple[tuple[str, str,
         yield ("Euler", body.name, "peak force times stroke"), np.abs(moment) / (peak * stroke)
 
 
-def _power(state: State) -> Samples:
+def _power(state: MotionVectors) -> Samples:
     """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
     driven = state.scene.bodies[state.scene.drive.body]
     if state.scene.driven_slide is None:

@@ -21,7 +21,7 @@ from scenes import Motion, Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from ..engines.state import State, Vectors, arms, distances, first_point
+from ..engines.motion_vectors import MotionVectors, Vectors, arms, distances, first_point
 
 Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
 Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
@@ -76,7 +76,7 @@ class Constraints:
 
     def poses(self, motion: Motion) -> Poses:
         """Return q as a motion's channels have it."""
-        state = State(self.scene, motion)
+        state = MotionVectors(self.scene, motion)
         first = np.stack([state.place(body.points[0]) for body in self.scene.bodies.values()], axis=1) / self.size
         angle = np.stack([state.angle(name) for name in self.scene.bodies], axis=1)
         return np.stack([first.real, first.imag, angle], axis=-1)

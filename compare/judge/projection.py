@@ -16,8 +16,8 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.motion import Samples, force_channels
 
+from ..engines.motion_vectors import MotionVectors, Vectors, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from ..engines.state import State, Vectors, inertia
 from .constraints import Constraints, Matrices, Poses, blocks, planes
 
 
@@ -33,7 +33,7 @@ class Projection:
 def projected(scene: Scene, motion: Motion) -> Projection:
     """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose."""
     constraints = Constraints(scene)
-    ends = [stroke_end(State(scene, motion), load) for load in press_forces(scene)]
+    ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
     parts = [_projected(constraints, block, ends) for block in blocks(motion)]
     return Projection(
         [_joined(pieces) for pieces in zip(*(part.ways for part in parts), strict=True)],
@@ -65,7 +65,7 @@ def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) 
     closed = Motion(given | _kinematics(constraints, q, v, a))
     ways = [closed]
     if scene.has_masses:
-        states = State(scene, closed), State(scene, motion)
+        states = MotionVectors(scene, closed), MotionVectors(scene, motion)
         may = [
             np.concatenate([acts(state, load, end) for state in states])
             for load, end in zip(press_forces(scene), ends, strict=True)
@@ -94,7 +94,7 @@ def _kinematics(constraints: Constraints, q: Poses, v: Poses, a: Poses) -> dict[
     return found
 
 
-def _reactions(constraints: Constraints, state: State, inverse: Matrices) -> dict[str, Samples]:
+def _reactions(constraints: Constraints, state: MotionVectors, inverse: Matrices) -> dict[str, Samples]:
     """Return the force channels; forces and moments on a body are at its first point."""
     needed: list[Samples] = []
     for body in constraints.scene.bodies.values():

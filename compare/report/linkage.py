@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from scenes import Scene
 from scenes.scene import GROUND, Body
 
-from ..engines.state import State, Vectors
+from ..engines.motion_vectors import MotionVectors, Vectors
 from ..study import Study
 from .style import BODY_COLOURS, draw, layout, side_by_side
 
@@ -21,7 +21,7 @@ SLOT_MARGIN = 0.05  # of the travel, at each end
 def linkage(study: Study) -> go.Figure:
     """Draw the linkage at a few poses, with the paths of its moving points in grey."""
     scene = study.scene
-    state = State(scene, study.motion)
+    state = MotionVectors(scene, study.motion)
     paths = {point: 1e3 * state.place(point) for point in scene.owners}
     poses = POSES if scene.drive.repeats else POSES_ONCE
     rows = [round(pose * study.sampling.samples) for pose in poses]
@@ -47,7 +47,7 @@ def _title(scene: Scene, position: float) -> str:
     return f"crank at {degrees % 360 if scene.drive.repeats else degrees:.4g}°"
 
 
-def _pose(figure: go.Figure, state: State, paths: Mapping[str, Vectors], row: int, column: int) -> None:
+def _pose(figure: go.Figure, state: MotionVectors, paths: Mapping[str, Vectors], row: int, column: int) -> None:
     scene = state.scene
 
     def add(name: str, points: Vectors, **style: Any) -> None:
@@ -85,7 +85,7 @@ def _around(body: Body, paths: Mapping[str, Vectors], row: int) -> tuple[str, ..
     return tuple(sorted(body.points, key=lambda p: float(np.angle((paths[p][row] - middle) / first) % (2 * np.pi))))
 
 
-def _marker(state: State, body: Body, colour: str, row: int) -> dict[str, Any]:
+def _marker(state: MotionVectors, body: Body, colour: str, row: int) -> dict[str, Any]:
     """Return the pins' marks; a slider's first point is a block on its guide."""
     if body.slide is None:
         return {"size": 7, "color": "white", "line": {"color": colour, "width": 2}}
@@ -101,7 +101,7 @@ def _marker(state: State, body: Body, colour: str, row: int) -> dict[str, Any]:
     return marker | ({"line": {"color": colour, "width": 2}} if others else {})
 
 
-def _slot(state: State, body: Body, row: int) -> Vectors:
+def _slot(state: MotionVectors, body: Body, row: int) -> Vectors:
     """Return both ends of the way that a slider takes on its carrier, where that is at one pose, shape (2,), mm."""
     assert body.slide is not None
     origin, x_axis = (vectors[row] for vectors in state.frame(body.slide.on))

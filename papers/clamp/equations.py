@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from compare.engines.state import State
+from compare.engines.motion_vectors import MotionVectors
 from scenes import Motion, Scene
 from scenes.motion import Samples
 
@@ -39,7 +39,7 @@ def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) 
 
     In the last sample it locks, where M_P is infinite.
     """
-    state = State(scene, free)
+    state = MotionVectors(scene, free)
     place = {point: state.point(point)[0] for point in "ABCDE"}
     x_m, x_o = free["C.x"], free["E.x"]
     values = (

@@ -6,7 +6,7 @@ from math import degrees, hypot, tau
 import numpy as np
 
 from compare.engines import registry
-from compare.engines.state import State
+from compare.engines.motion_vectors import MotionVectors
 from scenes import load
 
 from ..claims import OPEN, Claim, comparison, judge, number, span
@@ -80,7 +80,7 @@ def _off_lines() -> tuple[float, float]:
         row = int(motion["P5.y"].argmin())
         lowest, reach = motion["crank_angle"][row], reach / 1000
     p1 = complex(*scene.ground["P1"])
-    p2, p3 = (State(scene, motion).point(point)[0][row] for point in ("P2", "P3"))
+    p2, p3 = (MotionVectors(scene, motion).point(point)[0][row] for point in ("P2", "P3"))
     axis = max(abs(motion[f"{point}.x"][row]) for point in ("P3", "P4"))
     return 1e3 * float(axis), 1e3 * float(abs(((p2 - p3) / (p1 - p3)).imag * abs(p1 - p3)))
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy import cos, sin
 from numpy.typing import NDArray
 
-from compare.engines.state import State, inertia
+from compare.engines.motion_vectors import MotionVectors, inertia
 from scenes import Motion, Scene
 from scenes.loads import Force
 from scenes.motion import Samples
@@ -50,7 +50,7 @@ class Statics:
 
 def statics(scene: Scene, motion: Motion) -> Statics:
     """Return the statics of the toggle press in a motion, with the reference's signs."""
-    state = State(scene, motion)
+    state = MotionVectors(scene, motion)
     bodies = [scene.bodies[name] for name in ("crank", "rocker", "toggle", "rod", "slider")]
     coms = [state.com(body) for body in bodies]
     place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}

@@ -12,7 +12,7 @@ import numpy as np
 from numpy import cos, sin
 from numpy.typing import ArrayLike
 
-from compare.engines.state import State, Vectors
+from compare.engines.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
 from scenes.drive import Driven, MotionLaw
 from scenes.motion import Samples
@@ -76,7 +76,7 @@ class Variables:
         }
 
 
-def bars(state: State) -> list[Vectors]:
+def bars(state: MotionVectors) -> list[Vectors]:
     """Return the vectors of the six bars, each of shape (n,), m."""
     return [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
 
@@ -87,7 +87,7 @@ def over_two_turns() -> Variables:
     uneven = Uneven("crank", (0.0, steady.drive.cycle), (0.0, tau), periodic=True)
     motions = [solved(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
     both = Motion({channel: np.concatenate([m[channel] for m in motions]) for channel in motions[0].samples})
-    state = State(steady, both)
+    state = MotionVectors(steady, both)
     vectors = bars(state)
     _, rates, accelerations = zip(*map(state.turning, BODIES), strict=True)
     lengths, (x, y) = [length / 1e3 for length in LENGTHS], steady.ground["P1"]

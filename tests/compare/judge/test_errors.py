@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import scenes
+from compare.engines.motion_vectors import MotionVectors
 from compare.engines.press_switches import acts, stroke_end
 from compare.engines.reference import Floor, Reference, establish
 from compare.engines.runner import Run, run
-from compare.engines.state import State
 from compare.judge.checks import checks
 from compare.judge.errors import compare, error_table
 from compare.judge.measure import measure
@@ -246,9 +246,13 @@ def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
     scene = pressing.scene
     (load,) = scene.loads
     assert isinstance(load, PressForce)
-    state = State(scene, pressing.at(scene.drive.start + 0.3 + np.linspace(0, 2 * np.pi, 73), np.linspace(0, 1, 73)))
+    state = MotionVectors(
+        scene, pressing.at(scene.drive.start + 0.3 + np.linspace(0, 2 * np.pi, 73), np.linspace(0, 1, 73))
+    )
     assert stroke_end(state, load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
-    half = State(scene, pressing.at(scene.drive.start + np.linspace(0, 3, 73), np.linspace(0, 3 / (2 * np.pi), 73)))
+    half = MotionVectors(
+        scene, pressing.at(scene.drive.start + np.linspace(0, 3, 73), np.linspace(0, 3 / (2 * np.pi), 73))
+    )
     assert stroke_end(half, load) == half.displacement(scene.bodies[load.body])[0][-1]
 
 
@@ -264,7 +268,7 @@ def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
         "B.vx": still,
         "B.vy": np.array([-1.0, -1e-4, -1e-4]),
     }
-    state = State(scene, Motion({"time": still, **moving, "B.ax": still, "B.ay": still}))
+    state = MotionVectors(scene, Motion({"time": still, **moving, "B.ax": still, "B.ay": still}))
     may = acts(state, load, -1.48)
     assert may.all(axis=0).tolist() == [False, True, False]
     assert may.any(axis=0).tolist() == [False, True, True]

@@ -18,7 +18,7 @@ from scenes.scene import GROUND, Body, ForceTable, Load, PressForce, Slide
 Vectors = NDArray[np.complex128]
 
 
-class Push(NamedTuple):
+class AppliedForce(NamedTuple):
     """A force, where it attacks, and how fast that point of the body moves; shape (n,), N, m, m/s."""
 
     force: Vectors
@@ -27,7 +27,7 @@ class Push(NamedTuple):
 
 
 @dataclass(frozen=True)
-class State:
+class MotionVectors:
     """One motion of a scene; every array is of shape (n,)."""
 
     scene: Scene
@@ -96,14 +96,14 @@ class State:
         z, v, a = self.point(body.points[0])
         return ((z - through) * along.conjugate()).real, (v * along.conjugate()).real, (a * along.conjugate()).real
 
-    def applied(self, body: Body) -> Iterator[Push]:
+    def applied(self, body: Body) -> Iterator[AppliedForce]:
         """Yield what acts on a body from without: loads, springs, gravity."""
         acting = iter(self.acting)
         for load in self.scene.loads:
             share = next(acting) if isinstance(load, PressForce) else 1.0
             if load.body == body.name:
                 z, v, _ = self.point(load.at)
-                yield Push(share * self._force(load), z, v)
+                yield AppliedForce(share * self._force(load), z, v)
         for spring in self.scene.springs:
             for (name, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if name == body.name:
@@ -111,10 +111,10 @@ class State:
                     towards = self.place(other) - z
                     distance = np.abs(towards)
                     unit = towards / np.where(distance > 0, distance, 1.0)
-                    yield Push(spring.stiffness * (distance - spring.length) * unit, z, v)
+                    yield AppliedForce(spring.stiffness * (distance - spring.length) * unit, z, v)
         if self.scene.gravity is not None:
             z, v, _ = self.com(body)
-            yield Push(np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity)), z, v)
+            yield AppliedForce(np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity)), z, v)
 
     def _force(self, load: Load) -> Vectors:
         if not isinstance(load, ForceTable):
