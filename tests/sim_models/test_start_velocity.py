@@ -8,7 +8,6 @@ import pytest
 from compare.engines.reference import Reference
 from compare.judge.measure import measure
 from scenes import Sampling, Settings, Status
-from scenes.engine import ESTIMATE
 from sim_models.exudyn import engine as exudyn_model
 from sim_models.exudyn import stepping as exudyn_stepping
 from sim_models.exudyn.system import System, engine
@@ -53,5 +52,5 @@ def test_a_wrong_start_is_forgotten_or_told(
     spoil(monkeypatch, factor)
     spoilt = measure(reference, engine, SAMPLING, settings)
     if spoilt.run.status is Status.ok:  # what has not died away by the first sample is in the estimate, to a tenth
-        worth = max(WORTH[engine], 2 * float(clean.errors["max"].max()), 1.1 * spoilt.run.residuals[ESTIMATE])
+        worth = max(WORTH[engine], 2 * float(clean.errors["max"].max()), 1.1 * spoilt.estimate)
         assert spoilt.errors["max"].max() <= worth

@@ -116,3 +116,10 @@ def test_what_an_engine_refused_stays_refused(reference: Reference, motion: Moti
     measured = measure(reference, "stub", SAMPLING)
     assert measured.run.status is Status.not_converged
     assert measured.errors["max"].max() <= 1e-12
+
+
+def test_what_is_no_number_is_not_handed_on(reference: Reference, motion: Motion, plug: Plug) -> None:
+    plug(Failure(Status.not_converged, "it did not like it", changed(motion, "P3.fx", np.nan)))
+    outcome = run("stub", reference.scene, SAMPLING)
+    assert outcome.status is Status.not_converged
+    assert outcome.motion is None

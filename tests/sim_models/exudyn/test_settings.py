@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Settings
-from sim_models.exudyn import checks as exudyn_checks
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
 from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
@@ -81,9 +80,8 @@ def test_order(family: str, name: str) -> None:
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.15)
 
 
-def test_without_a_run_up_the_transient_is_of_order_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_run_up_the_transient_is_of_order_one() -> None:
     """As index-3 theory has it; a sample every step shows it, three steps after the start."""
-    monkeypatch.setattr(exudyn_checks, "OFF_LIMIT", np.inf)  # it would be refused
     scene = scenes.load("toggle_press")
 
     def off(steps: int) -> float:

@@ -7,12 +7,13 @@ import pytest
 
 import scenes
 from scenes import Failure, Sampling, Scene, Status
+from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk.checks import check_path
-from sim_models.pymunk.constraints import Linkage, branch
+from sim_models.pymunk.constraints import Linkage, branch, solved
 from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
-from sim_models.pymunk.settings import PymunkSettings
+from sim_models.pymunk.settings import AnySettings, PymunkSettings, Textbook
 from sim_models.pymunk.start import start
 from sim_models.pymunk.stepping import build
 from tests import scene_files
@@ -26,22 +27,19 @@ def press() -> Scene:
     return scenes.load("toggle_press")
 
 
-def failure_of(scene: Scene, settings: PymunkSettings = DEFAULT) -> Failure:
+def failure_of(scene: Scene, settings: AnySettings = DEFAULT) -> Failure:
     with pytest.raises(Failure) as caught:
         solve(scene, settings, Sampling(72))
     return caught.value
 
 
-def test_too_few_sweeps_never_pass(press: Scene) -> None:
-    # Measured: with 20 the result is off by 1.3 %, as it says itself; the limit is 10 %.
-    statuses = {failure_of(press, PymunkSettings("", 360, 1, sweeps)).status for sweeps in (1, 3, 10, 18)}
-    assert statuses <= {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}
-
-
-def test_flip_is_seen_where_it_happens(press: Scene) -> None:
-    failure = failure_of(press, PymunkSettings("", 72, 1, 10))
+@pytest.mark.parametrize("settings", [PymunkSettings("", 72, 1, 10), Textbook("", 60)])
+def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> None:
+    failure = failure_of(press, settings)
     assert failure.status is Status.wrong_branch
     assert "deg" in failure.reason
+    assert failure.motion is not None
+    assert set(failure.motion.samples) == {*channels(press)}
 
 
 def test_every_step_is_checked(press: Scene) -> None:
@@ -50,7 +48,7 @@ def test_every_step_is_checked(press: Scene) -> None:
     start_branch = branch(linkage.jacobian(pose))
     run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
     run.advance()
-    check_path(linkage, run.path, start_branch)
+    check_path(linkage, run.record[1:], run.positions, start_branch)
     good = run.record.copy()
     crank, rod, slider = 0, 3, 4
     for body, column, change, status in (
@@ -61,7 +59,7 @@ def test_every_step_is_checked(press: Scene) -> None:
         run.record[:] = good
         run.record[101, body, column] += change  # step 100 lies between two samples
         with pytest.raises(Failure, match=f"at crank angle {100 / 216 * 360:.4f} deg") as caught:
-            check_path(linkage, run.path, start_branch)
+            check_path(linkage, run.record[1:], run.positions, start_branch)
         assert caught.value.status is status
 
 
@@ -114,16 +112,6 @@ def test_overflow_is_no_result() -> None:
     assert failure.status is Status.nonfinite
 
 
-def test_wild_accelerations_do_not_pass_as_their_own_scale() -> None:
-    """Near 30 degrees the sweeps leave the busy scene's accelerations wrong by three times their true peak.
-
-    Beside the wild accelerations the residual of the constraints looks small; beside the true ones it is not.
-    """
-    with pytest.raises(Failure) as caught:
-        solve(scene_files.load("busy"), DEFAULT, Sampling(360))
-    assert caught.value.status is Status.not_converged
-
-
 def test_points_by_lengths_that_do_not_meet() -> None:
     lengths = {"bodies.plate.lengths.A-L": 100, "bodies.plate.lengths.K-L": 200}
     failure = failure_of(scene_files.load("driven_toggle", {**lengths, "sketch.L": [90, 50]}))
@@ -149,3 +137,10 @@ def test_bodies_that_turn_together_without_inertia() -> None:
     assert max(error.max() for error in errors(found, expected).values()) <= 1e-4
     kinematic = scene_files.load("telescope", scene_files.without_masses("telescope"))
     assert off(solve(kinematic, DEFAULT, Sampling(72))["rod.alpha"], expected["rod.alpha"]) <= 1e-4
+
+
+def test_a_singular_matrix_gives_no_numbers_and_leaves_the_others_alone() -> None:
+    J = np.array([np.eye(3), np.ones((3, 3)), 2 * np.eye(3)])
+    found = solved(J, np.ones((3, 3)))
+    assert np.isnan(found[1]).all()
+    assert found[[0, 2], 0, 0].tolist() == [1.0, 0.5]
