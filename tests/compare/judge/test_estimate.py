@@ -19,8 +19,8 @@ from compare.judge.projection import projected
 from compare.judge.round_off import EPS
 from scenes import Motion, Sampling, Settings, Status, hard
 from scenes.motion import force_channels, quantity
+from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
-from tests.mechanisms import MECHANISMS
 
 
 def largest(reference: Reference, motion: Motion) -> dict[str, float]:
@@ -45,7 +45,7 @@ def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None
     assert measured.estimate == pytest.approx(worst, rel=0.02, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_a_moved_channel_is_off_by_as_much(references: References, name: str) -> None:
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
     reference = references(name)
@@ -58,7 +58,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
             assert max(off.values()) <= 1e-12
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_an_open_joint_is_closed_in_the_estimate(references: References, name: str) -> None:
     """A place that is off by 1e-6 of the stroke is known to be, up to the condition times the square of it."""
     reference = references(name)
