@@ -5,19 +5,18 @@ The reference is drawn as lines, the engines as sparse markers on them; below, e
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 
 from scenes import Motion, Request
-from scenes.motion import Samples, quantity
+from scenes.motion import Samples
 
 from ..engines.axis import axis, prefixed
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..study import Study
-from .style import BOUND, COLOURS, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
+from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 
 MARKERS = 36  # per cycle, shared out between the engines
 
@@ -119,39 +118,3 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
-
-
-def assur_groups(study: Study) -> go.Figure | None:
-    """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
-    motion, over = study.motion, axis(study.scene).of(study.motion)
-    per_metre, metres = prefixed(study.reference.stroke, "m")
-    angles = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
-    rows = [
-        (channels, factor, vertical)
-        for wanted, factor, vertical in (("transmission", 180 / np.pi, angles), ("to_lock", per_metre, {}))
-        if (channels := [channel for channel in motion.samples if quantity(channel) == wanted])
-    ]
-    if not rows or study.sampling.channels is not None:
-        return None
-    joints = list(dict.fromkeys(channel.rpartition(".")[0] for channels, _, _ in rows for channel in channels))
-    figure = stacked(*[1.0] * len(rows))
-    for row, (channels, factor, vertical) in enumerate(rows, start=1):
-        for channel in channels:
-            joint = channel.rpartition(".")[0]
-            number = joints.index(joint)
-            line = {"color": colour(number), "dash": DASHES[number // len(COLOURS) % len(DASHES)]}
-            draw(figure, joint, over, factor * motion[channel], row, line=line)
-        lengths = {"title": f"to lock [{metres}]"} | _logarithmic(factor * np.array([motion[c] for c in channels]))
-        figure.update_yaxes(**vertical or lengths, row=row, col=1)
-    drive_axes(figure, study.scene, study.sampling.turns, len(rows))
-    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
-
-
-def _logarithmic(values: Samples) -> dict[str, Any]:
-    """Return a log axis; where the values span few decades it has marks at 1, 2 and 5, where its own are too few."""
-    powers = np.log10(values[(values > 0) & np.isfinite(values)])
-    marks = np.outer(10.0 ** np.arange(-12, 12), (1, 2, 5)).ravel()
-    near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
-    if not 1 < len(near) < 8:
-        return LOG | {"dtick": 1}
-    return LOG | {"range": np.log10([0.9 * near[0], near[-1]]), "tickvals": near, "ticktext": [f"{m:g}" for m in near]}

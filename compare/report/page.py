@@ -9,11 +9,11 @@ from ..speed.speed_table import SAMPLING
 from ..speed.work_precision import TIE
 from ..study import Study
 from . import tables
-from .curves import assur_groups, over_angle, panels
+from .curves import over_angle, panels
 from .hard.section import hard_section, stability_section
 from .html import details_html, figure_html, head, list_html, section_html, table_html, template, versions_html
 from .linkage import linkage
-from .lock import over_distance
+from .singular import assur_groups, over_distance
 from .speed import tables as speed_tables
 from .speed.figure import work_precision
 

@@ -9,9 +9,10 @@ import pytest
 
 from compare.engines.axis import prefixed
 from compare.report import tables
-from compare.report.curves import Panel, assur_groups, over_angle, panels
+from compare.report.curves import Panel, over_angle, panels
 from compare.report.linkage import linkage
 from compare.report.page import page
+from compare.report.singular import assur_groups
 from compare.report.speed.figure import work_precision
 from compare.speed.timing import Budget
 from compare.study import Study, study
