@@ -9,36 +9,16 @@ there.
 from scenes import Request, Scene
 
 from . import pointwise, stepping
+from . import settings as named
 from .pointwise import PointwiseRun
-from .settings import (
-    ABLATIONS,
-    DEFAULT,
-    EXACT,
-    FAST,
-    LONG_WORK_PRECISION,
-    WORK_PRECISION,
-    ExudynSettings,
-    Pointwise,
-    at_steps,
-)
+from .settings import ExudynSettings, Pointwise
 from .simulation import failure
 from .stepping import SteppedRun
 from .system import engine
 
-__all__ = [
-    "ABLATIONS",
-    "DEFAULT",
-    "EXACT",
-    "FAST",
-    "LONG_WORK_PRECISION",
-    "WORK_PRECISION",
-    "at_steps",
-    "build",
-    "iterations_needed",
-    "version",
-]
-
-iterations_needed = None  # a step is solved by Newton's method
+DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
+WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
+at_steps, iterations_needed = named.at_steps, None  # a step is solved by Newton's method
 
 
 def version() -> str:

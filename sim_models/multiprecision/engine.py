@@ -13,24 +13,14 @@ from typing import TYPE_CHECKING
 
 from scenes import Request, Scene
 
-from .settings import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION, MultiprecisionSettings
+from . import settings as named
+from .settings import MultiprecisionSettings
 
 if TYPE_CHECKING:
     from .simulation import MultiprecisionSimulation
 
-__all__ = [
-    "ABLATIONS",
-    "DEFAULT",
-    "EXACT",
-    "FAST",
-    "LONG_WORK_PRECISION",
-    "WORK_PRECISION",
-    "at_steps",
-    "build",
-    "iterations_needed",
-    "version",
-]
-
+DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
+WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
 at_steps = iterations_needed = None  # it takes no steps of the time
 
 

@@ -15,34 +15,15 @@ enough.
 
 from scenes import Request, Scene
 
-from . import simulation, textbook
-from .settings import (
-    ABLATIONS,
-    DEFAULT,
-    EXACT,
-    FAST,
-    LONG_WORK_PRECISION,
-    WORK_PRECISION,
-    AnySettings,
-    Textbook,
-    at_steps,
-)
+from . import settings as named
+from . import simulation, sweeps, textbook
+from .settings import AnySettings, Textbook
 from .simulation import PymunkSimulation
-from .sweeps import iterations_needed
 from .textbook import TextbookSimulation
 
-__all__ = [
-    "ABLATIONS",
-    "DEFAULT",
-    "EXACT",
-    "FAST",
-    "LONG_WORK_PRECISION",
-    "WORK_PRECISION",
-    "at_steps",
-    "build",
-    "iterations_needed",
-    "version",
-]
+DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
+WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
+at_steps, iterations_needed = named.at_steps, sweeps.iterations_needed
 
 
 def version() -> str:
