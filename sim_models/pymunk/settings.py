@@ -1,8 +1,8 @@
 """Settings of pymunk: what can be chosen, and every named setting in one place."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal, TypeAlias, get_args
+from dataclasses import dataclass, replace
+from typing import Any, Literal, TypeAlias, get_args
 
 from scenes import Failure, Settings, Status
 
@@ -70,28 +70,22 @@ class Textbook(Settings):
 AnySettings: TypeAlias = PymunkSettings | Textbook
 
 
-def _true(steps: int, levels: int, sweeps: int, extra: Extra = "") -> PymunkSettings:
-    """Return settings with the true masses, but for ballast."""
-    label = f"{_runs(steps, levels)} steps, {sweeps} sweeps" + (f", {EXTRAS[extra]}" if extra else "")
-    family = f"{_levels(levels)}, {sweeps} sweeps"
-    return PymunkSettings(label, steps, levels, sweeps, extra=extra, family=family, order=levels + 1)
+def _run(steps: int, levels: int, sweeps: int, kind: str = "", **options: Any) -> PymunkSettings:
+    """Return settings of one family but for the steps; without options, with the true masses but for ballast."""
+    runs = "+".join(str(steps * 2**level) for level in range(levels))
+    family = f"{'one level' if levels == 1 else f'{levels} levels'}, {sweeps} sweeps{kind}"
+    options = {"family": family, "order": levels + 1, **options}
+    return PymunkSettings(f"{runs} steps, {sweeps} sweeps{kind}", steps, levels, sweeps, **options)
 
 
 def _fictitious(steps: int, levels: int, sweeps: int) -> PymunkSettings:
-    """Return settings with fictitious masses."""
-    kind = f"{sweeps} sweeps, fictitious masses"
-    label, family = f"{_runs(steps, levels)} steps, {kind}", f"{_levels(levels)}, {kind}"
     note = "fictitious masses: the forces follow from the motion, they are no check of their own"
-    return PymunkSettings(label, steps, levels, sweeps, fictitious=True, family=family, order=levels + 1, note=note)
+    return _run(steps, levels, sweeps, ", fictitious masses", fictitious=True, note=note)
 
 
-def _correcting(steps: int, sweeps: int, correction: float | None) -> PymunkSettings:
-    """Return settings whose steps correct a part of the joints' error."""
-    slack = "the engine's own correction of joints, a tenth of their error in 1/60 s"
-    part, order, note = (f"{correction:.0%}", 2, "") if correction else ("default", 1, slack)
-    kind = f"{sweeps} sweeps, {part} correction"
-    label, family = f"{steps} steps, {kind}", f"{_levels(1)}, {kind}"
-    return PymunkSettings(label, steps, 1, sweeps, correction, family=family, order=order, note=note)
+def _default_correction(steps: int) -> PymunkSettings:
+    note = "the engine's own correction of joints, a tenth of their error in 1/60 s"
+    return _run(steps, 1, 100, ", default correction", correction=None, order=1, note=note)
 
 
 def _textbook(steps: int) -> Textbook:
@@ -100,29 +94,21 @@ def _textbook(steps: int) -> Textbook:
     return Textbook(f"textbook, {steps} steps", steps, family="textbook", note=note)
 
 
-def _runs(steps: int, levels: int) -> str:
-    return "+".join(str(steps * 2**level) for level in range(levels))
-
-
-def _levels(levels: int) -> str:
-    return "one level" if levels == 1 else f"{levels} levels"
-
-
 # Measured good to 1 % in the reactions of every shipped scene.
 FAST = _fictitious(144, 2, 20)
 # A sweep over true masses leaves up to 0.993 of an error, near the singular configurations of the shipped scenes: 500
 # leave 3 %, and each step starts from the impulses of the one before.
-DEFAULT = _true(360, 2, 500)
+DEFAULT = _run(360, 2, 500)
 EXACT = _fictitious(288, 4, 200)
 
 WORK_PRECISION: tuple[AnySettings, ...] = (
     FAST,
     _fictitious(144, 3, 20),
-    *(_true(steps, 1, 100) for steps in (144, 288)),
-    _true(144, 2, 150),
-    *(_true(steps, 3, 300) for steps in (72, 144)),
+    *(_run(steps, 1, 100) for steps in (144, 288)),
+    _run(144, 2, 150),
+    *(_run(steps, 3, 300) for steps in (72, 144)),
     DEFAULT,
-    _correcting(720, 100, None),
+    _default_correction(720),
     *(_textbook(steps) for steps in (60, 2304)),
 )
 LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
@@ -130,19 +116,19 @@ LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_fictitious(steps, 2, 20) for steps in (72, 288, 576, 1152)),
     *(_fictitious(steps, 3, 20) for steps in (72, 288, 576)),
     *(_fictitious(steps, 4, 20) for steps in (72, 144)),
-    *(_true(steps, 1, 100) for steps in (72, 576, 1152, 2304, 4608, 9216)),
-    *(_true(steps, 2, 150) for steps in (72, 288, 576)),
-    _true(288, 3, 300),
-    *(_true(steps, 4, 300) for steps in (72, 144)),
+    *(_run(steps, 1, 100) for steps in (72, 576, 1152, 2304, 4608, 9216)),
+    *(_run(steps, 2, 150) for steps in (72, 288, 576)),
+    _run(288, 3, 300),
+    *(_run(steps, 4, 300) for steps in (72, 144)),
     EXACT,
-    *(_correcting(steps, 100, 0.5) for steps in (144, 360, 720)),
-    *(_correcting(steps, 100, None) for steps in (1440, 2880, 5760)),
+    *(_run(steps, 1, 100, ", 50% correction", correction=0.5, order=2) for steps in (144, 360, 720)),
+    *(_default_correction(steps) for steps in (1440, 2880, 5760)),
     *(_textbook(steps) for steps in (576, 1152, 4608, 9216, 18432, 36864)),
 )
-MOTOR_SWEEPS = 2000  # a motor converges badly: fewer flip the toggle press
-ABLATIONS: tuple[PymunkSettings, ...] = (
-    *(_true(360, 2, 500, extra) for extra in ("shapes", "callback", "properties")),
-    _true(360, 2, MOTOR_SWEEPS, "motor"),
+# A motor converges badly: fewer sweeps flip the toggle press.
+_bases = dict.fromkeys(EXTRAS, DEFAULT) | {"motor": _run(360, 2, 2000)}
+ABLATIONS: tuple[PymunkSettings, ...] = tuple(
+    replace(base, label=f"{base.label}, {EXTRAS[extra]}", extra=extra) for extra, base in _bases.items()
 )
 
 
@@ -153,4 +139,4 @@ def at_steps(steps: int, iterations: int = DEFAULT.iterations) -> PymunkSettings
         steps: per cycle
         iterations: sweeps per step
     """
-    return _true(steps, 1, iterations)
+    return _run(steps, 1, iterations)
