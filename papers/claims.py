@@ -86,7 +86,8 @@ def judge(
         corrected = largest(equation.corrected(variables)) / size if equation.corrected is not None else None
     text = equation.corrected_text
     name, best = min(branches.items(), key=lambda branch: branch[1], default=("", inf))
-    computed = f"the sides differ by up to {_plain(printed * size)} {unit}".rstrip()
+    apart = float(f"{printed * size:.3g}")  # of which 15 digits show no power of ten unless it is small
+    computed = f"the sides differ by up to {apart:.15g} {unit}".rstrip()
     if printed <= tolerance:
         verdict, text, corrected, computed = Verdict.HOLDS, "", None, "both sides agree"
     elif best <= tolerance:
@@ -179,9 +180,8 @@ def limit(
 def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, note: str = "") -> Claim:
     """Return the row of a claim in words, true or not for each reading that the source leaves open."""
     answers = set(true)
-    verdict = Verdict.HOLDS if answers == {True} else Verdict.UNDERDETERMINED
-    if answers == {False}:
-        verdict = Verdict.NOT_REPRODUCIBLE
+    one = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
+    verdict = one if len(answers) == 1 else Verdict.UNDERDETERMINED
     return Claim(claim, printed, computed, None, verdict, note=note)
 
 
@@ -193,8 +193,7 @@ def largest(residual: Difference) -> float:
 
 def half_unit(printed: str) -> float:
     """Return half a unit of the last digit of a printed number."""
-    decimals = len(printed.partition(".")[2])
-    return float(0.5 * 10.0**-decimals)
+    return float(0.5 * 10.0 ** -len(printed.partition(".")[2]))
 
 
 def span(values: Iterable[float]) -> Range:
@@ -206,8 +205,3 @@ def span(values: Iterable[float]) -> Range:
 def joined(*notes: str) -> str:
     """Return those notes that are not empty as one."""
     return "; ".join(filter(None, notes))
-
-
-def _plain(value: float) -> str:
-    """Return a value to three digits, without a power of ten unless it is small."""
-    return f"{float(f'{value:.3g}'):.15g}"

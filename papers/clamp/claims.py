@@ -11,11 +11,11 @@ from scenes.loads import Force
 
 from ..claims import Claim, comparison, judge, largest
 from ..reference import solved
-from .corners import corners
 from .equations import EQUATIONS, KINDS, Moving, moving, scale
 from .formulas import PUBLISHED, velocity_ratio
 from .limits import constraints, largest_force_ratio
 from .printed import SCENES, TABLE_2
+from .rounding import corners
 from .tables import measured, table_1, table_2
 
 SOURCE = "double-toggle clamp"

@@ -50,7 +50,6 @@ def tightest(*designs: Design) -> Clearance:
 BOTH, ALONE = tightest(INITIAL, SCHEME_4), tightest(SCHEME_4)
 LOOSEST = Clearance(1000.0, 1000.0, 0.0, 0.0)  # no design within the bounds comes near
 
-
 RATIO = "R_S <= 1.12"
 OPENING = "alpha_max + gamma + phi + theta <= 160 deg"
 LITERAL = "alpha_max + gamma + phi_max + theta <= 160 deg"

@@ -109,11 +109,6 @@ def closed(d: Design) -> Design:
     return d._replace(L3=third_length(d))
 
 
-def total_length(d: Design) -> Array:
-    """Return L_sum = L1 + .. + L5."""
-    return np.asarray(d.L1 + d.L2 + d.L4 + d.L5 + d.L3)
-
-
 def platen(p: Pose, root: int = 1) -> Array:
     """Return x of C, from A; with the other root C is behind B."""
     return np.asarray(

@@ -5,11 +5,11 @@ from collections.abc import Iterator, Mapping
 from ..claims import Claim, limit, number
 from . import printed
 from .constraints import ALONE, BOTH, LOOSEST, Clearance, opening
-from .corners import Corners
 from .formulas import DEGREE, at
 from .measures import MEASURES
 from .optimisation.problem import Problem
 from .optimisation.search import search
+from .rounding import Corners
 
 PINS = (60.0, 140.0)  # mm, plausible diameters of the pins B, D and E
 HEIGHTS = (100.0, 500.0)  # mm, plausible heights H_s of the crosshead

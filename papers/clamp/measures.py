@@ -68,8 +68,8 @@ class Measure(NamedTuple):
 MEASURES: Mapping[str, Measure] = {
     "M_P": Measure(lambda d: formulas.force_ratio(formulas.at(d, RATED)), 20.0, least=False),
     "R_S": Measure(formulas.stroke_ratio, 1.0, least=False),
-    "L_sum": Measure(formulas.total_length, 1000.0, least=True),
-    "R_V start": Measure(lambda d: formulas.velocity_ratio(formulas.opened(d)), 1.0, least=False),
+    "L_sum": Measure(lambda d: d.L1 + d.L2 + d.L4 + d.L5 + d.L3, 1000.0, least=True),
+    "R_V startup": Measure(lambda d: formulas.velocity_ratio(formulas.opened(d)), 1.0, least=False),
     "R_V max": Measure(fastest, 1.0, least=False),
     "R_V peak-valley": Measure(peak_valley, 1.0, least=True),
     "a_m range": Measure(range_of_acceleration, 0.01, least=True),

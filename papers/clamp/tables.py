@@ -8,11 +8,11 @@ import numpy as np
 from scenes.motion import Samples
 
 from ..claims import OPEN, Claim, comparison, joined, number
-from . import formulas, rounding
-from .corners import Corners, Quantity
-from .formulas import DEGREE, PUBLISHED, Array, Design
+from . import formulas
+from .formulas import DEGREE, PUBLISHED
 from .measures import FINE, MEASURES, peak_valley
 from .printed import MEASURED, TABLE_1, TABLE_2
+from .rounding import Corners, Quantity, one_for_all, sensitivity
 
 NEAR_LOCK = 2.5  # deg, where M_P is printed
 SPEED = 100.0  # mm/s, of the crosshead, which is not given
@@ -25,7 +25,7 @@ QUANTITIES: Mapping[str, tuple[Quantity, str]] = {
     "L_sum": (MEASURES["L_sum"].of, "mm"),
     "R_V max": (MEASURES["R_V max"].of, ""),
     "R_V peak-valley": (lambda d: peak_valley(d, FINE), "read as the peak less the valley before it"),
-    "R_V startup": (MEASURES["R_V start"].of, "read as R_V where the clamp starts to close"),
+    "R_V startup": (MEASURES["R_V startup"].of, "read as R_V where the clamp starts to close"),
 }
 FORMS: Mapping[str, bool] = {"as corrected": False, "as printed": True}  # whether a_m is
 PEAK_VALLEY: Mapping[str, Callable[[Samples], float]] = {
@@ -61,7 +61,7 @@ def table_1(known: Mapping[str, Corners]) -> Iterator[Claim]:
 def _together(name: str) -> Claim:
     """Return the row on whether one clamp within the rounding of table 2 has all that table 1 prints, but for a_m."""
     wanted = [(quantity, TABLE_1[what][name]) for what, (quantity, _) in QUANTITIES.items()]
-    found = rounding.one_for_all(name, wanted)
+    found = one_for_all(name, wanted)
     values = ", ".join(f"{variable} {value:.7g}" for variable, value in (found or {}).items())
     return comparison(
         f"table 1 but for a_m with table 2, {name}",
@@ -72,7 +72,7 @@ def _together(name: str) -> Claim:
 
 
 def _about_force_ratio(name: str) -> str:
-    changes = list(rounding.sensitivity(name).items())[:3]
+    changes = list(sensitivity(name).items())[:3]
     moved = ", ".join(f"{variable} by {100 * change:+.1f} %" for variable, change in changes)
     alphas = np.linspace(1, 5, 4001)  # deg
     there = np.interp(
@@ -133,14 +133,12 @@ def _listed(changes: Mapping[str, float]) -> str:
     return ", ".join(f"{change:+.1f} {text}" for text, change in changes.items())
 
 
-def mean_deceleration(d: Design) -> Array:
-    """Return a_m's mean over the time of closing at `SPEED`, mm/s^2: R_V v_o^2 / S_o, as R_V ends at zero."""
-    return np.asarray(SPEED**2 * MEASURES["R_V start"].of(d) / formulas.crosshead_stroke(formulas.opened(d)))
-
-
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
-    """Return how the mean deceleration changes, which comes nearest of all, in words."""
-    (face, (low, high)), (changed, (least, most)) = (d.over(mean_deceleration) for d in known.values())
+    """Return how the mean deceleration changes, which comes nearest of all, in words: R_V v_o^2 / S_o at the start."""
+    (face, (low, high)), (changed, (least, most)) = (
+        d.over(lambda c: SPEED**2 * MEASURES["R_V startup"].of(c) / formulas.crosshead_stroke(formulas.opened(c)))
+        for d in known.values()
+    )
     ends = " to ".join(f"{100 * (end - 1):+.1f}" for end in (least / high, most / low))
     fits = SPEED * sqrt(printed / face)
     return f"{100 * (changed / face - 1):+.1f} the mean deceleration ({ends} within rounding; at {fits:.0f} mm/s)"
@@ -150,8 +148,7 @@ def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
     """Yield the rows of what table 2 prints twice, L3 and the ratio of L1 and L2; and whether its values can lock."""
     for name, design in known.items():
         face, allowed = design.over(formulas.third_length)
-        note = "mm, from L₁, L₅ and γ"
-        yield number(f"table 2 L3, {name}", TABLE_2[name]["L3"], face, allowed=[allowed], note=note)
+        yield number(f"table 2 L3, {name}", TABLE_2[name]["L3"], face, allowed=[allowed], note="mm, from L₁, L₅ and γ")
     L1, L2 = (float(TABLE_2["scheme 4"][length]) for length in ("L1", "L2"))
     yield number("table 2 L1/L2, scheme 4", "0.856", L1 / L2, among_printed=True)
     for name, design in known.items():

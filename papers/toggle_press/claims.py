@@ -10,10 +10,10 @@ from compare.engines.motion_vectors import MotionVectors
 from scenes import load
 
 from ..claims import OPEN, Claim, comparison, judge, number, span
-from . import positions, rates
 from .forces import claims as force_claims
+from .kinematics import POSITIONS, RATES
 from .presses import PART, PATHS, Press, family, press, rounded
-from .table_1 import HEIGHT, table, virtual_work
+from .table_1 import CRANK, HEIGHT, TOGGLE, column, virtual_work
 from .variables import LENGTHS, over_two_turns
 
 SOURCE = "toggle press"
@@ -25,13 +25,14 @@ P1_X, P1_Y = 404.709, 872.339  # mm, as printed
 def claims() -> Iterator[Claim]:
     """Yield every row of this source."""
     variables = over_two_turns()
-    for equation in (*positions.EQUATIONS, *rates.EQUATIONS):
+    for equation in (*POSITIONS, *RATES):
         yield judge(equation, variables, variables.scale)
     yield from force_claims()
     corners, crank = rounded(), press("crank_press")
     toggle = corners[0]
     yield from _geometry(toggle, corners)
-    yield from table(toggle, crank, corners)
+    yield from column(TOGGLE, toggle, corners)
+    yield from column(CRANK, crank, [crank])
     yield from virtual_work(toggle, corners)
     yield from _conclusions(toggle, crank)
 

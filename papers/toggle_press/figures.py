@@ -38,10 +38,10 @@ def _presses() -> go.Figure:
     }
     figure = stacked(1, 1)
     for number, (name, (closing, opening)) in enumerate(sides.items()):
-        angles, (angle, rate) = _angles(closing, opening), closing.at(HEIGHT)
+        angles, heights, speeds = _over_the_turn(closing, opening)
+        angle, rate = closing.at(HEIGHT)
         line, circle = {"color": colour(number), "width": 1.8}, marker(number, "circle-open", 9)
-        rows = ((1, _heights(closing, opening), 1e3 * HEIGHT), (2, _speeds(closing, opening), -speed(rate)))
-        for row, values, there in rows:
+        for row, values, there in ((1, heights, 1e3 * HEIGHT), (2, speeds, -speed(rate))):
             draw(figure, name, angles, values, row, line=line)
             above = f"{name}, 6 mm above"
             draw(figure, above, [-degrees(angle)], [there], row, group=name, mode="markers", marker=circle)
@@ -52,23 +52,19 @@ def _presses() -> go.Figure:
     return figure.update_layout(layout(560))
 
 
-def _angles(closing: Side, opening: Side) -> Samples:
-    return np.asarray(np.degrees(np.concatenate([-closing.angle[::-STRIDE], opening.angle[::STRIDE]])))
-
-
-def _heights(closing: Side, opening: Side) -> Samples:
-    return np.asarray(1e3 * np.concatenate([closing.height[::-STRIDE], opening.height[::STRIDE]]))
-
-
-def _speeds(closing: Side, opening: Side) -> Samples:
-    return np.asarray(speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]]))
+def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
+    """Yield the crank's angles, deg, and the slider's heights, mm, and speeds, mm/s."""
+    yield np.degrees(np.concatenate([-closing.angle[::-STRIDE], opening.angle[::STRIDE]]))
+    yield 1e3 * np.concatenate([closing.height[::-STRIDE], opening.height[::STRIDE]])
+    yield speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]])
 
 
 def _family() -> go.Figure:
     figure = stacked()
 
     def add(name: str, of: Press, line: dict[str, object]) -> None:
-        draw(figure, name, _angles(of.before, of.after), _heights(of.before, of.after), line={"width": 1.5} | line)
+        angles, heights, _ = _over_the_turn(of.before, of.after)
+        draw(figure, name, angles, heights, line={"width": 1.5} | line)
 
     add("as printed", press("toggle_press"), {"color": GREY, "width": 3})
     for number, (name, member) in enumerate(family()):

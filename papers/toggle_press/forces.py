@@ -7,6 +7,7 @@ its own alone is inconsistent with the others.
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -18,7 +19,7 @@ from scenes.motion import Samples
 
 from ..claims import EXACT, Claim, Difference, Equation, Verdict, judge, largest
 from ..reference import solved
-from .statics import FORCES, Statics, fitted, lever_moment, signed, statics, with_all_signs
+from .statics import FORCES, Statics, fitted, lever_moment, signed, statics
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
 
@@ -30,7 +31,8 @@ def claims() -> Iterator[Claim]:
     """Yield a row for each equation of the kinetostatics."""
     scene = load("toggle_press")
     given = statics(scene, solved(scene, SAMPLES))
-    every, signs = with_all_signs(given)
+    signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
+    every = fitted(signed(given, signs))
     scale = given.scale
     off = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
     shared = int(np.argmax(sum(residuals <= EXACT for residuals in off.values())))

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from math import tau
-from types import MappingProxyType
 
 import numpy as np
 
@@ -27,7 +26,6 @@ PATHS = (
 ROUNDING = 0.5  # mm: they are printed without decimals
 PART = 0.01  # by which one length of a member of the family is longer or shorter
 NEAR = 0.01  # of the stroke: so near to its lowest point the slider dwells
-NONE: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -69,13 +67,13 @@ class Press:
         return {"clockwise": self.after, "counter-clockwise": self.before}
 
 
-def press(name: str, changes: Mapping[str, float] = NONE) -> Press:
+def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
     """Solve one turn of a press by the reference.
 
     Raises:
         Failure: it cannot be assembled over the whole turn.
     """
-    scene = load(name, changes)
+    scene = load(name, changes or {})
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))
     coarse = solve(TURN.commanded(scene), TURN.times(scene))

@@ -6,7 +6,6 @@ either sign.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy import cos, sin
@@ -79,12 +78,6 @@ def signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
     """Return the forces and the resistance with other signs, in the order of `FORCES`, Q last."""
     *of_forces, of_q = signs
     return replace(s, F={name: sign * s.F[name] for name, sign in zip(FORCES, of_forces, strict=True)}, Q=of_q * s.Q)
-
-
-def with_all_signs(s: Statics) -> tuple[Statics, NDArray[np.float64]]:
-    """Return the forces with all signs, shape (m, n), and the signs, shape (13, m, 1)."""
-    signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]
-    return fitted(signed(s, signs)), signs
 
 
 def fitted(s: Statics) -> Statics:

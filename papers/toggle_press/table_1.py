@@ -30,13 +30,8 @@ def speed(rate: float, strokes: float = MOST) -> float:
     return 1e3 * rate * tau * strokes / 60
 
 
-def table(toggle: Press, crank: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """Yield a row for each entry; `corners` are the toggle press within the rounding of its lengths."""
-    yield from _row(TOGGLE, toggle, corners)
-    yield from _row(CRANK, crank, [crank])
-
-
-def _row(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+def column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+    """Yield a row for each entry of a press; `corners` are that press within the rounding of its lengths."""
     printed = PRINTED[name]
 
     def entry(what: str, value: Callable[[float, float], float], at: str = "", least: float = 1.0) -> Claim:

@@ -8,11 +8,10 @@ import pytest
 from compare.engines import registry
 from papers.claims import EXACT, Claim, Verdict, half_unit
 from papers.clamp.claims import ENGINES, by_engines, claims
-from papers.clamp.corners import corners
 from papers.clamp.formulas import DEGREE, PUBLISHED, acceleration, at, force_ratio
 from papers.clamp.measures import MEASURES
 from papers.clamp.printed import TABLE_2
-from papers.clamp.rounding import one_for_all
+from papers.clamp.rounding import corners, one_for_all
 
 from . import audit_transcription as second
 
@@ -154,7 +153,7 @@ def test_no_clamp_is_named_where_none_rounds_to_table_2() -> None:
     assert one_for_all("initial", [(force, "20.80")]) is None  # beyond the largest corner, 20.72
 
 
-@pytest.mark.parametrize("name", ["M_P", "R_S", "L_sum", "S_m", "R_V max", "R_V start"])
+@pytest.mark.parametrize("name", ["M_P", "R_S", "L_sum", "S_m", "R_V max", "R_V startup"])
 def test_the_rounding_of_table_2_is_a_range_around_face_value(name: str) -> None:
     face, (low, high) = corners("initial").over(MEASURES[name].of)
     assert low < face < high

@@ -10,9 +10,9 @@ from compare.report.style import BOUND, DASHES, MARGIN, colour, draw, layout, ma
 
 from ..formulas import DEGREE, PUBLISHED, Design, acceleration, at, velocity_ratio
 from ..measures import measure
-from ..printed import LARGEST_FORCE_RATIO
+from ..printed import LARGEST_FORCE_RATIO, TABLE_1
 from .study import ASSUMPTIONS, LENGTHS, LITERALLY, MAIN, Point
-from .tables import of, printed
+from .tables import of
 
 AXES = ("R_S", "M_P", "L_sum")
 MARKS = ("circle", "diamond", "star", "star-square")
@@ -33,12 +33,10 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> go.Fig
         values = {axis: [measure(axis, d)] for axis in AXES}
         _draw(figure, name, values, mode="markers", marker=marker(3 if name in ahead else 1, mark, 11))
     for mark, name in zip(MARKS, PUBLISHED, strict=False):
-        values = {axis: [float(printed(axis, name))] for axis in AXES}
+        values = {axis: [float(TABLE_1[axis][name])] for axis in AXES}
         _draw(figure, f"{name}, printed", values, mode="markers", marker=marker(1, f"{mark}-open", 11))
-    largest = float(LARGEST_FORCE_RATIO)
-    figure.add_hline(y=largest, line=BOUND, row=1, col=1)
-    label = {"text": "largest M_P in print", "x": 1.1, "y": largest, "yshift": 9, "showarrow": False}
-    figure.add_annotation(**label, row=1, col=1)
+    label = {"annotation_text": "largest M_P in print", "annotation_position": "top"}
+    figure.add_hline(y=float(LARGEST_FORCE_RATIO), line=BOUND, **label, row=1, col=1)
     figure.update_yaxes(title="M_P at α = 2.5° [-]", row=1, col=1)
     figure.update_yaxes(title="L_sum [mm]", row=2, col=1)
     figure.update_xaxes(title="R_S [-]", row=2, col=1)

@@ -30,11 +30,6 @@ class Limit:
     low: float
     high: float
 
-    @property
-    def fixed(self) -> bool:
-        """Whether it is an equality."""
-        return self.low == self.high
-
     def slacks(self, d: Design) -> list[Array]:
         """Return how far above the one and below the other value the measure is, those that are finite, scaled."""
         of, scale, _ = MEASURES[self.measure]
@@ -66,7 +61,7 @@ class Problem:
     @cached_property
     def equalities(self) -> tuple[Limit, ...]:
         """The limits that are equalities."""
-        return tuple(limit for limit in self.limits if limit.fixed)
+        return tuple(limit for limit in self.limits if limit.low == limit.high)
 
     def rows(self, d: Design) -> Array:
         """Return the objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
@@ -79,7 +74,7 @@ class Problem:
             waived = waived | {RATIO}  # at 1.12 a second gradient of the same direction is no help
         rows = [slack(d, self.clearance) for name, slack in PRINTED.items() if name not in waived]
         for limit in self.limits:
-            rows += [] if limit.fixed else limit.slacks(d)
+            rows += [] if limit in self.equalities else limit.slacks(d)
         if self.rival is not None:
             force, ratio, length = gains(d, self.rival)
             rows += [ratio - force, length - force]

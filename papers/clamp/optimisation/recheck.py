@@ -44,7 +44,7 @@ def rechecks(
     """
     for name, d in designs.items():
         reference = establish(locking(d))
-        press = pressing(d, RATED)
+        press = replace(locking(d, RATED), loads=(Force("platen", "C", (-HALF_FORCE, 0.0)),))  # all the way
         for engine in engines:
             progress(f"{name} by {engine}")
             yield _recheck(name, measure(reference, engine, Sampling(SAMPLES)), press)
@@ -72,11 +72,6 @@ def locking(d: Design, alpha: float = 0.0) -> Scene:
         **{f"sketch.{point}.1": place.imag for point, place in sketch.items()},
     }
     return load(SCENES["initial"], {path: float(value) for path, value in changes.items()})
-
-
-def pressing(d: Design, alpha: float) -> Scene:
-    """Return the scene of a design that closes to some alpha, all the way against half the clamping force."""
-    return replace(locking(d, alpha), loads=(Force("platen", "C", (-HALF_FORCE, 0.0)),))
 
 
 def _recheck(name: str, measured: Measurement, press: Scene) -> Recheck:

@@ -1,7 +1,7 @@
 """The study's files: the page, one row a point, and everything for a program."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -12,8 +12,8 @@ from compare.engines.environment import environment
 from compare.report.files import json_text, placed
 from compare.report.html import figure_html, head, list_html, table_html, template, versions_html
 
-from ..constraints import ALONE, BOTH, slacks
-from ..formulas import PUBLISHED, SCHEME_4, Design
+from ..constraints import ALONE, BOTH, LITERAL, slacks
+from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design
 from . import tables
 from .figures import coordination, over_stroke
 from .recheck import Recheck
@@ -63,7 +63,7 @@ def page(outcome: Outcome) -> str:
         stroke_figure=figure_html(over_stroke({"scheme 4": SCHEME_4} | dict(outcome.chosen))),
         rechecks=table_html(tables.rechecked(outcome.rechecks)),
         published=table_html(tables.published()),
-        literal=" and ".join(f"{-slack:.1f} deg ({name})" for name, slack in tables.literal_slack().items()),
+        literal=" and ".join(f"{-slacks(d, BOTH)[LITERAL] / DEGREE:.1f} deg ({name})" for name, d in PUBLISHED.items()),
         assumed=table_html(tables.assumed(CLEARANCES)),
         constraints=table_html(tables.constraints(points)),
         environment=versions_html(),
@@ -74,16 +74,15 @@ def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, An
     count = len(PUBLISHED)
     return {
         "published": rows[:count],
-        "clearances_mm": {name: asdict(clearance) for name, clearance in CLEARANCES.items()},
+        "clearances_mm": CLEARANCES,
         "points": [
             dict(row)
             | {"slack": {name: float(slack) for name, slack in slacks(p.optimum.design, p.problem.clearance).items()}}
-            | {"waived": sorted(p.problem.waived), "limits": [asdict(limit) for limit in p.problem.limits]}
-            | {"short": list(p.short)}
+            | {"waived": p.problem.waived, "limits": p.problem.limits, "short": p.short}
             for row, p in zip(rows[count:], outcome.points, strict=True)
         ],
         "ahead": [point.at for point in tables.of(outcome.points, AHEAD)],
-        "rechecks": [asdict(recheck) for recheck in outcome.rechecks],
+        "rechecks": outcome.rechecks,
         "seconds": outcome.seconds,
         "environment": environment(),
     }

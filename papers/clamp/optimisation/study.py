@@ -115,7 +115,7 @@ def no_worse(name: str) -> Limit:
     return Limit(name, -np.inf, value) if MEASURES[name].least else Limit(name, value, np.inf)
 
 
-AIMS = {THREE: (), SIX: tuple(no_worse(name) for name in ("R_V start", "R_V peak-valley", "a_m range"))}
+AIMS = {THREE: (), SIX: tuple(no_worse(name) for name in ("R_V startup", "R_V peak-valley", "a_m range"))}
 CONDITIONS: Mapping[str, tuple[frozenset[str], tuple[Limit, ...]]] = {
     AS_PRINTED: (frozenset({LITERAL}), ()),
     "none broken further": (BROKEN, (no_worse("L1/L2"), Limit("S_m", -np.inf, measure("S_m", SCHEME_4)))),
@@ -132,16 +132,15 @@ def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
 
 def _beyond(effort: Effort) -> Iterator[Task]:
     """Yield the searches for designs ahead of scheme 4, under more and less strict conditions."""
+    once = replace(effort, restarts=0)
     for aim, condition, sizes in product(AIMS, CONDITIONS, SIZES):
-        searched = (
-            replace(effort, restarts=0) if (aim, sizes) == (SIX, "for scheme 4") else effort
-        )  # slow, and stricter
+        searched = once if (aim, sizes) == (SIX, "for scheme 4") else effort  # slow, and stricter
         yield AHEAD, f"{aim}; {condition}; sizes {sizes}", ahead(aim, condition, SIZES[sizes]), searched
     force, ratio, length = (no_worse(name) for name in ("M_P", "R_S", "L_sum"))
     yield BASELINE, "any R_S", Problem("M_P", BOTH), effort
     yield FORCE, AS_PRINTED, Problem("M_P", BOTH, (ratio, length)), effort
     for room in PIN_ROOM:
-        yield ROOM, f"{room} mm", ahead(THREE, AS_PRINTED, replace(ALONE, L4=float(room))), replace(effort, restarts=0)
+        yield ROOM, f"{room} mm", ahead(THREE, AS_PRINTED, replace(ALONE, L4=float(room))), once
     yield MOST_ROOM, AS_PRINTED, Problem("L4", replace(ALONE, L4=0.0), (force, ratio, length)), effort
 
 

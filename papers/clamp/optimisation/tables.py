@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ..constraints import BOTH, LITERAL, SLENDER, STROKE, Clearance, slacks
+from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
 from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Array, Design
 from ..measures import FINE, MEASURES, measure, peak_valley, range_of_acceleration
 from ..printed import LARGEST_FORCE_RATIO, LENGTH_RATIO, PLATEN_STROKE, TABLE_1
@@ -17,19 +17,12 @@ from .study import AHEAD, BASELINE, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, 
 
 Row: TypeAlias = dict[str, Any]
 
-PRINTED_AS = {"R_V start": "R_V startup"}  # in table 1
-
-
+DIGITS = {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V startup": 3, "R_V max": 3, "R_V peak-valley": 3}  # shown
 FINELY: Mapping[str, Callable[[Design], Array]] = {
-    "R_V at the start": MEASURES["R_V start"].of,
+    "R_V at the start": MEASURES["R_V startup"].of,
     "peak-valley of R_V": lambda d: peak_valley(d, FINE),
     "range of a_m": lambda d: range_of_acceleration(d, FINE),
 }  # finely sampled, as what the searches are limited by is good to 2e-5 only
-
-
-def printed(name: str, design: str) -> str:
-    """Return a measure of a published design as table 1 has it."""
-    return TABLE_1[PRINTED_AS.get(name, name)][design]
 
 
 def variables(d: Design) -> dict[str, float]:
@@ -38,29 +31,25 @@ def variables(d: Design) -> dict[str, float]:
     return {name: listed[name] for name in (*VARIABLES, "L3")}
 
 
-def measures(d: Design) -> dict[str, float]:
-    """Return what a design is worth, and how far ahead of scheme 4 it is in the worst of M_P, R_S and L_sum."""
-    return {name: measure(name, d) for name in MEASURES} | {"gain": float(min(gains(d, SCHEME_4)))}
-
-
 def rows(points: Sequence[Point]) -> list[Row]:
     """Return everything that is known of the published designs and of each point, flat."""
-    published: list[Row] = [
-        {"set": "published", "at": name} | variables(d) | measures(d) for name, d in PUBLISHED.items()
-    ]
-    return [*published, *map(_row, points)]
+    found: list[Row] = [_row("published", name, d) for name, d in PUBLISHED.items()]
+    for p in points:
+        o, short = p.optimum, min(p.short, default=np.nan)
+        outcome = {"violation": o.violation, "starts": o.starts, "feasible": o.feasible, "agree": o.agree}
+        found.append(_row(p.set, p.at, o.design) | outcome | {"evolution_short": short})
+    return found
 
 
-def _row(point: Point) -> Row:
-    optimum = point.optimum
-    outcome: Row = {
-        "violation": optimum.violation,
-        "starts": optimum.starts,
-        "feasible": optimum.feasible,
-        "agree": optimum.agree,
-        "evolution_short": min(point.short, default=np.nan),
-    }
-    return {"set": point.set, "at": point.at} | variables(optimum.design) | measures(optimum.design) | outcome
+def _row(name: str, at: str, d: Design) -> Row:
+    """Return what is known of a design: its values, and what it is worth."""
+    worth = {of: measure(of, d) for of in MEASURES} | {"gain": _gain(d)}
+    return {"set": name, "at": at} | variables(d) | worth
+
+
+def _gain(d: Design) -> float:
+    """Return how far a design is ahead of scheme 4 in the worst of M_P, R_S and L_sum, relatively."""
+    return float(min(gains(d, SCHEME_4)))
 
 
 def of(points: Sequence[Point], name: str) -> list[Point]:
@@ -76,61 +65,40 @@ def improved(points: Sequence[Point]) -> list[Point]:
 
 def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
     """Return one row a point of a set, as the page shows it."""
-    return pd.DataFrame(_shown(point) for point in of(points, name))
-
-
-def _shown(point: Point) -> Row:
-    d, digits = point.optimum.design, {"M_P": 4, "R_S": 5, "L_sum": 2, "S_m": 2, "R_V start": 3, "R_V peak-valley": 3}
-    return (
-        {"at": point.at}
-        | _rounded(d, digits)
-        | _listed(d)
-        | _searched(point)
-        | {"violation": f"{point.optimum.violation:.0e}"}
-    )
-
-
-def _rounded(d: Design, digits: Mapping[str, int]) -> Row:
-    return {name: f"{measure(name, d):.{count}f}" for name, count in digits.items()}
-
-
-def _listed(d: Design) -> Row:
-    return {name: f"{value:.2f}" for name, value in variables(d).items()}
-
-
-def _searched(point: Point) -> Row:
-    evolution = f"{min(point.short):.0e}" if point.short else "–"
-    return {"agree": f"{point.optimum.agree} of {point.optimum.starts}", "evolution": evolution}
+    return pd.DataFrame(_shown(point.at, point.optimum.design) | _searched(point) for point in of(points, name))
 
 
 def ahead(points: Sequence[Point]) -> pd.DataFrame:
     """Return one row for each search for a design ahead of scheme 4, scheme 4 itself first."""
-    found = [point for name in (FORCE, AHEAD, ROOM) for point in of(points, name)]
-    return pd.DataFrame([_against("scheme 4", SCHEME_4), *(_against(_label(p), p.optimum.design, p) for p in found)])
+    found = [_shown("scheme 4", SCHEME_4)]  # which nothing searched for
+    for name in (FORCE, AHEAD, ROOM):
+        label = "" if name == AHEAD else f"{name.removeprefix(f'{AHEAD}, ')}: "
+        found += [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
+    return pd.DataFrame(found)
 
 
-def _label(point: Point) -> str:
-    return point.at if point.set == AHEAD else f"{point.set.removeprefix(f'{AHEAD}, ')}: {point.at}"
-
-
-def _against(label: str, d: Design, point: Point | None = None) -> Row:
-    digits = {"M_P": 4, "R_S": 5, "L_sum": 2, "R_V start": 3, "R_V max": 3, "R_V peak-valley": 3}
+def _shown(label: str, d: Design) -> Row:
     return (
-        {"searched": label, "gain [%]": f"{100 * min(gains(d, SCHEME_4)):+.3f}"}
-        | _rounded(d, digits)
+        {"at": label, "gain [%]": f"{100 * _gain(d):+.3f}"}
+        | {name: f"{measure(name, d):.{count}f}" for name, count in DIGITS.items()}
         | {"a_m range [1/m]": f"{1e3 * measure('a_m range', d):.2f}"}
-        | _rounded(d, {"S_m": 2})
-        | _listed(d)
-        | (_searched(point) if point else {"agree": "–", "evolution": "–"})
+        | {name: f"{value:.2f}" for name, value in variables(d).items()}
     )
+
+
+def _searched(point: Point) -> Row:
+    evolution = f"{min(point.short):.0e}" if point.short else "–"
+    agree = f"{point.optimum.agree} of {point.optimum.starts}"
+    return {"agree": agree, "evolution": evolution, "violation": f"{point.optimum.violation:.0e}"}
 
 
 def published() -> pd.DataFrame:
     """Return the published designs' measures beside what is printed."""
     return pd.DataFrame(
-        {"design": name, "measure": of, "printed": printed(of, name), "computed": f"{measure(of, d):.5f}"}
+        {"design": name, "measure": of, "printed": TABLE_1[of][name], "computed": f"{measure(of, d):.5f}"}
         for name, d in PUBLISHED.items()
-        for of in ("M_P", "R_S", "L_sum", "R_V max", "R_V peak-valley", "R_V start")
+        for of in TABLE_1
+        if of in MEASURES
     )
 
 
@@ -198,23 +166,17 @@ def findings(points: Sequence[Point]) -> Iterator[str]:
 def _outcome(point: Point) -> str:
     """Return how far a design is ahead of scheme 4, in what, and which printed limits it misses for that."""
     d = point.optimum.design
-    gain = 100 * min(gains(d, SCHEME_4))
+    gain = 100 * _gain(d)
     if abs(gain) <= 100 * AGREES:
         return "none is found but scheme 4 itself"
     if gain < 0:
         return f"none is found, the best is {-gain:.3f} % behind"
     parts = [f"one is ahead by {gain:.3f} % in each of M_P, R_S and L_sum"]
     if point.at.startswith(SIX):
-        for name, of in FINELY.items():
-            parts.append(f"{name} {100 * float(of(d) / of(SCHEME_4) - 1):+.4f} %")
+        parts += [f"{name} {100 * float(of(d) / of(SCHEME_4) - 1):+.4f} %" for name, of in FINELY.items()]
     limits = {
         STROKE: f"S_m is {measure('S_m', d):.1f} mm, over the printed {PLATEN_STROKE[1]:g}",
         SLENDER: f"L1/L2 is {measure('L1/L2', d):.3f}, over the printed {LENGTH_RATIO[1]:g}",
     }
     slack = slacks(d, point.problem.clearance)
     return "; ".join([*parts, *(text for name, text in limits.items() if slack[name] < -FEASIBLE)])
-
-
-def literal_slack() -> dict[str, float]:
-    """Return by how many degrees the published designs keep the limit of 160 deg, read literally."""
-    return {name: float(np.degrees(slacks(d, BOTH)[LITERAL])) for name, d in PUBLISHED.items()}
