@@ -25,7 +25,7 @@ QUANTITIES: Mapping[str, tuple[Quantity, str]] = {
     "L_sum": (MEASURES["L_sum"].of, "mm"),
     "R_V max": (MEASURES["R_V max"].of, ""),
     "R_V peak-valley": (lambda d: peak_valley(d, FINE), "read as the peak less the valley before it"),
-    "R_V startup": (MEASURES["R_V startup"].of, "read as R_V where the clamp starts to close"),
+    "R_V startup": (MEASURES["R_V start"].of, "read as R_V where the clamp starts to close"),
 }
 FORMS: Mapping[str, bool] = {"as corrected": False, "as printed": True}  # whether a_m is
 PEAK_VALLEY: Mapping[str, Callable[[Samples], float]] = {
@@ -136,7 +136,7 @@ def _listed(changes: Mapping[str, float]) -> str:
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
     """Return how the mean deceleration changes, which comes nearest of all, in words: R_V v_o^2 / S_o at the start."""
     (face, (low, high)), (changed, (least, most)) = (
-        d.over(lambda c: SPEED**2 * MEASURES["R_V startup"].of(c) / formulas.crosshead_stroke(formulas.opened(c)))
+        d.over(lambda c: SPEED**2 * MEASURES["R_V start"].of(c) / formulas.crosshead_stroke(formulas.opened(c)))
         for d in known.values()
     )
     ends = " to ".join(f"{100 * (end - 1):+.1f}" for end in (least / high, most / low))

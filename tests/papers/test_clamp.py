@@ -153,7 +153,7 @@ def test_no_clamp_is_named_where_none_rounds_to_table_2() -> None:
     assert one_for_all("initial", [(force, "20.80")]) is None  # beyond the largest corner, 20.72
 
 
-@pytest.mark.parametrize("name", ["M_P", "R_S", "L_sum", "S_m", "R_V max", "R_V startup"])
+@pytest.mark.parametrize("name", ["M_P", "R_S", "L_sum", "S_m", "R_V max", "R_V start"])
 def test_the_rounding_of_table_2_is_a_range_around_face_value(name: str) -> None:
     face, (low, high) = corners("initial").over(MEASURES[name].of)
     assert low < face < high

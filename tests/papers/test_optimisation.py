@@ -130,7 +130,7 @@ def test_a_design_is_ahead_of_scheme_4_and_no_worse_to_the_searchs_sampling(six:
     d = six.design
     assert six.violation <= FEASIBLE
     assert min(gains(d, SCHEME_4)) >= 0.005
-    for name in ("R_V startup", "R_V peak-valley", "a_m range"):
+    for name in ("R_V start", "R_V peak-valley", "a_m range"):
         margin = (measure(name, SCHEME_4) - measure(name, d)) * (1 if MEASURES[name].least else -1)
         assert margin >= -FEASIBLE, name
     kept = {name: slack for name, slack in slacks(d, ALONE).items() if name not in BROKEN}

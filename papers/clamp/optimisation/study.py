@@ -115,7 +115,7 @@ def no_worse(name: str) -> Limit:
     return Limit(name, -np.inf, value) if MEASURES[name].least else Limit(name, value, np.inf)
 
 
-AIMS = {THREE: (), SIX: tuple(no_worse(name) for name in ("R_V startup", "R_V peak-valley", "a_m range"))}
+AIMS = {THREE: (), SIX: tuple(no_worse(name) for name in ("R_V start", "R_V peak-valley", "a_m range"))}
 CONDITIONS: Mapping[str, tuple[frozenset[str], tuple[Limit, ...]]] = {
     AS_PRINTED: (frozenset({LITERAL}), ()),
     "none broken further": (BROKEN, (no_worse("L1/L2"), Limit("S_m", -np.inf, measure("S_m", SCHEME_4)))),
