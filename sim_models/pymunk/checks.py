@@ -1,4 +1,4 @@
-"""What can go wrong in a pymunk run without an error of its own, looked for in every step, not only at the samples."""
+"""Checks of every step of a run, not only of the samples, for failures that pymunk does not report."""
 
 from collections.abc import Mapping
 from math import ceil
@@ -11,23 +11,23 @@ from scenes.motion import Samples
 
 from .constraints import Linkage, Poses, branch
 
-# Rad of a crank, or by a slider's travel; the driven body is moved, not simulated, so only rounding adds up.
+# Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
 LARGEST_DRIFT = 1e-6
 # Of the crank's radius, or of half a slider's travel; the curvature of a step opens joints, by 0.004 at 5 deg in the
 # toggle press.
 LARGEST_GAP = 0.05
-LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by nothing but rounding
+LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
 CHUNK = 1000  # steps whose Jacobians are in memory at a time
 
 
 def check_path(linkage: Linkage, path: Poses, positions: Samples, start_branch: Samples) -> dict[str, float]:
-    """Return how far a run is off its path, relative.
+    """Return the drift of the drive and the largest opening of a joint, relative.
 
-    `path` are the poses and rates after n steps, shape (n, bodies, 6), `positions` where the drive was to be.
+    `path` are the poses and rates after n steps, shape (n, bodies, 6), `positions` those of the drive, shape (n,).
 
     Raises:
         Failure: nonfinite; wrong_branch, the sign of det J is no longer `start_branch`; diverged, the driven body
-            drifts or a joint gapes.
+            drifts or a joint opens.
     """
     scene = linkage.scene
     known: NDArray[np.bool_] = np.all(np.isfinite(path), axis=(1, 2))
@@ -39,18 +39,18 @@ def check_path(linkage: Linkage, path: Poses, positions: Samples, start_branch: 
     driven = linkage.members[scene.drive.body]
     if scene.driven_slide is None:
         gap /= max(map(abs, driven.arms.values())) or linkage.size  # it may have its pivot alone
-        gaping = f"a joint gapes by over {LARGEST_GAP:.0%} of the crank's radius"
+        opening = f"a joint opens by over {LARGEST_GAP:.0%} of the crank's radius"
     else:
         low, high = scene.drive.extent
         drift /= high - low
         gap /= (high - low) / 2
-        gaping = f"a joint gapes by over {LARGEST_GAP:.0%} of half the drive's travel"
+        opening = f"a joint opens by over {LARGEST_GAP:.0%} of half the drive's travel"
 
     _require(scene, branches == start_branch, positions, Status.wrong_branch, "the linkage flips to another branch")
     if driven.prescribed:
         drifting = f"'{scene.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
-    _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, gaping)
+    _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)
     return {"drive": float(drift.max()), "joint_gap": float(gap.max())}
 
 
@@ -72,10 +72,10 @@ def check_impulses(linkage: Linkage, positions: Samples, expected: Samples, foun
     return {"impulses": float(mismatch.max())}
 
 
-def _require(scene: Scene, fine: NDArray[np.bool_], positions: Samples, status: Status, sentence: str) -> None:
-    """Raise a Failure that names the first position of the drive where it is not fine; both have shape (n,)."""
-    first = int(np.argmin(fine))
-    if not fine[first]:
+def _require(scene: Scene, holds: NDArray[np.bool_], positions: Samples, status: Status, sentence: str) -> None:
+    """Raise a Failure that names the first position of the drive where `holds` is false; both have shape (n,)."""
+    first = int(np.argmin(holds))
+    if not holds[first]:
         raise Failure(status, f"{sentence} at {scene.where(positions[first])}")
 
 

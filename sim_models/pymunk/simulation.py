@@ -84,7 +84,7 @@ class PymunkSimulation:
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """Steps of all runs, sweeps times constraints in them, and what each step goes over."""
+        """Steps of all runs, sweeps times constraints in them, and the size of the model."""
         first, *others = (run.counters for run in self._runs)
         return first | {
             name: first[name] + sum(run[name] for run in others) for name in ("steps", "constraint_iterations")
@@ -97,7 +97,7 @@ class PymunkSimulation:
                 run.advance()
 
     def read(self) -> Motion:
-        """Return the extrapolated channels, having checked each run, and what follows from them all.
+        """Return the extrapolated channels, having checked each run.
 
         Raises:
             Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
