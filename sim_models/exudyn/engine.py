@@ -10,10 +10,10 @@ from scenes import Request, Scene
 
 from . import pointwise, stepping
 from . import settings as named
-from .pointwise import PointwiseRun
+from .pointwise import PointwiseSimulation
 from .settings import ExudynSettings, Pointwise
 from .simulation import failure
-from .stepping import SteppedRun
+from .stepping import TimeSteppedSimulation
 from .system import engine
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
@@ -30,7 +30,7 @@ def version() -> str:
     return f"exudyn {engine().__version__}"
 
 
-def build(scene: Scene, settings: ExudynSettings, request: Request) -> PointwiseRun | SteppedRun:
+def build(scene: Scene, settings: ExudynSettings, request: Request) -> PointwiseSimulation | TimeSteppedSimulation:
     """Assemble the linkage on the sketch's branch and prepare its solution.
 
     Args:

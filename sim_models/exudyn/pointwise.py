@@ -5,21 +5,21 @@ from scenes.engine import equal_steps
 
 from .loads import add_loads
 from .poses import Poses, State
-from .simulation import Run, wants_accelerations
+from .simulation import ExudynSimulation, wants_accelerations
 from .start import start
 from .stroke import press_switches
 from .system import Array
 
 
-def build(scene: Scene, request: Request) -> "PointwiseRun":
+def build(scene: Scene, request: Request) -> "PointwiseSimulation":
     """Assemble the linkage at the drive's start, see `engine.build`."""
     poses = Poses(scene)
     at_start = start(poses)
     add_loads(poses.system, press_switches(poses, at_start))
-    return PointwiseRun(request, poses, at_start)
+    return PointwiseSimulation(request, poses, at_start)
 
 
-class PointwiseRun(Run):
+class PointwiseSimulation(ExudynSimulation):
     """Poses through the samples, and velocities, accelerations and reactions in them."""
 
     def __init__(self, request: Request, poses: Poses, start: State) -> None:

@@ -24,7 +24,7 @@ def wants_accelerations(scene: Scene, request: Request) -> bool:
     return request.wants_forces(scene) or any(quantity(c) in ("ax", "ay", "alpha") for c in request.wanted(scene))
 
 
-class Run:
+class ExudynSimulation:
     """A scene to be solved at equal steps of the time; `poses` are of its system, with loads."""
 
     def __init__(self, sampling: Sampling, poses: Poses) -> None:

@@ -16,7 +16,7 @@ from .loads import add_loads
 from .poses import Poses, State
 from .reduced import ReducedSystem
 from .settings import Extra, Newton, Textbook, TimeStepping
-from .simulation import Run, failure
+from .simulation import ExudynSimulation, failure
 from .spatial import SpatialSystem
 from .start import start
 from .stroke import press_switches
@@ -28,7 +28,7 @@ TRAPEZOIDAL = "TrapezoidalIndex2"
 ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
 
 
-def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun":
+def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppedSimulation":
     """Assemble the linkage through a cycle and set up its integration from before zero, see `engine.build`."""
     sampling, si = equal_steps(request), isinstance(settings, Textbook)
     poses = Poses(scene, si=si)
@@ -48,7 +48,7 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "SteppedRun
     add_extras(model, settings, step, forces=sampling.wants_forces(scene))
     _configure(model, settings)
     _set_initial(model, begin, scene)
-    return SteppedRun(sampling, poses, settings, model, stride)
+    return TimeSteppedSimulation(sampling, poses, settings, model, stride)
 
 
 def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping, samples: int) -> tuple[int, State]:
@@ -106,7 +106,7 @@ def _set_initial(model: System, begin: State, scene: Scene) -> None:
     values.SetODE2Coordinates_tt(model.narrowed(begin.accelerations(rate, acceleration)), initial)
 
 
-class SteppedRun(Run):
+class TimeSteppedSimulation(ExudynSimulation):
     """One integration in time, or two whose results are extrapolated."""
 
     def __init__(self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int) -> None:

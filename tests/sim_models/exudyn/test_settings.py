@@ -29,7 +29,7 @@ from sim_models.exudyn.settings import (
     TimeStepping,
 )
 from sim_models.exudyn.start import start
-from sim_models.exudyn.stepping import SteppedRun
+from sim_models.exudyn.stepping import TimeSteppedSimulation
 from sim_models.exudyn.system import engine
 from tests import scene_files
 from tests.absolute_coordinates import solve
@@ -156,7 +156,7 @@ def test_bodies_in_space_know_no_slots() -> None:
 def test_textbook_is_what_exudyn_presets() -> None:
     scene = scenes.load("toggle_press")
     simulation, _ = solved(scene, Textbook("", steps=360))
-    assert isinstance(simulation, SteppedRun)
+    assert isinstance(simulation, TimeSteppedSimulation)
     chosen, preset = simulation.model.settings.timeIntegration, engine().SimulationSettings().timeIntegration
     for part in ("newton", "generalizedAlpha", "adaptiveStep", "solverType", "automaticStepSize"):
         assert str(getattr(chosen, part)) == str(getattr(preset, part))
