@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from scenes.scene import GROUND
 
-from .system import Array, System
+from .system import Array, ExudynSystem
 
 
-def driven(system: System, q: Array) -> Array:
+def driven(system: ExudynSystem, q: Array) -> Array:
     """Return the position of the drive, shape (n,), rad or m."""
     drive, (com, angle) = system.scene.drive.body, _body(system, system.scene.drive.body, q)
     position: Array = angle if system.scene.driven_slide is None else system.displaced(drive, com)
     return position
 
 
-def place(system: System, point: str, q: Array) -> NDArray[np.complex128]:
+def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
     """Return where a moving point is, shape (n,), m."""
     body = system.scene.owners[point][0]
     com, angle = _body(system, body, q)
@@ -30,7 +30,7 @@ def place(system: System, point: str, q: Array) -> NDArray[np.complex128]:
 
 
 def kinematics(
-    system: System, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
+    system: ExudynSystem, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
 ) -> dict[str, Array]:
     """Return the channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
@@ -53,13 +53,13 @@ def kinematics(
     return {name: samples for name, samples in found.items() if name in wanted}
 
 
-def _body(system: System, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
+def _body(system: ExudynSystem, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
     """Return a body's centre of mass and angle, or their rates from those of the coordinates, each of shape (n,)."""
     first = 3 * list(system.bodies).index(name)
     return q[:, first] + 1j * q[:, first + 1], q[:, first + 2]
 
 
-def forces(system: System, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
+def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
     """Return the force channels, from multipliers of shape (n, constraints)."""
     multipliers = multipliers * system.force_unit
     scene = system.scene

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .drive import HeldDrive
-from .system import Array, System, engine
+from .system import Array, ExudynSystem, engine
 
 Term: TypeAlias = Callable[..., Array]
 
@@ -30,7 +30,7 @@ def _of_many(term: Term) -> Term:
 class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
-    def __init__(self, system: System, drive: HeldDrive) -> None:
+    def __init__(self, system: ExudynSystem, drive: HeldDrive) -> None:
         self._mbs, self._state, self._drive = system.mbs, system.state, drive
         self._solver: Any = engine().MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)

@@ -10,10 +10,10 @@ from weakref import finalize
 from scenes.scene import GROUND
 
 from .settings import Extra, Textbook, TimeStepping
-from .system import System, engine
+from .system import ExudynSystem, engine
 
 
-def add_extras(system: System, options: TimeStepping, step: float, *, forces: bool) -> None:
+def add_extras(system: ExudynSystem, options: TimeStepping, step: float, *, forces: bool) -> None:
     """Add sensors, text files or a callback to a system with steps of that size, s; files are deleted with it."""
     extra, solution = options.extra, system.settings.solution
     folder = None
@@ -32,7 +32,7 @@ def add_extras(system: System, options: TimeStepping, step: float, *, forces: bo
         system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
 
 
-def _sensors(system: System, *, forces: bool) -> Iterator[Any]:
+def _sensors(system: ExudynSystem, *, forces: bool) -> Iterator[Any]:
     """Yield a sensor for every two channels or one, as a function of where it writes."""
     scene, items, kinds = system.scene, engine().itemInterface, engine().OutputVariableType
 

@@ -12,14 +12,14 @@ import numpy as np
 from scenes.scene import Force, ForceTable, Load, PressForce
 
 from .stroke import Switches
-from .system import System, engine
+from .system import ExudynSystem, engine
 
 ForceFunction: TypeAlias = Callable[[Any, float, Any], list[float]]  # of the system, its clock, and a force not used
 
 SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
 
-def add_loads(system: System, switches: Switches) -> None:
+def add_loads(system: ExudynSystem, switches: Switches) -> None:
     """Add all forces on the bodies to an assembled system, and assemble it again."""
     scene, items = system.scene, engine().itemInterface
     for load in scene.loads:
@@ -35,7 +35,7 @@ def add_loads(system: System, switches: Switches) -> None:
     system.mbs.Assemble()
 
 
-def _vector(system: System, load: Load, switches: Switches) -> dict[str, Any]:
+def _vector(system: ExudynSystem, load: Load, switches: Switches) -> dict[str, Any]:
     """Return the argument for the force of a load, constant or a function."""
     if isinstance(load, Force):
         return {"loadVector": [*(f / system.force_unit for f in load.force), 0]}
@@ -44,7 +44,7 @@ def _vector(system: System, load: Load, switches: Switches) -> dict[str, Any]:
     return {"loadVectorUserFunction": _switched(system, load, switches[load])}
 
 
-def _tabulated(system: System, table: ForceTable) -> ForceFunction:
+def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:
     along, zero, node = system.along(table.body), system.displaced(table.body, 0j), system.nodes[table.body]
     factors, unit = system.displacement_factors(table.body), system.force_unit
     coordinates = engine().OutputVariableType.Coordinates
@@ -56,7 +56,7 @@ def _tabulated(system: System, table: ForceTable) -> ForceFunction:
     return force
 
 
-def _switched(system: System, load: PressForce, switches: Sequence[float]) -> ForceFunction:
+def _switched(system: ExudynSystem, load: PressForce, switches: Sequence[float]) -> ForceFunction:
     """Return the force that is off until the first of the instants of a cycle, on until the second, and so on."""
     pre_roll, cycle, repeats = system.pre_roll, system.scene.drive.cycle, system.scene.drive.repeats
     on, off = [*(f / system.force_unit for f in load.force), 0.0], [0.0, 0.0, 0.0]

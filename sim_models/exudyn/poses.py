@@ -17,7 +17,7 @@ from scenes import Failure, Scene, Status
 
 from .drive import HeldDrive
 from .equations import Equations
-from .system import Array, System
+from .system import Array, ExudynSystem
 
 KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
 ITERATIONS = 12  # from a predicted pose, with the Jacobian there
@@ -61,7 +61,7 @@ class Poses:
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:
         drive = HeldDrive(scene.drive.start)
-        self.system = system = System(scene, drive, si=si)
+        self.system = system = ExudynSystem(scene, drive, si=si)
         self.equations = Equations(system, drive)
         self.newton_iterations = self.curvatures = 0  # found so far
         # Corrections are measured with lengths over the linkage's size and angles in rad.

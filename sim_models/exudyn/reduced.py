@@ -14,10 +14,10 @@ import numpy as np
 from scenes.scene import GROUND, Pin
 
 from .poses import Poses
-from .system import Array, System
+from .system import Array, ExudynSystem
 
 
-class ReducedSystem(System):
+class ReducedSystem(ExudynSystem):
     """A scene as an Exudyn system whose coordinates satisfy the ground's pins and guides where they can."""
 
     @cached_property

@@ -9,10 +9,10 @@ from scenes import Failure, Status
 from scenes.scene import Body, Slide
 
 from .drive import ExudynDrive
-from .system import Array, Chosen, System
+from .system import Array, Chosen, ExudynSystem
 
 
-class SpatialSystem(System):
+class SpatialSystem(ExudynSystem):
     """Rigid bodies with six coordinates, each held in the plane by itself, so that no joint of a loop is redundant."""
 
     node_size = 6

@@ -10,7 +10,7 @@ from scenes.scene import GROUND
 
 from .bodies import sketched
 from .poses import Poses, State
-from .system import Array, System, engine
+from .system import Array, ExudynSystem, engine
 
 
 def start(poses: Poses) -> State:
@@ -30,7 +30,7 @@ def start(poses: Poses) -> State:
     return poses.follow(sketch, system.scene.drive.start)
 
 
-def _sketched_position(system: System) -> float:
+def _sketched_position(system: ExudynSystem) -> float:
     """Return the drive's position in the sketch, a crank's angle counted so that the way to the start is clear."""
     scene = system.scene
     drawn, begin = scene.sketch.drive, scene.drive.start
@@ -41,7 +41,7 @@ def _sketched_position(system: System) -> float:
     return near - remainder(near - drawn, tau)
 
 
-def _rough(system: System, position: float) -> Array:
+def _rough(system: ExudynSystem, position: float) -> Array:
     """Return every body laid on the sketch as well as a rigid body can be, shape (3 bodies,).
 
     A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
@@ -81,7 +81,7 @@ def _assembled(poses: Poses, rough: Array, position: float) -> Array:
     )
 
 
-def _check_freedoms(system: System, q: Array) -> None:
+def _check_freedoms(system: ExudynSystem, q: Array) -> None:
     """Refuse a system in which Exudyn counts a degree of freedom or a redundant constraint with the drive held."""
     system.state.SetODE2Coordinates(q, engine().ConfigurationType.Initial)
     counts = system.mbs.ComputeSystemDegreeOfFreedom()

@@ -20,7 +20,7 @@ from .simulation import ExudynSimulation, failure
 from .spatial import SpatialSystem
 from .start import start
 from .stroke import press_switches
-from .system import Array, System, engine
+from .system import Array, ExudynSystem, engine
 
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
 SINGULAR_SPEED = 2.0  # times the largest of the cycle, at the same rate of the drive: no integration begins there
@@ -42,7 +42,7 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppe
     pre_roll, finest = settings.pre_roll * step, 2 if settings.richardson else 1
     steps = finest * (settings.pre_roll + stride * (sampling.count - 1))
     drive = RunningDrive(scene.drive, pre_roll, step / finest, steps)
-    kind = ReducedSystem if settings.reduced else SpatialSystem if settings.extra is Extra.SPATIAL else System
+    kind = ReducedSystem if settings.reduced else SpatialSystem if settings.extra is Extra.SPATIAL else ExudynSystem
     model = kind(scene, drive, si=si)
     add_loads(model, switches)
     add_extras(model, settings, step, forces=sampling.wants_forces(scene))
@@ -82,7 +82,7 @@ def _before(poses: Poses, start: State, cycle: State, step: float, steps: int) -
     return way.rows(-1)
 
 
-def _configure(model: System, options: TimeStepping) -> None:
+def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     """Choose the integrator in Exudyn's simulation settings."""
     integration = model.settings.timeIntegration
     integration.solverType = getattr(engine().DynamicSolverType, options.solver)
@@ -97,7 +97,7 @@ def _configure(model: System, options: TimeStepping) -> None:
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP
 
 
-def _set_initial(model: System, begin: State, scene: Scene) -> None:
+def _set_initial(model: ExudynSystem, begin: State, scene: Scene) -> None:
     """Set the initial coordinates, velocities and accelerations."""
     _, rate, acceleration = scene.drive.at(-model.pre_roll)
     values, initial = model.state, engine().ConfigurationType.Initial
@@ -109,7 +109,9 @@ def _set_initial(model: System, begin: State, scene: Scene) -> None:
 class TimeSteppedSimulation(ExudynSimulation):
     """One integration in time, or two whose results are extrapolated."""
 
-    def __init__(self, sampling: Sampling, poses: Poses, options: TimeStepping, model: System, stride: int) -> None:
+    def __init__(
+        self, sampling: Sampling, poses: Poses, options: TimeStepping, model: ExudynSystem, stride: int
+    ) -> None:
         super().__init__(sampling, poses)
         self.options, self.model, self.stride = options, model, stride
         self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]

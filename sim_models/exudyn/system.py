@@ -32,7 +32,7 @@ def engine() -> ModuleType:
     return exudyn
 
 
-class System:
+class ExudynSystem:
     """One scene as an assembled Exudyn system, at first without loads; a point of the plane is a complex number."""
 
     node_size = 3  # coordinates of a body

@@ -10,7 +10,7 @@ from compare.judge.measure import measure
 from scenes import Sampling, Settings, Status
 from sim_models.exudyn import engine as exudyn_model
 from sim_models.exudyn import stepping as exudyn_stepping
-from sim_models.exudyn.system import System, engine
+from sim_models.exudyn.system import ExudynSystem, engine
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import start as pymunk_start
 from sim_models.pymunk import stepping as pymunk_run
@@ -22,7 +22,7 @@ WORTH = {"exudyn": 1e-3, "pymunk": 1e-2}  # what an engine that says ok is worth
 def spoil_exudyn(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
     set_initial = exudyn_stepping._set_initial
 
-    def spoilt(model: System, *begin: Any) -> None:
+    def spoilt(model: ExudynSystem, *begin: Any) -> None:
         set_initial(model, *begin)
         state, initial = model.state, engine().ConfigurationType.Initial
         state.SetODE2Coordinates_t(factor * state.GetODE2Coordinates_t(initial), initial)
