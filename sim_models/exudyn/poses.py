@@ -30,7 +30,7 @@ BISECTIONS = 30  # of a step, before it counts as impossible
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
 
-class State(NamedTuple):
+class Configuration(NamedTuple):
     """A pose that meets the constraints, and how it changes with the drive's position; or many."""
 
     position: Array  # s, of the drive, shape (), rad or m
@@ -40,9 +40,9 @@ class State(NamedTuple):
     inverse: Array  # of C_q, shape (3 bodies, constraints)
     branch: Array  # sign of det C_q, which changes only where two branches meet, shape ()
 
-    def rows(self, chosen: NDArray[np.intp] | slice | int) -> "State":
+    def rows(self, chosen: NDArray[np.intp] | slice | int) -> "Configuration":
         """Return some of many states."""
-        return State(*(field[chosen] for field in self))
+        return Configuration(*(field[chosen] for field in self))
 
     def velocities(self, rate: ArrayLike) -> Array:
         """Return the velocities for a rate of the drive, shape (3 bodies,)."""
@@ -67,7 +67,7 @@ class Poses:
         # Corrections are measured with lengths over the linkage's size and angles in rad.
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
-    def through(self, state: State, positions: Array, *, curved: bool = True) -> State:
+    def through(self, state: Configuration, positions: Array, *, curved: bool = True) -> Configuration:
         """Return the states at many positions, passed one after the other from the state given.
 
         Without curvatures, those of most states are not a number, and have cost nothing.
@@ -79,7 +79,7 @@ class Poses:
         followed = [state]
         for position in positions[knots]:
             followed.append(self.follow(followed[-1], float(position)))
-        known = State(*map(np.array, zip(*followed, strict=True)))
+        known = Configuration(*map(np.array, zip(*followed, strict=True)))
         between = np.setdiff1d(np.arange(len(positions)), knots)
         if not len(between):
             return known.rows(slice(1, None))
@@ -92,7 +92,7 @@ class Poses:
             for field, value in zip(reached, alone, strict=True):
                 field[row] = value
         order = np.argsort(np.append(knots, between))
-        return State(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
+        return Configuration(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
 
     def _knots(self, positions: Array) -> NDArray[np.intp]:
         """Return which positions after the first to follow one by one: every so far along the way, and the last.
@@ -105,7 +105,9 @@ class Poses:
         ends = np.diff(blocks, append=np.inf) + np.abs(np.diff(np.sign(steps), append=0)) + (steps == 0)
         return np.flatnonzero(ends)
 
-    def follow(self, state: State, position: float, bisections: int = BISECTIONS, goal: float | None = None) -> State:
+    def follow(
+        self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
+    ) -> Configuration:
         """Return the state at another position: predicted and corrected, in smaller steps if the correction is large.
 
         Raises:
@@ -122,7 +124,7 @@ class Poses:
         middle = self.follow(state, (float(state.position) + position) / 2, bisections - 1, goal)
         return self.follow(middle, position, bisections - 1, goal)
 
-    def _stuck(self, state: State, goal: float) -> Failure:
+    def _stuck(self, state: Configuration, goal: float) -> Failure:
         """Return why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
         past = self.system.scene.where(float(state.position))
         way = np.linspace(float(state.position), goal, TRIALS)[1:].tolist()
@@ -144,21 +146,21 @@ class Poses:
             self.newton_iterations += 1
         return None
 
-    def state(self, q: Array, position: Array, *, curved: bool = True) -> State:
+    def state(self, q: Array, position: Array, *, curved: bool = True) -> Configuration:
         """Return the state in a pose that meets the constraints."""
         jacobian = self.equations.jacobian(q)
         inverse = _inverse(jacobian)
         tangent = -inverse @ self.equations.drive_rate
         curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
-        return State(position, q, tangent, curvature, inverse, self.branch(jacobian))
+        return Configuration(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
-    def multipliers(self, state: State, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
+    def multipliers(self, state: Configuration, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
         """Return the Lagrange multipliers of a motion that has this state at an instant, s."""
         forces = self.equations.forces(state.q, time)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 
-    def speed(self, state: State) -> Array:
+    def speed(self, state: Configuration) -> Array:
         """Return the largest velocity at a drive rate of one, over the linkage's size, or angular velocity."""
         return self.length(state.tangent)
 
@@ -172,7 +174,7 @@ class Poses:
         length: Array = np.abs(step / self.scale).max(axis=-1)
         return length
 
-    def _reached(self, start: State, position: Array) -> tuple[State, NDArray[np.bool_]]:
+    def _reached(self, start: Configuration, position: Array) -> tuple[Configuration, NDArray[np.bool_]]:
         """Return the state at another position, predicted by derivatives; and whether it was found."""
         travel = (position - start.position)[..., np.newaxis]
         return self._at(start.q + travel * (start.tangent + travel / 2 * start.curvature), position, start)
@@ -185,8 +187,8 @@ class Poses:
         return -_times(inverse, change)
 
     def _at(
-        self, guess: Array, position: Array, start: State, *, curved: bool = True
-    ) -> tuple[State, NDArray[np.bool_]]:
+        self, guess: Array, position: Array, start: Configuration, *, curved: bool = True
+    ) -> tuple[Configuration, NDArray[np.bool_]]:
         """Return the state near a guess, which was predicted from `start`; and whether it was found."""
         try:
             q, found = self._corrected(guess, position, LARGEST_CORRECTION * self.length(guess - start.q) + CONVERGED)
@@ -218,7 +220,7 @@ def _times(matrix: Array, vector: Array) -> Array:
     return product
 
 
-def _interpolated(before: State, after: State, position: Array) -> Array:
+def _interpolated(before: Configuration, after: Configuration, position: Array) -> Array:
     """Return poses between others by the quintic that meets those with both derivatives."""
     h = (after.position - before.position)[:, np.newaxis]
     x = (position - before.position)[:, np.newaxis] / h

@@ -9,11 +9,11 @@ from scenes import Failure, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
-from .poses import Poses, State
+from .poses import Configuration, Poses
 from .system import Array, ExudynSystem, engine
 
 
-def start(poses: Poses) -> State:
+def start(poses: Poses) -> Configuration:
     """Return the state at the drive's start.
 
     Raises:
@@ -94,7 +94,7 @@ def _check_freedoms(system: ExudynSystem, q: Array) -> None:
         )
 
 
-def _check_branch(poses: Poses, rough: Array, state: State) -> None:
+def _check_branch(poses: Poses, rough: Array, state: Configuration) -> None:
     """Refuse a pose that Newton's method found on another branch than the sketch's."""
     turned = np.abs(state.q - rough)[2::3].max()
     if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != state.branch:

@@ -13,7 +13,7 @@ from scenes.engine import equal_steps
 from .drive import RunningDrive
 from .extras import add_extras
 from .loads import add_loads
-from .poses import Poses, State
+from .poses import Configuration, Poses
 from .reduced import ReducedSystem
 from .settings import Extra, Newton, Textbook, TimeStepping
 from .simulation import ExudynSimulation, failure
@@ -51,7 +51,9 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppe
     return TimeSteppedSimulation(sampling, poses, settings, model, stride)
 
 
-def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping, samples: int) -> tuple[int, State]:
+def _pre_rolled(
+    poses: Poses, start: Configuration, cycle: Configuration, settings: TimeStepping, samples: int
+) -> tuple[int, Configuration]:
     """Return the steps from sample to sample, and the state in which the integration begins.
 
     Before its start, a drive that does not repeat is outside the scene's range. Where the linkage is singular there, or
@@ -70,7 +72,7 @@ def _pre_rolled(poses: Poses, start: State, cycle: State, settings: TimeStepping
     raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
 
 
-def _before(poses: Poses, start: State, cycle: State, step: float, steps: int) -> State:
+def _before(poses: Poses, start: Configuration, cycle: Configuration, step: float, steps: int) -> Configuration:
     """Return the state that many steps, s each, before the start."""
     scene = poses.system.scene
     positions = scene.drive.at(-step * np.arange(steps + 1)).position
@@ -97,7 +99,7 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP
 
 
-def _set_initial(model: ExudynSystem, begin: State, scene: Scene) -> None:
+def _set_initial(model: ExudynSystem, begin: Configuration, scene: Scene) -> None:
     """Set the initial coordinates, velocities and accelerations."""
     _, rate, acceleration = scene.drive.at(-model.pre_roll)
     values, initial = model.state, engine().ConfigurationType.Initial
