@@ -14,7 +14,7 @@ from scenes.scene import Body, ForceTable
 
 
 @dataclass(frozen=True)
-class RigidBody:
+class ExudynBody:
     """A body with its points measured from its centre of mass, along its own axes."""
 
     com: complex  # m, in the scene's frame of the body, whose axes are the same
@@ -23,7 +23,7 @@ class RigidBody:
     inertia: float  # kg m^2, about the centre of mass
 
 
-def rigid_body(scene: Scene, body: Body) -> RigidBody:
+def rigid_body(scene: Scene, body: Body) -> ExudynBody:
     """Return a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it.
 
     Raises:
@@ -35,15 +35,15 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
         com, inertia = _uniform(mass, list(points.values()))
     else:
         com, inertia = complex(*body.com), body.inertia
-    return RigidBody(com, {name: point - com for name, point in points.items()}, mass, inertia)
+    return ExudynBody(com, {name: point - com for name, point in points.items()}, mass, inertia)
 
 
-def in_unit(body: RigidBody, force: float) -> RigidBody:
+def in_unit(body: ExudynBody, force: float) -> ExudynBody:
     """Return a body by another unit of force, N, and with it of mass and inertia; all else is in SI."""
     return replace(body, mass=body.mass / force, inertia=body.inertia / force)
 
 
-def linkage_size(scene: Scene, bodies: Mapping[str, RigidBody]) -> float:
+def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
     """Return the linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
 
     It is at least a driven slider's travel, since all bodies may be points.
@@ -54,7 +54,7 @@ def linkage_size(scene: Scene, bodies: Mapping[str, RigidBody]) -> float:
     return max(most - least, *arms, *(abs(p - q) for p in ground for q in ground))
 
 
-def force_unit(scene: Scene, bodies: Mapping[str, RigidBody], size: float) -> float:
+def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> float:
     """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
 
     Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
