@@ -9,7 +9,7 @@ from weakref import finalize
 
 from scenes.scene import GROUND
 
-from .settings import Extra, Textbook, TimeStepping
+from .settings import Extra, TextbookTimeStepping, TimeStepping
 from .system import ExudynSystem, engine
 
 
@@ -17,7 +17,7 @@ def add_extras(system: ExudynSystem, options: TimeStepping, step: float, *, forc
     """Add sensors, text files or a callback to a system with steps of that size, s; files are deleted with it."""
     extra, solution = options.extra, system.settings.solution
     folder = None
-    if extra is Extra.TEXT or isinstance(options, Textbook):
+    if extra is Extra.TEXT or isinstance(options, TextbookTimeStepping):
         folder = Path(mkdtemp(prefix="exudyn_"))
         finalize(system, rmtree, folder)
         solution.file.write = True  # as it is preset, but not into the working folder

@@ -47,7 +47,7 @@ class TimeStepping(Settings):
 
 
 @dataclass(frozen=True)
-class Textbook(TimeStepping):
+class TextbookTimeStepping(TimeStepping):
     """Integrate as a first script would: Exudyn's presets, sensors, no pre-roll."""
 
     richardson: bool = False
@@ -73,10 +73,10 @@ def _pairs(name: str, order: int, *steps: int, **options: Any) -> tuple[TimeStep
     return tuple(TimeStepping(f"{name}, {n}+{2 * n}", steps=n, family=family, order=order, **options) for n in steps)
 
 
-def _textbook(*steps: int) -> tuple[Textbook, ...]:
+def _textbook(*steps: int) -> tuple[TextbookTimeStepping, ...]:
     """Return a first script's settings: of order 1 near its start, of no one order later on."""
     note = "as a new user meets it: the engine's own defaults"
-    return tuple(Textbook(f"textbook, {n}", steps=n, family="textbook", note=note) for n in steps)
+    return tuple(TextbookTimeStepping(f"textbook, {n}", steps=n, family="textbook", note=note) for n in steps)
 
 
 # The trapezoidal rule does not damp, so a longer pre-roll gains nothing; its error oscillates with a period of two

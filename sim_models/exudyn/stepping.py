@@ -15,7 +15,7 @@ from .extras import add_extras
 from .loads import add_loads
 from .poses import Configuration, Poses
 from .reduced import ReducedSystem
-from .settings import Extra, Newton, Textbook, TimeStepping
+from .settings import Extra, Newton, TextbookTimeStepping, TimeStepping
 from .simulation import ExudynSimulation, failure
 from .spatial import SpatialSystem
 from .start import start
@@ -30,7 +30,7 @@ ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no 
 
 def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppedSimulation":
     """Assemble the linkage through a cycle and set up its integration from before zero, see `engine.build`."""
-    sampling, si = equal_steps(request), isinstance(settings, Textbook)
+    sampling, si = equal_steps(request), isinstance(settings, TextbookTimeStepping)
     poses = Poses(scene, si=si)
     at_start = start(poses)
     switches = press_switches(poses, at_start)
@@ -89,7 +89,7 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration = model.settings.timeIntegration
     integration.solverType = getattr(engine().DynamicSolverType, options.solver)
     integration.generalizedAlpha.spectralRadius = options.spectral_radius
-    if isinstance(options, Textbook):
+    if isinstance(options, TextbookTimeStepping):
         return
     integration.generalizedAlpha.computeInitialAccelerations = False  # those take no account of the drive's own
     integration.adaptiveStep = False  # it adds up time, and ends on a tiny step with absurd forces

@@ -25,7 +25,7 @@ from sim_models.exudyn.settings import (
     Extra,
     ExudynSettings,
     Newton,
-    Textbook,
+    TextbookTimeStepping,
     TimeStepping,
 )
 from sim_models.exudyn.start import start
@@ -155,7 +155,7 @@ def test_bodies_in_space_know_no_slots() -> None:
 
 def test_textbook_is_what_exudyn_presets() -> None:
     scene = scenes.load("toggle_press")
-    simulation, _ = solved(scene, Textbook("", steps=360))
+    simulation, _ = solved(scene, TextbookTimeStepping("", steps=360))
     assert isinstance(simulation, TimeSteppedSimulation)
     chosen, preset = simulation.model.settings.timeIntegration, engine().SimulationSettings().timeIntegration
     for part in ("newton", "generalizedAlpha", "adaptiveStep", "solverType", "automaticStepSize"):
@@ -163,7 +163,9 @@ def test_textbook_is_what_exudyn_presets() -> None:
     assert simulation.model.settings.solution.file.write
     assert simulation.counters["steps"] == 360
     assert simulation.counters["sensors"] == 32  # 12 of points, 12 of turning bodies, 8 of constraints
-    assert error("toggle_press", Textbook("", steps=360)) >= 2 * error("toggle_press", STEPS_360)  # measured 3.4
+    assert error("toggle_press", TextbookTimeStepping("", steps=360)) >= 2 * error(
+        "toggle_press", STEPS_360
+    )  # measured 3.4
 
 
 def test_pointwise_is_far_more_accurate_and_faster_than_two_integrations() -> None:
@@ -253,7 +255,7 @@ def test_settings_hold_what_they_promise() -> None:
     for family in {settings.family for settings in every if settings.family}:
         members = [settings for settings in every if settings.family == family]
         assert len({frozenset(without_steps(settings).items()) for settings in members}) == 1
-    assert all(isinstance(settings, Textbook) == bool(settings.note) for settings in every)
+    assert all(isinstance(settings, TextbookTimeStepping) == bool(settings.note) for settings in every)
 
 
 def without_steps(settings: Settings) -> dict[str, Any]:
