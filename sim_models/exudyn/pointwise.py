@@ -4,7 +4,7 @@ from scenes import Request, Scene
 from scenes.engine import equal_steps
 
 from .loads import add_loads
-from .poses import Configuration, Poses
+from .poses import Configuration, PoseSolver
 from .simulation import ExudynSimulation, wants_accelerations
 from .start import start
 from .stroke import press_switches
@@ -13,7 +13,7 @@ from .system import Array
 
 def build(scene: Scene, request: Request) -> "PointwiseSimulation":
     """Assemble the linkage at the drive's start, see `engine.build`."""
-    poses = Poses(scene)
+    poses = PoseSolver(scene)
     at_start = start(poses)
     add_loads(poses.system, press_switches(poses, at_start))
     return PointwiseSimulation(request, poses, at_start)
@@ -22,7 +22,7 @@ def build(scene: Scene, request: Request) -> "PointwiseSimulation":
 class PointwiseSimulation(ExudynSimulation):
     """Poses through the samples, and velocities, accelerations and reactions in them."""
 
-    def __init__(self, request: Request, poses: Poses, start: Configuration) -> None:
+    def __init__(self, request: Request, poses: PoseSolver, start: Configuration) -> None:
         super().__init__(equal_steps(request), poses)
         self._start = start
         self._driven = self.scene.drive.at(self.times)

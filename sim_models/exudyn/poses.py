@@ -56,7 +56,7 @@ class Configuration(NamedTuple):
         return accelerations
 
 
-class Poses:
+class PoseSolver:
     """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes.scene import GROUND, Pin
 
-from .poses import Poses
+from .poses import PoseSolver
 from .system import Array, ExudynSystem
 
 
@@ -60,7 +60,7 @@ class ReducedSystem(ExudynSystem):
                 narrow[self._own(name)] = planar
         return narrow
 
-    def widened(self, samples: Array, poses: Poses, times: Array) -> Array:
+    def widened(self, samples: Array, poses: PoseSolver, times: Array) -> Array:
         """Return what a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
         wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
         for number, name in enumerate(self.bodies):
@@ -85,7 +85,7 @@ class ReducedSystem(ExudynSystem):
         arm = -self._pivot(body) * np.exp(1j * phi)
         return self._origin(body) + arm, 1j * omega * arm, (1j * alpha - omega**2) * arm
 
-    def _all_multipliers(self, poses: Poses, q: Array, a: Array, multipliers: Array, times: Array) -> Array:
+    def _all_multipliers(self, poses: PoseSolver, q: Array, a: Array, multipliers: Array, times: Array) -> Array:
         """Return those of all joints, shape (n, constraints), from those that this system has."""
         whole, equations = poses.system, poses.equations
         found = np.zeros(q.shape)

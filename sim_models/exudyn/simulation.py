@@ -6,7 +6,7 @@ from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.motion import quantity
 
 from . import channels
-from .poses import Poses
+from .poses import PoseSolver
 from .system import Array, engine
 
 SPRING_LIMIT = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
@@ -27,7 +27,7 @@ def wants_accelerations(scene: Scene, request: Request) -> bool:
 class ExudynSimulation:
     """A scene to be solved at equal steps of the time; `poses` are of its system, with loads."""
 
-    def __init__(self, sampling: Sampling, poses: Poses) -> None:
+    def __init__(self, sampling: Sampling, poses: PoseSolver) -> None:
         self.sampling, self.poses, self.system = sampling, poses, poses.system
         self.scene = poses.system.scene
         self.times = sampling.times(self.scene)

@@ -9,11 +9,11 @@ from scenes import Failure, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
-from .poses import Configuration, Poses
+from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, engine
 
 
-def start(poses: Poses) -> Configuration:
+def start(poses: PoseSolver) -> Configuration:
     """Return the state at the drive's start.
 
     Raises:
@@ -70,7 +70,7 @@ def _rough(system: ExudynSystem, position: float) -> Array:
     return np.array(pose)
 
 
-def _assembled(poses: Poses, rough: Array, position: float) -> Array:
+def _assembled(poses: PoseSolver, rough: Array, position: float) -> Array:
     """Return a pose that meets the constraints."""
     found = poses.nearest(rough, position)
     if found is not None:
@@ -94,7 +94,7 @@ def _check_freedoms(system: ExudynSystem, q: Array) -> None:
         )
 
 
-def _check_branch(poses: Poses, rough: Array, state: Configuration) -> None:
+def _check_branch(poses: PoseSolver, rough: Array, state: Configuration) -> None:
     """Refuse a pose that Newton's method found on another branch than the sketch's."""
     turned = np.abs(state.q - rough)[2::3].max()
     if turned > pi / 2 or poses.branch(poses.equations.jacobian(rough)) != state.branch:

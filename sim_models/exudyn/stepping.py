@@ -13,7 +13,7 @@ from scenes.engine import equal_steps
 from .drive import RunningDrive
 from .extras import add_extras
 from .loads import add_loads
-from .poses import Configuration, Poses
+from .poses import Configuration, PoseSolver
 from .reduced import ReducedSystem
 from .settings import Extra, Newton, TextbookTimeStepping, TimeStepping
 from .simulation import ExudynSimulation, failure
@@ -31,7 +31,7 @@ ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no 
 def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppedSimulation":
     """Assemble the linkage through a cycle and set up its integration from before zero, see `engine.build`."""
     sampling, si = equal_steps(request), isinstance(settings, TextbookTimeStepping)
-    poses = Poses(scene, si=si)
+    poses = PoseSolver(scene, si=si)
     at_start = start(poses)
     switches = press_switches(poses, at_start)
     add_loads(poses.system, switches)
@@ -52,7 +52,7 @@ def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppe
 
 
 def _pre_rolled(
-    poses: Poses, start: Configuration, cycle: Configuration, settings: TimeStepping, samples: int
+    poses: PoseSolver, start: Configuration, cycle: Configuration, settings: TimeStepping, samples: int
 ) -> tuple[int, Configuration]:
     """Return the steps from sample to sample, and the state in which the integration begins.
 
@@ -72,7 +72,7 @@ def _pre_rolled(
     raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
 
 
-def _before(poses: Poses, start: Configuration, cycle: Configuration, step: float, steps: int) -> Configuration:
+def _before(poses: PoseSolver, start: Configuration, cycle: Configuration, step: float, steps: int) -> Configuration:
     """Return the state that many steps, s each, before the start."""
     scene = poses.system.scene
     positions = scene.drive.at(-step * np.arange(steps + 1)).position
@@ -112,7 +112,7 @@ class TimeSteppedSimulation(ExudynSimulation):
     """One integration in time, or two whose results are extrapolated."""
 
     def __init__(
-        self, sampling: Sampling, poses: Poses, options: TimeStepping, model: ExudynSystem, stride: int
+        self, sampling: Sampling, poses: PoseSolver, options: TimeStepping, model: ExudynSystem, stride: int
     ) -> None:
         super().__init__(sampling, poses)
         self.options, self.model, self.stride = options, model, stride

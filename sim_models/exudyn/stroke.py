@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes.scene import PressForce
 
-from .poses import Configuration, Poses
+from .poses import Configuration, PoseSolver
 
 Switches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
 
@@ -21,7 +21,7 @@ GRID = 180  # instants of a cycle between which a slider reverses once at most
 BISECTIONS = 36  # of the time between two of them: to 1e-13 of a cycle, far within loads.SAME_INSTANT
 
 
-def press_switches(poses: Poses, start: Configuration) -> Switches:
+def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
     """Return the instants of a cycle at which each press load starts and stops acting.
 
     Raises:
@@ -31,7 +31,7 @@ def press_switches(poses: Poses, start: Configuration) -> Switches:
     return {load: _switches(poses, start, load) for load in presses}
 
 
-def _switches(poses: Poses, start: Configuration, load: PressForce) -> list[float]:
+def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> list[float]:
     system, drive = poses.system, poses.system.scene.drive
     grid = np.linspace(0, drive.cycle, GRID + 1)
     states = poses.through(start, drive.at(grid).position)

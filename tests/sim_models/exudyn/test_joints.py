@@ -10,7 +10,7 @@ from scenes.scene import MotionLaw, PressForce
 from sim_models.exudyn import engine as model
 from sim_models.exudyn.drive import RunningDrive
 from sim_models.exudyn.engine import DEFAULT, EXACT
-from sim_models.exudyn.poses import Poses
+from sim_models.exudyn.poses import PoseSolver
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.start import start
 from sim_models.exudyn.stroke import press_switches
@@ -112,7 +112,7 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
     load = scene.loads[0]
     assert isinstance(load, PressForce)
     assert load.closing == direction
-    poses = Poses(scene)
+    poses = PoseSolver(scene)
     found = press_switches(poses, start(poses))[load]
     on = brentq(lambda a: np.cos(a) + np.sqrt(9 - np.sin(a) ** 2) - 4 + 1e-6, -0.01, 0, xtol=1e-15)
     dead, on = (-begin % (2 * np.pi)) / 2, ((on - begin) % (2 * np.pi)) / 2

@@ -16,7 +16,7 @@ from scenes import Failure, Motion, Sampling, Scene, Settings
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
 from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
-from sim_models.exudyn.poses import Poses
+from sim_models.exudyn.poses import PoseSolver
 from sim_models.exudyn.settings import (
     LITTLE_DAMPED,
     REDUCED,
@@ -226,7 +226,7 @@ def test_only_what_is_asked_for_is_returned(level: str, settings: ExudynSettings
 def test_no_multiplier_is_found_where_no_force_is_asked_for(
     settings: ExudynSettings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Poses, "multipliers", None)
+    monkeypatch.setattr(PoseSolver, "multipliers", None)
     simulation, _ = solved(scenes.load("toggle_press"), settings, ASKED["acceleration"])
     buffer = simulation._samples if settings is EXACT else simulation._runs[0]
     assert len(buffer) == 3
@@ -269,7 +269,7 @@ def without_steps(settings: Settings) -> dict[str, Any]:
 def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """From a single knot they are too far to be guessed, and each has to be followed."""
     monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
-    poses = Poses(scene_files.load("loaded_four_bar"))
+    poses = PoseSolver(scene_files.load("loaded_four_bar"))
     first = start(poses)
     there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
     positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
@@ -283,7 +283,7 @@ def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch
 
 
 def test_curvature_is_the_change_of_the_tangent() -> None:
-    poses = Poses(scene_files.load("loaded_four_bar"))
+    poses = PoseSolver(scene_files.load("loaded_four_bar"))
     state, h = start(poses), 1e-4
     after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
     assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
