@@ -19,7 +19,7 @@ from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
 from .settings import PymunkSettings
 from .start import start
-from .stepping import Run
+from .stepping import Integration
 from .stroke import stroke_ends
 
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
@@ -32,7 +32,7 @@ class Level:
     These are the ones requested, and where there are forces among them, all forces.
     """
 
-    run: Run
+    run: Integration
     q: Poses
     v: Poses
     a: Poses
@@ -75,7 +75,12 @@ class PymunkSimulation:
     """One run for each level."""
 
     def __init__(
-        self, sampling: Sampling, linkage: Linkage, runs: Sequence[Run], stroke_ends: Sequence[float], branch: Samples
+        self,
+        sampling: Sampling,
+        linkage: Linkage,
+        runs: Sequence[Integration],
+        stroke_ends: Sequence[float],
+        branch: Samples,
     ) -> None:
         self._scene, self._sampling, self._linkage, self._runs = linkage.scene, sampling, linkage, runs
         self._stroke_ends, self._branch = stroke_ends, branch
@@ -114,7 +119,7 @@ class PymunkSimulation:
         self.residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
         return motion
 
-    def _level(self, run: Run) -> Level:
+    def _level(self, run: Integration) -> Level:
         before, after = run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
         q, a = after[..., :3], (after[..., 3:] - before[..., 3:]) / run.steps.size
         v = after[..., 3:] - run.steps.size / 2 * a

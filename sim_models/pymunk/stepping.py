@@ -45,7 +45,7 @@ def build(
     settings: PymunkSettings,
     *,
     loaded: bool = True,
-) -> "Run":
+) -> "Integration":
     """Return an integration with `stride` steps from sample to sample; `loaded`: with forces on the bodies.
 
     Raises:
@@ -61,10 +61,10 @@ def build(
     forces = AppliedForces(linkage, model.bodies, stroke_ends, dt) if loaded else None
     bodies = model.bodies.values()
     recorder = PropertyRecorder(bodies) if settings.extra == "properties" else BatchRecorder(model.space, bodies)
-    return Run(linkage, model, forces, recorder, driven.position, Steps(dt, stride, pre_roll, count), settings)
+    return Integration(linkage, model, forces, recorder, driven.position, Steps(dt, stride, pre_roll, count), settings)
 
 
-class Run:
+class Integration:
     """One integration; `driven` are the drive's positions from the first step to one after the end.
 
     Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
