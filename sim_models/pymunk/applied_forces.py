@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from scenes.scene import GROUND, Force
 
-from .constraints import Linkage
+from .constraints import LinkageConstraints
 from .loads import active_presses, forces, varying
 from .space import Bodies, pair
 
@@ -23,7 +23,7 @@ class AppliedForces:
     Plain Python: for a few bodies it is several times faster than numpy.
     """
 
-    def __init__(self, linkage: Linkage, bodies: Bodies, stroke_ends: Sequence[float], dt: float) -> None:
+    def __init__(self, linkage: LinkageConstraints, bodies: Bodies, stroke_ends: Sequence[float], dt: float) -> None:
         scene = linkage.scene
         self._linkage, self._stroke_ends, self._dt = linkage, stroke_ends, dt
         moved = {name: body for name, body in bodies.items() if not linkage.members[name].prescribed}
@@ -68,7 +68,7 @@ class AppliedForces:
             self._varying[name].force, self._varying[name].torque = pair(force), moment
 
 
-def _constant(linkage: Linkage, name: str, body: "pymunk.Body") -> tuple[tuple[float, float], complex]:
+def _constant(linkage: LinkageConstraints, name: str, body: "pymunk.Body") -> tuple[tuple[float, float], complex]:
     """Return the sum of a body's constant forces f, and that of conj(arm) f, zero for a body that cannot turn."""
     loads = [load for load in linkage.scene.loads if isinstance(load, Force) and load.body == name]
     force = sum((complex(*load.force) for load in loads), 0j)

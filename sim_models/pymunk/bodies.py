@@ -11,7 +11,7 @@ from scenes.scene import Body
 
 
 @dataclass(frozen=True)
-class Rigid:
+class PymunkBody:
     """A moving body: its points and its centre of mass in its own frame, m; in a kinematic scene it has no mass."""
 
     points: Mapping[str, complex]
@@ -25,14 +25,14 @@ class Rigid:
         return max(abs(p - q) for p in self.points.values() for q in self.points.values())
 
 
-def rigid(scene: Scene, body: Body) -> Rigid:
+def rigid(scene: Scene, body: Body) -> PymunkBody:
     """Return a body of the scene.
 
     Raises:
         Failure: cannot_assemble, its lengths do not close, or the sketch shows three of its points in line.
     """
     points = _points(scene, body)
-    return Rigid(points, *_mass_properties(body, points))
+    return PymunkBody(points, *_mass_properties(body, points))
 
 
 def _points(scene: Scene, body: Body) -> dict[str, complex]:

@@ -13,13 +13,13 @@ import numpy as np
 from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND
 
-from .constraints import Complex, Linkage, Plane, Poses, planes, solved, with_ground
+from .constraints import Complex, LinkageConstraints, Plane, Poses, planes, solved, with_ground
 from .loads import Active, forces
 from .masses import held
 
 
 def found_channels(
-    linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses, active: Active
+    linkage: LinkageConstraints, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses, active: Active
 ) -> dict[str, Samples]:
     """Return the channels wanted, shape (n,), and where there are forces among them, all forces."""
     found = motion_channels(linkage, wanted, q, v, a)
@@ -28,7 +28,9 @@ def found_channels(
     return found | reaction_channels(linkage, q, v, a, active)
 
 
-def motion_channels(linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:
+def motion_channels(
+    linkage: LinkageConstraints, wanted: AbstractSet[str], q: Poses, v: Poses, a: Poses
+) -> dict[str, Samples]:
     """Return the channels wanted of points, bodies and the drive, shape (n,); q, v, a have shape (n, bodies, 3)."""
     scene = linkage.scene
     found = {scene.drive_channel: linkage.drive_position(q)}
@@ -46,7 +48,7 @@ def motion_channels(linkage: Linkage, wanted: AbstractSet[str], q: Poses, v: Pos
     return found
 
 
-def reaction_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, active: Active) -> dict[str, Samples]:
+def reaction_channels(linkage: LinkageConstraints, q: Poses, v: Poses, a: Poses, active: Active) -> dict[str, Samples]:
     """Return all force channels, shape (n,) each: J^T lambda = M q'' - F, with the true masses.
 
     `active`, shape (n, press forces), are those that acted. The driven body counts too.
@@ -69,7 +71,7 @@ def reaction_channels(linkage: Linkage, q: Poses, v: Poses, a: Poses, active: Ac
 
 
 def joint_forces(
-    linkage: Linkage, q: Poses, v: Poses, a: Poses, reactions: Mapping[str, Samples], joints: Iterable[str]
+    linkage: LinkageConstraints, q: Poses, v: Poses, a: Poses, reactions: Mapping[str, Samples], joints: Iterable[str]
 ) -> Samples:
     """Return the sizes of the forces that joints of the engine must have had, shape (n, joints), N.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
-from .constraints import Linkage, Poses, branch
+from .constraints import LinkageConstraints, Poses, branch
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
 LARGEST_DRIFT = 1e-6
@@ -20,7 +20,7 @@ LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by roun
 CHUNK = 1000  # steps whose Jacobians are in memory at a time
 
 
-def check_path(linkage: Linkage, path: Poses, positions: Samples, start_branch: Samples) -> dict[str, float]:
+def check_path(linkage: LinkageConstraints, path: Poses, positions: Samples, start_branch: Samples) -> dict[str, float]:
     """Return the drift of the drive and the largest opening of a joint, relative.
 
     `path` are the poses and rates after n steps, shape (n, bodies, 6), `positions` those of the drive, shape (n,).
@@ -60,7 +60,9 @@ def check_finite(scene: Scene, channels: Mapping[str, Samples]) -> None:
     _require(scene, known, channels[scene.drive_channel], Status.nonfinite, "a result is not finite")
 
 
-def check_impulses(linkage: Linkage, positions: Samples, expected: Samples, found: Samples) -> dict[str, float]:
+def check_impulses(
+    linkage: LinkageConstraints, positions: Samples, expected: Samples, found: Samples
+) -> dict[str, float]:
     """Return how far the joints' forces are from the engine's own, both of shape (n, joints), N, by the largest.
 
     Raises:
@@ -79,7 +81,7 @@ def _require(scene: Scene, holds: NDArray[np.bool_], positions: Samples, status:
         raise Failure(status, f"{sentence} at {scene.where(positions[first])}")
 
 
-def _measure(linkage: Linkage, q: Poses, positions: Samples) -> tuple[Samples, ...]:
+def _measure(linkage: LinkageConstraints, q: Poses, positions: Samples) -> tuple[Samples, ...]:
     """Return, for some steps, the sign of det J, |C| of the drive, the largest |C| of the joints."""
     C = np.abs(linkage.gaps(q, positions))
     C[:, 2 * len(linkage.scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end

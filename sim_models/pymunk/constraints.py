@@ -20,7 +20,7 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .bodies import Rigid, rigid
+from .bodies import PymunkBody, rigid
 from .masses import Inertia, Inertias
 
 Poses: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
@@ -44,7 +44,7 @@ class Member:
         return isinf(self.moved.mass)
 
 
-class Linkage:
+class LinkageConstraints:
     """The moving bodies of a scene, in file order, and the constraints between them; `masses` are pymunk's.
 
     Raises:
@@ -52,7 +52,7 @@ class Linkage:
             not close, or the sketch shows three of its points in line.
     """
 
-    def __init__(self, scene: Scene, masses: Callable[[Scene, Mapping[str, Rigid]], Inertias]) -> None:
+    def __init__(self, scene: Scene, masses: Callable[[Scene, Mapping[str, PymunkBody]], Inertias]) -> None:
         self.scene = scene
         rigids = {body.name: rigid(scene, body) for body in scene.bodies.values()}
         inertias = masses(scene, rigids)
@@ -167,7 +167,7 @@ def solved(J: Samples, wanted: Samples) -> Poses:
     return np.reshape(found, (len(J), -1, 3))
 
 
-def _member(body: Rigid, moved: Inertia) -> Member:
+def _member(body: PymunkBody, moved: Inertia) -> Member:
     arms = {point: place - moved.origin for point, place in body.points.items()}
     return Member(arms, body.com - moved.origin, body.mass, body.inertia, moved)
 

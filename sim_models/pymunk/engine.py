@@ -17,7 +17,7 @@ from scenes import Request, Scene
 
 from . import settings as named
 from . import simulation, sweeps, textbook
-from .settings import AnySettings, Textbook
+from .settings import AnySettings, TextbookSettings
 from .simulation import PymunkSimulation
 from .textbook import TextbookSimulation
 
@@ -54,6 +54,6 @@ def build(scene: Scene, settings: AnySettings, request: Request) -> PymunkSimula
             position.
         ImportError: pymunk is not installed.
     """
-    if isinstance(settings, Textbook):
+    if isinstance(settings, TextbookSettings):
         return textbook.build(scene, settings, request)
     return simulation.build(scene, settings, request)

@@ -1,6 +1,6 @@
 """The forces of loads and springs on the bodies, in one pose at a step of the engine or in many at the read-out.
 
-A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by `Linkage.index`: complex
+A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by number of the body: complex
 numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
 """
 
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from scenes.scene import Force, ForceTable, PressForce
 
-from .constraints import Linkage, Plane
+from .constraints import LinkageConstraints, Plane
 
 Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
 
 
-def varying(linkage: Linkage) -> tuple[str, ...]:
+def varying(linkage: LinkageConstraints) -> tuple[str, ...]:
     """Return the bodies under forces that are not all constant."""
     scene = linkage.scene
     loaded = {load.body for load in scene.loads if not isinstance(load, Force)}
@@ -27,7 +27,7 @@ def varying(linkage: Linkage) -> tuple[str, ...]:
 
 
 def active_presses(
-    linkage: Linkage, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
+    linkage: LinkageConstraints, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
 ) -> list[NDArray[np.bool_]]:
     """Return for each press force whether it acts; `ends` are those of their closing strokes, m."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
@@ -40,7 +40,7 @@ def active_presses(
 
 
 def forces(
-    linkage: Linkage, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
+    linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
 ) -> Iterator[tuple[str, Plane, Plane]]:
     """Yield every force, N: its body, which may be the ground, its arm from that one's origin, m, and the force."""
     index = linkage.index

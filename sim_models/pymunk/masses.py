@@ -23,7 +23,7 @@ from math import inf, isfinite
 from scenes import Failure, Scene, Status
 from scenes.scene import GROUND, Pin
 
-from .bodies import Rigid
+from .bodies import PymunkBody
 
 BALLAST = 10.0  # times the mass of all bodies; more makes no scene of the library converge visibly faster
 RATIO = 1e-2  # of masses that hardly disturb each other; smaller ones leave the sweeps' convergence as it is
@@ -41,7 +41,7 @@ class Inertia:
 Inertias = Mapping[str, Inertia]
 
 
-def own_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
+def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Return the bodies' own inertias, the driven one's too.
 
     Raises:
@@ -51,7 +51,7 @@ def own_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
     return _movable(_turning_as_one(scene, own, rigids))
 
 
-def ballasted_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
+def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Return the bodies' own inertias with ballast at pins to the ground and to the driven body, which is moved.
 
     Raises:
@@ -80,7 +80,7 @@ def held(scene: Scene) -> dict[str, Pin]:
     }
 
 
-def fictitious_masses(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertias:
+def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Return masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
     found = {scene.drive.body: _driven(scene, rigids)}
     scale = 1.0
@@ -122,14 +122,14 @@ def groups(scene: Scene) -> Iterator[tuple[str, ...]]:
         known.update(group)
 
 
-def _driven(scene: Scene, rigids: Mapping[str, Rigid]) -> Inertia:
+def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
     """Return the driven body's: a crank about its pivot on the ground, about which pymunk turns it exactly."""
     body = rigids[scene.drive.body]
     pivots = [place for point, place in body.points.items() if point in scene.ground]
     return Inertia(pivots[0] if scene.driven_slide is None else body.com, inf, inf)
 
 
-def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, Rigid]) -> dict[str, Inertia]:
+def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> dict[str, Inertia]:
     """Return inertias by which each body can be turned on its own.
 
     Bodies that slides keep parallel to the ground cannot turn. Others that slides keep parallel turn as one, so only
@@ -159,5 +159,5 @@ def _movable(inertias: dict[str, Inertia]) -> dict[str, Inertia]:
     return inertias
 
 
-def _size(rigids: Mapping[str, Rigid]) -> float:
+def _size(rigids: Mapping[str, PymunkBody]) -> float:
     return max(body.size for body in rigids.values()) or 1.0

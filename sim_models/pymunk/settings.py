@@ -60,14 +60,14 @@ class PymunkSettings(Settings):
 
 
 @dataclass(frozen=True)
-class Textbook(Settings):
+class TextbookSettings(Settings):
     """The set-up of the manual's examples, with pymunk's defaults; see `textbook`."""
 
     steps: int  # per cycle, at least: rounded up to a multiple of the samples
     iterations: int = 10
 
 
-AnySettings: TypeAlias = PymunkSettings | Textbook
+AnySettings: TypeAlias = PymunkSettings | TextbookSettings
 
 
 def _run(steps: int, levels: int, sweeps: int, kind: str = "", **options: Any) -> PymunkSettings:
@@ -88,10 +88,10 @@ def _default_correction(steps: int) -> PymunkSettings:
     return _run(steps, 1, 100, ", default correction", correction=None, order=1, note=note)
 
 
-def _textbook(steps: int) -> Textbook:
+def _textbook(steps: int) -> TextbookSettings:
     """Return a first script's settings; unconverged sweeps and a slack correction add up to no known order."""
     note = "as a new user meets it: the engine's own defaults, all links dynamic, a motor on the crank"
-    return Textbook(f"textbook, {steps} steps", steps, family="textbook", note=note)
+    return TextbookSettings(f"textbook, {steps} steps", steps, family="textbook", note=note)
 
 
 # Measured good to 1 % in the reactions of every shipped scene.

@@ -14,7 +14,7 @@ from scenes.motion import Samples, force_channels
 from . import stepping
 from .channels import found_channels, joint_forces
 from .checks import check_finite, check_impulses, check_path
-from .constraints import Linkage, Poses, branch, planes, with_ground
+from .constraints import LinkageConstraints, Poses, branch, planes, with_ground
 from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
 from .settings import PymunkSettings
@@ -45,14 +45,14 @@ def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
     return request.wants_forces(scene) and not settings.fictitious
 
 
-def linkage_of(scene: Scene, settings: PymunkSettings, request: Request) -> Linkage:
+def linkage_of(scene: Scene, settings: PymunkSettings, request: Request) -> LinkageConstraints:
     """Return the linkage with the masses that these settings give it.
 
     Raises:
-        Failure: unsupported, cannot_assemble; see `Linkage`.
+        Failure: unsupported, cannot_assemble; see `LinkageConstraints`.
     """
     masses = ballasted_masses if loaded(scene, settings, request) else fictitious_masses
-    return Linkage(scene, own_masses if settings.extra == "motor" else masses)
+    return LinkageConstraints(scene, own_masses if settings.extra == "motor" else masses)
 
 
 def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSimulation":
@@ -77,7 +77,7 @@ class PymunkSimulation:
     def __init__(
         self,
         sampling: Sampling,
-        linkage: Linkage,
+        linkage: LinkageConstraints,
         runs: Sequence[Integration],
         stroke_ends: Sequence[float],
         branch: Samples,

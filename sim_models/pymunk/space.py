@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from scenes import Failure, Status
 from scenes.scene import GROUND, ConstantSpeed
 
-from .constraints import Linkage, Poses
+from .constraints import LinkageConstraints, Poses
 from .settings import Extra
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ class Model:
         Failure: unsupported, a drive for which pymunk has no motor.
     """
 
-    def __init__(self, linkage: Linkage, pose: Poses, rate: Poses, error_bias: float, extra: Extra) -> None:
+    def __init__(self, linkage: LinkageConstraints, pose: Poses, rate: Poses, error_bias: float, extra: Extra) -> None:
         import pymunk
 
         self.space = pymunk.Space()  # its damping stays 1, no damping, and without shapes nothing collides
@@ -54,7 +54,7 @@ class Model:
         return {name: len(members) for name, members in sizes.items()} | {"callbacks": self.callbacks}
 
 
-def motor(linkage: Linkage, bodies: Bodies) -> "pymunk.SimpleMotor":
+def motor(linkage: LinkageConstraints, bodies: Bodies) -> "pymunk.SimpleMotor":
     """Return a motor that turns the crank.
 
     Raises:
@@ -73,7 +73,7 @@ def pair(vector: complex) -> tuple[float, float]:
     return vector.real, vector.imag
 
 
-def _body(linkage: Linkage, name: str) -> "pymunk.Body":
+def _body(linkage: LinkageConstraints, name: str) -> "pymunk.Body":
     import pymunk
 
     member = linkage.members[name]
@@ -82,7 +82,7 @@ def _body(linkage: Linkage, name: str) -> "pymunk.Body":
     return pymunk.Body(member.moved.mass, member.moved.moment)
 
 
-def _pins(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
+def _pins(linkage: LinkageConstraints, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
     """Return the pins; a kinematic crank needs none on the ground."""
     import pymunk
 
@@ -98,7 +98,7 @@ def _pins(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
     }
 
 
-def _grooves(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
+def _grooves(linkage: LinkageConstraints, bodies: Bodies) -> "dict[str, pymunk.Constraint]":
     """Return the guides; a driven slider needs none.
 
     The engine projects its 2 x 2 solution on the groove's normal, which is exact only if that is an axis of its mass
@@ -120,7 +120,7 @@ def _grooves(linkage: Linkage, bodies: Bodies) -> "dict[str, pymunk.Constraint]"
     return grooves
 
 
-def _gears(linkage: Linkage, bodies: Bodies) -> "list[pymunk.GearJoint]":
+def _gears(linkage: LinkageConstraints, bodies: Bodies) -> "list[pymunk.GearJoint]":
     """Return the gears that keep the turning sliders parallel to their carriers."""
     import pymunk
 
@@ -133,7 +133,7 @@ def _update_velocity(body: "pymunk.Body", gravity: tuple[float, float], damping:
     type(body).update_velocity(body, gravity, damping, dt)
 
 
-def _shape(linkage: Linkage, name: str, body: "pymunk.Body") -> "pymunk.Segment":
+def _shape(linkage: LinkageConstraints, name: str, body: "pymunk.Body") -> "pymunk.Segment":
     """Return a bar from the body's first point to its last, which does not collide with the others."""
     import pymunk
 

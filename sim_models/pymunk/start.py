@@ -14,7 +14,7 @@ from scenes import Failure, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import Linkage, Poses, branch
+from .constraints import LinkageConstraints, Poses, branch
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
@@ -27,7 +27,7 @@ CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
 
 
-def start(linkage: Linkage) -> Poses:
+def start(linkage: LinkageConstraints) -> Poses:
     """Return the pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
 
     Raises:
@@ -40,7 +40,7 @@ def start(linkage: Linkage) -> Poses:
     return move(linkage, q, sketched, linkage.scene.drive.start)
 
 
-def move(linkage: Linkage, q: Poses, here: float, there: float) -> Poses:
+def move(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Poses:
     """Return the pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m.
 
     Raises:
@@ -50,7 +50,7 @@ def move(linkage: Linkage, q: Poses, here: float, there: float) -> Poses:
     return q
 
 
-def rates(linkage: Linkage, q: Poses, drive_rate: float) -> Poses:
+def rates(linkage: LinkageConstraints, q: Poses, drive_rate: float) -> Poses:
     """Return dq/dt on the constraints, shape (1, bodies, 3)."""
     prescribed = np.zeros(q.size)
     prescribed[-1] = drive_rate
@@ -60,7 +60,7 @@ def rates(linkage: Linkage, q: Poses, drive_rate: float) -> Poses:
 # --- the sketch ------------------------------------------------------------------------------------------------------
 
 
-def _sketched(linkage: Linkage) -> float:
+def _sketched(linkage: LinkageConstraints) -> float:
     """Return the sketch's position of the drive: of a crank, by whole turns into its range, or near its start."""
     drive, position = linkage.scene.drive, linkage.scene.sketch.drive
     if linkage.scene.driven_slide is not None:
@@ -71,7 +71,7 @@ def _sketched(linkage: Linkage) -> float:
     return inside if inside <= high and not turns_fully else drive.start - remainder(drive.start - position, 2 * pi)
 
 
-def _sketch(linkage: Linkage, position: float) -> Poses:
+def _sketch(linkage: LinkageConstraints, position: float) -> Poses:
     """Return the pose that fits the sketch best, body by body, shape (1, bodies, 3); its joints are open."""
     scene = linkage.scene
     drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
@@ -112,7 +112,7 @@ def _angle(known: Iterable[Samples]) -> float:
 # --- continuation ----------------------------------------------------------------------------------------------------
 
 
-def way(linkage: Linkage, q: Poses, here: float, there: float) -> Iterator[Place]:
+def way(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Iterator[Place]:
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.scene.drive.extent
     unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
@@ -122,7 +122,7 @@ def way(linkage: Linkage, q: Poses, here: float, there: float) -> Iterator[Place
 
 
 def _follow(
-    linkage: Linkage, q: Poses, path: Callable[[float], tuple[float, Samples]], largest: float
+    linkage: LinkageConstraints, q: Poses, path: Callable[[float], tuple[float, Samples]], largest: float
 ) -> Iterator[Place]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
     here = branch(linkage.jacobian(q))
@@ -140,7 +140,7 @@ def _follow(
             raise _stuck(linkage, q, position, gaps)
 
 
-def _stuck(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Failure:
+def _stuck(linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples) -> Failure:
     """Return why there is no next place: none exists, or two are too close together."""
     where = linkage.scene.where(position)
     if _newton(linkage, q, position, gaps, PATIENT_NEWTON_STEPS) is None:
@@ -148,7 +148,9 @@ def _stuck(linkage: Linkage, q: Poses, position: float, gaps: Samples) -> Failur
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
-def _newton(linkage: Linkage, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS) -> Poses | None:
+def _newton(
+    linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS
+) -> Poses | None:
     """Return the solution of C(q) = gaps near q, or None."""
     for _ in range(steps):
         excess = linkage.gaps(q, np.array([position])) - gaps

@@ -11,7 +11,7 @@ from scenes.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
 from .applied_forces import AppliedForces
-from .constraints import Linkage, Poses
+from .constraints import LinkageConstraints, Poses
 from .loads import Active
 from .recorders import BatchRecorder, PropertyRecorder, Recorder
 from .settings import PymunkSettings
@@ -37,7 +37,7 @@ class Steps:
 
 
 def build(
-    linkage: Linkage,
+    linkage: LinkageConstraints,
     start: Poses,
     stroke_ends: Sequence[float],
     sampling: Sampling,
@@ -74,7 +74,7 @@ class Integration:
 
     def __init__(
         self,
-        linkage: Linkage,
+        linkage: LinkageConstraints,
         model: Model,
         forces: AppliedForces | None,
         recorder: Recorder,
@@ -137,7 +137,7 @@ class Integration:
             body.velocity = pair(rate * along)
 
 
-def _before(linkage: Linkage, start: Poses, dt: float, wanted: int) -> tuple[int, Poses]:
+def _before(linkage: LinkageConstraints, start: Poses, dt: float, wanted: int) -> tuple[int, Poses]:
     """Return the number of steps before t = 0, as wanted or fewer, and the pose there.
 
     Raises:

@@ -5,13 +5,13 @@ from itertools import pairwise
 
 from scenes.scene import PressForce
 
-from .constraints import Linkage, Poses, planes
+from .constraints import LinkageConstraints, Poses, planes
 from .start import Place, move, rates, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 
 
-def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
+def stroke_ends(linkage: LinkageConstraints, q: Poses) -> list[float]:
     """Return where the closing strokes of the press forces end, m, having moved the pose q through the drive's range.
 
     Raises:
@@ -26,7 +26,7 @@ def stroke_ends(linkage: Linkage, q: Poses) -> list[float]:
     ]
 
 
-def _furthest(linkage: Linkage, load: PressForce, path: Sequence[Place]) -> float:
+def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Place]) -> float:
     """Return the slider's largest displacement in its closing direction, m; between places it has a dead point."""
     i, along = linkage.index[load.body], linkage.slides[load.body].along
 

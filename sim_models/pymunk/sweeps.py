@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from scenes import Sampling, Scene
 
-from .constraints import Linkage, Poses
+from .constraints import LinkageConstraints, Poses
 from .settings import Extra, PymunkSettings
 from .simulation import linkage_of
 from .space import Model, pair
@@ -54,7 +54,7 @@ def sweeps_needed(rho: float, correction: float) -> float:
     return float(max(1, ceil(log1p(correction) / -log(rho))))
 
 
-def contractions(linkage: Linkage, pose: Poses) -> Iterator[tuple[float, float]]:
+def contractions(linkage: LinkageConstraints, pose: Poses) -> Iterator[tuple[float, float]]:
     """Yield places of the drive, rad or m, through its whole range, and rho there; `pose` is that at its start.
 
     Raises:

@@ -18,10 +18,10 @@ from scenes.scene import Force
 
 from .channels import found_channels
 from .checks import check_path
-from .constraints import Linkage, branch
+from .constraints import LinkageConstraints, branch
 from .masses import own_masses
 from .recorders import PropertyRecorder
-from .settings import ERROR_BIAS, Textbook
+from .settings import ERROR_BIAS, TextbookSettings
 from .space import Model, pair
 from .start import move, rates, start
 from .stepping import Steps
@@ -29,7 +29,7 @@ from .stepping import Steps
 PRE_ROLL = 1 / 8  # of a cycle before t = 0, in which the cached impulses, zero at first, settle
 
 
-def build(scene: Scene, settings: Textbook, request: Request) -> "TextbookSimulation":
+def build(scene: Scene, settings: TextbookSettings, request: Request) -> "TextbookSimulation":
     """Prepare one run, see `engine.build`.
 
     Raises:
@@ -40,7 +40,7 @@ def build(scene: Scene, settings: Textbook, request: Request) -> "TextbookSimula
         raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
     if any(name in scene.turning for name, body in scene.bodies.items() if body.slide is not None):
         raise Failure(Status.unsupported, "the textbook set-up has guides on the ground only")
-    sampling, linkage = equal_steps(request), Linkage(scene, own_masses)
+    sampling, linkage = equal_steps(request), LinkageConstraints(scene, own_masses)
     stride = ceil(settings.steps / sampling.samples)
     dt = float(sampling.times(scene)[1]) / stride
     steps = Steps(dt, stride, ceil(PRE_ROLL * stride * sampling.samples), stride * (sampling.count - 1))
@@ -56,7 +56,9 @@ def build(scene: Scene, settings: Textbook, request: Request) -> "TextbookSimula
 class TextbookSimulation:
     """One run."""
 
-    def __init__(self, sampling: Sampling, linkage: Linkage, model: Model, steps: Steps, branch: Samples) -> None:
+    def __init__(
+        self, sampling: Sampling, linkage: LinkageConstraints, model: Model, steps: Steps, branch: Samples
+    ) -> None:
         self._scene, self._sampling, self._linkage = linkage.scene, sampling, linkage
         self._model, self._steps, self._branch = model, steps, branch
         self._wanted = frozenset(sampling.wanted(linkage.scene))

@@ -11,7 +11,7 @@ from sim_models.exudyn import engine as exudyn_model
 from sim_models.exudyn import stepping as exudyn_stepping
 from sim_models.exudyn.settings import TimeStepping
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk.settings import PymunkSettings, Textbook
+from sim_models.pymunk.settings import PymunkSettings, TextbookSettings
 from tests import scene_files
 from tests.comparisons import SAMPLING
 
@@ -32,7 +32,7 @@ WRONG = [  # a scene, its settings, the channel that is furthest off, and by how
     ("double_toggle_clamp", "exudyn", exudyn_model.FAST, "crosshead_link.alpha", 2.0),  # begun next to a lock, it rings
     ("walking_leg", "exudyn", FIVE_DEGREES, "foot.alpha", 0.99),  # too long a step
     ("walking_leg", "pymunk", COARSE, "foot.alpha", 0.25),
-    ("toggle_press", "pymunk", Textbook("", 2304), "P4.ax", 0.11),  # at the start, whose velocities it takes late
+    ("toggle_press", "pymunk", TextbookSettings("", 2304), "P4.ax", 0.11),  # at the start: its velocities are late
     ("toggle_press", "pymunk", PymunkSettings("", 360, 1, 18), "P5.ay", 0.37),  # too few sweeps
 ]
 

@@ -7,14 +7,14 @@ from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import simulation as pymunk_simulation
 from sim_models.pymunk.engine import DEFAULT, FAST
-from sim_models.pymunk.settings import AnySettings, Textbook
+from sim_models.pymunk.settings import AnySettings, TextbookSettings
 
 from .runs import off, solve
 
 SAMPLING = Sampling(72)
 
 
-@pytest.mark.parametrize("settings", [FAST, DEFAULT, Textbook("", 4608)])
+@pytest.mark.parametrize("settings", [FAST, DEFAULT, TextbookSettings("", 4608)])
 @pytest.mark.parametrize("asked", [("P5.y",), ("P4.ax", "toggle.omega"), ("P4.fx", "P5.vy"), ("drive.torque",)])
 def test_exactly_the_channels_asked_for(settings: AnySettings, asked: tuple[str, ...]) -> None:
     scene = scenes.load("toggle_press")

@@ -10,10 +10,10 @@ from scenes import Failure, Sampling, Scene, Status
 from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk.checks import check_path
-from sim_models.pymunk.constraints import Linkage, branch, solved
+from sim_models.pymunk.constraints import LinkageConstraints, branch, solved
 from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
-from sim_models.pymunk.settings import AnySettings, PymunkSettings, Textbook
+from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import start
 from sim_models.pymunk.stepping import build
 from tests import scene_files
@@ -33,7 +33,7 @@ def failure_of(scene: Scene, settings: AnySettings = DEFAULT) -> Failure:
     return caught.value
 
 
-@pytest.mark.parametrize("settings", [PymunkSettings("", 72, 1, 10), Textbook("", 60)])
+@pytest.mark.parametrize("settings", [PymunkSettings("", 72, 1, 10), TextbookSettings("", 60)])
 def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> None:
     failure = failure_of(press, settings)
     assert failure.status is Status.wrong_branch
@@ -43,7 +43,7 @@ def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> N
 
 
 def test_every_step_is_checked(press: Scene) -> None:
-    linkage = Linkage(press, ballasted_masses)
+    linkage = LinkageConstraints(press, ballasted_masses)
     pose = start(linkage)
     start_branch = branch(linkage.jacobian(pose))
     run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))

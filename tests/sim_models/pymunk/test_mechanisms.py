@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scenes import Sampling, Scene
 from scenes.motion import channels
 from scenes.scene import MotionLaw
-from sim_models.pymunk.constraints import Linkage
+from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT
 from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.settings import PymunkSettings
@@ -63,7 +63,7 @@ def test_mechanisms_are_second_order(name: str) -> None:
 @pytest.mark.parametrize("name", ["shaper", "swinging_law", "driven_carrier"])
 def test_stroke_ends_at_the_dead_point(name: str) -> None:
     scene = scene_files.load(name)
-    linkage = Linkage(scene, ballasted_masses)
+    linkage = LinkageConstraints(scene, ballasted_masses)
     # Both end their Newton steps at rounding.
     assert stroke_ends(linkage, start(linkage)) == pytest.approx([*Absolute(scene).stroke_ends.values()], rel=1e-9)
 

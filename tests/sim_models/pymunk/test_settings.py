@@ -12,10 +12,10 @@ import scenes
 from scenes import Failure, Sampling, Scene, Settings, Status
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import space as pymunk_space
-from sim_models.pymunk.constraints import Linkage
+from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
 from sim_models.pymunk.masses import ballasted_masses, fictitious_masses, groups, own_masses
-from sim_models.pymunk.settings import PymunkSettings, Textbook
+from sim_models.pymunk.settings import PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import start
 from tests import scene_files
 from tests.agreement import errors, worst
@@ -36,7 +36,7 @@ def shipped(name: str) -> tuple[Scene, dict[str, Array]]:
 def error(name: str, settings: Settings) -> dict[str, float]:
     """Return the largest error by kind of channel."""
     scene, expected = shipped(name)
-    assert isinstance(settings, PymunkSettings | Textbook)
+    assert isinstance(settings, PymunkSettings | TextbookSettings)
     return worst(errors(solve(scene, settings, SAMPLING), expected))
 
 
@@ -108,7 +108,7 @@ def test_four_levels_are_of_fifth_order(name: str) -> None:
 # --- masses ----------------------------------------------------------------------------------------------------------
 
 
-def largest_left_over(linkage: Linkage, pose: Array) -> float:
+def largest_left_over(linkage: LinkageConstraints, pose: Array) -> float:
     """Return which part of an error a Gauss-Seidel sweep over the joints, in 2 x 2 blocks for pins, leaves at most."""
     scene = linkage.scene
     rows, blocks, row = [], [], 0
@@ -139,7 +139,7 @@ JOINED = {"class_iii", "double_toggle_clamp", "double_toggle_clamp_scheme4", "se
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
     scene = scenes.load(name)
-    linkages = [Linkage(scene, masses) for masses in (ballasted_masses, fictitious_masses)]
+    linkages = [LinkageConstraints(scene, masses) for masses in (ballasted_masses, fictitious_masses)]
     ballasted, fictitious = (largest_left_over(linkage, start(linkage)) for linkage in linkages)
     assert fictitious < ballasted < 1
     # Measured, at the start: 0.003 to 0.022, and 0.69 in the servo press, the sine squared of its rod's 56 degrees.
@@ -154,7 +154,7 @@ def test_groups_follow_from_each_other() -> None:
 def test_ballast_keeps_the_first_and_second_moments() -> None:
     """About the pin on the ground or the crank, mass times arm and inertia are a body's own."""
     scene = scenes.load("toggle_press")
-    own, ballasted = (Linkage(scene, masses).members for masses in (own_masses, ballasted_masses))
+    own, ballasted = (LinkageConstraints(scene, masses).members for masses in (own_masses, ballasted_masses))
     for name, pin in (("rocker", "O"), ("toggle", "P2")):
         a, b = own[name], ballasted[name]
         assert b.moved.mass == pytest.approx(a.mass + 10 * 1170)  # ten times the mass of all bodies
@@ -254,12 +254,12 @@ def test_too_small_a_correction_in_too_short_a_step_is_refused() -> None:
 
 def test_textbook_flips_the_toggle_press_at_its_usual_step() -> None:
     with pytest.raises(Failure) as caught:
-        error("toggle_press", Textbook("", 60))
+        error("toggle_press", TextbookSettings("", 60))
     assert caught.value.status is Status.wrong_branch
 
 
 def test_textbook_gets_there_by_small_steps() -> None:
-    coarse, fine = (error("stephenson_six_bar", Textbook("", steps)) for steps in (1152, 2304))
+    coarse, fine = (error("stephenson_six_bar", TextbookSettings("", steps)) for steps in (1152, 2304))
     # Measured: 1.4e-2 and 7e-3 of the reactions, half with half the step, as its correction of joints is.
     assert 1e-3 <= fine["fx"] <= 2e-2
     assert np.log2(coarse["fx"] / fine["fx"]) == pytest.approx(1, abs=0.15)
@@ -268,5 +268,5 @@ def test_textbook_gets_there_by_small_steps() -> None:
 @pytest.mark.parametrize("name", ["crank_press", "quick_return", "servo_press", "double_toggle_clamp"])
 def test_textbook_refuses_what_the_manual_does_not_show(name: str) -> None:
     with pytest.raises(Failure) as caught:
-        pymunk_model.build(scenes.load(name), Textbook("", 60), SAMPLING)
+        pymunk_model.build(scenes.load(name), TextbookSettings("", 60), SAMPLING)
     assert caught.value.status is Status.unsupported

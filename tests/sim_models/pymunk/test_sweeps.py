@@ -9,8 +9,8 @@ import pytest
 
 import scenes
 from scenes import Failure, Sampling, Scene, Status
-from sim_models.pymunk.bodies import Rigid
-from sim_models.pymunk.constraints import Linkage
+from sim_models.pymunk.bodies import PymunkBody
+from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT, at_steps, iterations_needed
 from sim_models.pymunk.masses import Inertia, Inertias, ballasted_masses, fictitious_masses, own_masses
 from sim_models.pymunk.space import Model
@@ -20,10 +20,10 @@ from tests import scene_files
 
 from .runs import Array, solve
 
-Rigids = Mapping[str, Rigid]
+Rigids = Mapping[str, PymunkBody]
 
 
-def about(rigid: Rigid, point: str, mass: float) -> Inertia:
+def about(rigid: PymunkBody, point: str, mass: float) -> Inertia:
     """Return a body that is heavy at one point and has its own moment of inertia about that."""
     place = rigid.points[point]
     return Inertia(place, mass, rigid.inertia + rigid.mass * abs(rigid.com - place) ** 2)
@@ -61,14 +61,14 @@ def light(scene: Scene, rigids: Rigids) -> Inertias:
     ],
 )
 def test_known_contractions_of_the_toggle_press(masses: object, rho: float, sweeps: int) -> None:
-    linkage = Linkage(scenes.load("toggle_press"), masses)  # type: ignore[arg-type]
+    linkage = LinkageConstraints(scenes.load("toggle_press"), masses)  # type: ignore[arg-type]
     found = max(rho for _, rho in contractions(linkage, start(linkage)))
     # A pose 2.5 deg from the worst one has 1 - rho off by 2 %.
     assert 1 - found == pytest.approx(1 - rho, rel=0.02)
     assert sweeps_needed(found, 1.0) == pytest.approx(sweeps, rel=0.02)
 
 
-def residuals(model: Model, linkage: Linkage, pose: Array, rate: Array, sweeps: int) -> float:
+def residuals(model: Model, linkage: LinkageConstraints, pose: Array, rate: Array, sweeps: int) -> float:
     """Return how fast the joints still open after that many of the engine's own sweeps, from the rates given."""
     for body, (x, y, theta), (vx, vy, omega) in zip(model.bodies.values(), pose[0], rate[0], strict=True):
         body.position, body.angle, body.velocity, body.angular_velocity = (x, y), theta, (vx, vy), omega
@@ -82,7 +82,7 @@ def residuals(model: Model, linkage: Linkage, pose: Array, rate: Array, sweeps: 
 def test_engine_s_own_sweeps_contract_as_told(name: str) -> None:
     """With every joint that pymunk has here: pivots, grooves on the ground and on turning bodies, gears."""
     scene = scene_files.load(name)
-    linkage = Linkage(scene, ballasted_masses)
+    linkage = LinkageConstraints(scene, ballasted_masses)
     pose = start(linkage)
     rate = np.random.default_rng(3).standard_normal(pose.shape)
     for i, member in enumerate(linkage.members.values()):
@@ -120,7 +120,7 @@ def test_half_a_correction_needs_fewer_sweeps() -> None:
     half = replace(DEFAULT, correction=0.5)
     assert iterations_needed(press, half) == pytest.approx(55 * np.log(1.5) / np.log(2), abs=1)
     assert iterations_needed(press, replace(DEFAULT, fictitious=True)) == 2
-    linkage = Linkage(press, fictitious_masses)
+    linkage = LinkageConstraints(press, fictitious_masses)
     assert max(rho for _, rho in contractions(linkage, start(linkage))) < 0.7
 
 
