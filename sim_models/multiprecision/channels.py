@@ -8,12 +8,12 @@ from flint import arb, arb_mat
 
 from scenes.motion import Samples, force_channels
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .rows import angles
 from .solution import State
 
 
-def channels(linkage: Linkage, states: Sequence[State]) -> dict[str, Samples]:
+def channels(linkage: LinkageEquations, states: Sequence[State]) -> dict[str, Samples]:
     """Return all channels but the time, shape (n,), at the precision that the caller has set."""
     scene, points = linkage.scene, linkage.points
     found = {scene.drive_channel: _table(linkage.position.value(state.q) for state in states)[:, 0]}

@@ -15,7 +15,7 @@ from .bodies import centre_of_mass, inertia, local_points
 from .rows import Point, Rows, axis_vector
 
 
-class Linkage:
+class LinkageEquations:
     """The equations of one scene: f(q) = `constraints` is `drive(position)`; observed `points`, masses.
 
     The constraint rows are in the order of the scene's force channels, and a multiplier is that channel: a pin's rows

@@ -9,13 +9,13 @@ from flint import arb, arb_mat
 from scenes import Failure, Status
 from scenes.loads import Force, ForceTable, PressForce, Spring
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .rows import Point, Rows, axis_vector
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat], arb_mat]  # of q and its rate, each of shape (3 bodies, 1)
 
 
-def generalised_force(linkage: Linkage, ends: Mapping[PressForce, float]) -> GeneralisedForce:
+def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float]) -> GeneralisedForce:
     """Return Q of all loads and the weight; `ends` are those of the press forces' strokes, m.
 
     Q raises a Failure where the ends of a spring meet, so that it has no direction.
@@ -44,7 +44,7 @@ def generalised_force(linkage: Linkage, ends: Mapping[PressForce, float]) -> Gen
     return total
 
 
-def _press(linkage: Linkage, load: PressForce, end: float) -> GeneralisedForce:
+def _press(linkage: LinkageEquations, load: PressForce, end: float) -> GeneralisedForce:
     """Return a force that acts or not, as the doubles nearest to the slider's displacement and velocity decide."""
     work = _work(linkage, load, (arb(load.force[0]), arb(load.force[1])))
     displacement = linkage.displacement(load.body)
@@ -56,7 +56,7 @@ def _press(linkage: Linkage, load: PressForce, end: float) -> GeneralisedForce:
     return force
 
 
-def _table(linkage: Linkage, load: ForceTable) -> GeneralisedForce:
+def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
     """Return a force along the guide, f(x) = f_0 + Σ Δ_i max(x - x_i, 0), Δ_i the change of slope at entry i."""
     slide = linkage.scene.bodies[load.body].slide
     assert slide is not None
@@ -74,7 +74,7 @@ def _table(linkage: Linkage, load: ForceTable) -> GeneralisedForce:
     return force
 
 
-def _spring(linkage: Linkage, spring: Spring) -> GeneralisedForce:
+def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
     """Return the pull of a spring along d from its first point to its second: -k (1 - l / |d|) d on the second."""
     rows = Rows(2, len(linkage.index))
     for axis in (0, 1):
@@ -96,7 +96,7 @@ def _spring(linkage: Linkage, spring: Spring) -> GeneralisedForce:
     return force
 
 
-def _work(linkage: Linkage, load: PressForce | ForceTable, force: Point) -> Rows:
+def _work(linkage: LinkageEquations, load: PressForce | ForceTable, force: Point) -> Rows:
     """Return one row: F·p of a load's point."""
     work = Rows(1, len(linkage.index))
     linkage.add_point(work, 0, force, load.body, load.at)

@@ -12,7 +12,7 @@ from flint import arb, arb_mat
 
 from scenes import Failure, Status
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 
 LARGEST_TURN = radians(2)  # of any body in one step
 # The predicted turn of the fastest body where a march gives up. Rounding of the scene's own doubles makes or undoes a
@@ -26,7 +26,7 @@ HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 class March:
     """Follows the pose of a linkage; counts the work."""
 
-    def __init__(self, linkage: Linkage, digits: int) -> None:
+    def __init__(self, linkage: LinkageEquations, digits: int) -> None:
         self.linkage = linkage
         self.rows = linkage.constraints
         self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square

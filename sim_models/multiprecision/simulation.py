@@ -7,7 +7,7 @@ from flint import arb_mat, ctx
 from scenes import Failure, Motion, Request, Scene, Status
 
 from .channels import channels
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .loads import GeneralisedForce, generalised_force
 from .march import March
 from .solution import State, proven_errors, solved
@@ -20,7 +20,7 @@ ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative
 def build(scene: Scene, digits: int, request: Request) -> "MultiprecisionSimulation":
     """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
     with ctx.workdps(digits):  # puts back the precision it found
-        linkage = Linkage(scene)
+        linkage = LinkageEquations(scene)
         march = March(linkage, digits)
         at_start = start(linkage, march)
         force = generalised_force(linkage, stroke_ends(linkage, march, at_start))
@@ -31,7 +31,7 @@ class MultiprecisionSimulation:
     """One prepared run, see `scenes.engine.Simulation`."""
 
     def __init__(
-        self, request: Request, digits: int, linkage: Linkage, force: GeneralisedForce, start: arb_mat
+        self, request: Request, digits: int, linkage: LinkageEquations, force: GeneralisedForce, start: arb_mat
     ) -> None:
         self._request, self._digits = request, digits
         self._linkage, self._force, self._start = linkage, force, start

@@ -8,7 +8,7 @@ from flint import arb_mat
 
 from scenes.motion import Samples
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .loads import GeneralisedForce
 
 
@@ -21,7 +21,7 @@ class State(NamedTuple):
     multipliers: arb_mat  # N, N m, in the order of the force channels
 
 
-def solved(linkage: Linkage, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float) -> State:
+def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float) -> State:
     """Return the solution in a pose, e being the drive's row.
 
     J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
@@ -34,7 +34,7 @@ def solved(linkage: Linkage, force: GeneralisedForce, q: arb_mat, rate: float, a
     return State(q, velocity, total, multipliers)
 
 
-def proven_errors(linkage: Linkage, states: Sequence[State]) -> dict[str, float]:
+def proven_errors(linkage: LinkageEquations, states: Sequence[State]) -> dict[str, float]:
     """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
 
     A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of

@@ -7,11 +7,11 @@ from flint import arb, arb_mat
 
 from scenes.scene import GROUND
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .march import March
 
 
-def start(linkage: Linkage, march: March) -> arb_mat:
+def start(linkage: LinkageEquations, march: March) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1).
 
     Raises:
@@ -24,7 +24,7 @@ def start(linkage: Linkage, march: March) -> arb_mat:
     return march.follow(assembled(linkage, march, sketched), linkage.drive(begin))
 
 
-def assembled(linkage: Linkage, march: March, position: float) -> arb_mat:
+def assembled(linkage: LinkageEquations, march: March, position: float) -> arb_mat:
     """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1).
 
     Raises:
@@ -33,7 +33,7 @@ def assembled(linkage: Linkage, march: March, position: float) -> arb_mat:
     return march.follow(sketched_pose(linkage, position), linkage.drive(position))
 
 
-def sketched_pose(linkage: Linkage, position: float) -> arb_mat:
+def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
     """Return the pose where the bodies fit the sketch best, shape (3 bodies, 1), with the drive at a position.
 
     The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of

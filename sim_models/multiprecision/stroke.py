@@ -9,7 +9,7 @@ from flint import arb_mat
 
 from scenes.loads import PressForce
 
-from .constraints import Linkage
+from .constraints import LinkageEquations
 from .march import March
 
 INSTANTS = 180  # per cycle; the slider does not turn round twice between two of them
@@ -18,13 +18,13 @@ HALVINGS = 24  # of the time between two of them: 1e-9 of a cycle, to 1e-17 of t
 Move: TypeAlias = Callable[[arb_mat, float], tuple[arb_mat, bool, float]]
 
 
-def stroke_ends(linkage: Linkage, march: March, q: arb_mat) -> dict[PressForce, float]:
+def stroke_ends(linkage: LinkageEquations, march: March, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
     return {load: end_of_stroke(linkage, march, q, load) for load in presses}
 
 
-def end_of_stroke(linkage: Linkage, march: March, q: arb_mat, load: PressForce) -> float:
+def end_of_stroke(linkage: LinkageEquations, march: March, q: arb_mat, load: PressForce) -> float:
     """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends.
 
     Args:

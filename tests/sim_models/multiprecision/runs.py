@@ -43,6 +43,6 @@ def two_rods(length: float) -> Scene:
     return scene_files.load("two_rods", dict.fromkeys(("bodies.right.lengths.A-B", "bodies.left.lengths.A-C"), length))
 
 
-def closed(linkage: multiprecision_linkage.Linkage, march: multiprecision_march.March) -> Any:
+def closed(linkage: multiprecision_linkage.LinkageEquations, march: multiprecision_march.March) -> Any:
     at = linkage.scene.sketch.drive
     return multiprecision_start.assembled(linkage, march, at)

@@ -71,7 +71,7 @@ def test_bodies_that_slides_align_start_with_one_angle() -> None:
     }
     scene = scene_files.load("swinging_block", changes)
     with flint.ctx.workdps(50):
-        q = multiprecision_start.sketched_pose(multiprecision_linkage.Linkage(scene), scene.sketch.drive)
+        q = multiprecision_start.sketched_pose(multiprecision_linkage.LinkageEquations(scene), scene.sketch.drive)
     assert abs(float(q[5, 0])) > 3
     assert float(q[5, 0]) == float(q[8, 0])
     motion = run(scene, samples=4)

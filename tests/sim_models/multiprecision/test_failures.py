@@ -82,7 +82,7 @@ def test_lengths_of_a_body_that_do_not_meet_are_refused() -> None:
 def test_pose_that_is_no_solution_is_not_enclosed(name: str, coordinate: int) -> None:
     scene = scene_files.load(name)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.Linkage(scene)
+        linkage = multiprecision_linkage.LinkageEquations(scene)
         march, goal = multiprecision_march.March(linkage, 50), linkage.drive(scene.sketch.drive)
         pose = closed(linkage, march)
         march.enclose(pose, goal)

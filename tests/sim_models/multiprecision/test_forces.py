@@ -129,7 +129,7 @@ def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
 def stroke_end(scene: Scene, force: float) -> float:
     load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.Linkage(scene)
+        linkage = multiprecision_linkage.LinkageEquations(scene)
         march = multiprecision_march.March(linkage, 50)
         q = march.follow(closed(linkage, march), linkage.drive(scene.drive.start))
         return multiprecision_stroke.end_of_stroke(linkage, march, q, load)

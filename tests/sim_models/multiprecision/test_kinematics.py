@@ -184,7 +184,7 @@ def test_velocity_and_acceleration_are_the_derivatives(name: str) -> None:
 def test_differences_of_poses_are_the_derivatives_in_multiple_precision(scene: Scene) -> None:
     """A step of 1e-10 leaves 1e-20 of the third and fourth derivatives, which are below 1e4 here."""
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.Linkage(scene)
+        linkage = multiprecision_linkage.LinkageEquations(scene)
         march, rows = multiprecision_march.March(linkage, 50), linkage.constraints
         at, h = flint.arb(scene.drive.start), flint.arb("1e-10").mid()
         q = march.follow(closed(linkage, march), linkage.drive(at))
