@@ -10,31 +10,33 @@ from scenes.motion import Samples, force_channels
 
 from .constraints import LinkageEquations
 from .rows import angles
-from .solution import State
+from .solution import Solution
 
 
-def channels(linkage: LinkageEquations, states: Sequence[State]) -> dict[str, Samples]:
+def channels(linkage: LinkageEquations, solutions: Sequence[Solution]) -> dict[str, Samples]:
     """Return all channels but the time, shape (n,), at the precision that the caller has set."""
     scene, points = linkage.scene, linkage.points
-    found = {scene.drive_channel: _table(linkage.position.value(state.q) for state in states)[:, 0]}
-    moved = [(points.jacobian(state.q), state) for state in states]
+    found = {scene.drive_channel: _table(linkage.position.value(solution.q) for solution in solutions)[:, 0]}
+    moved = [(points.jacobian(solution.q), solution) for solution in solutions]
     levels = {
-        "": _table(points.value(state.q) for state in states),
-        "v": _table(J * state.velocity for J, state in moved),
-        "a": _table(J * state.acceleration - points.centripetal(state.q, state.velocity) for J, state in moved),
+        "": _table(points.value(solution.q) for solution in solutions),
+        "v": _table(J * solution.velocity for J, solution in moved),
+        "a": _table(
+            J * solution.acceleration - points.centripetal(solution.q, solution.velocity) for J, solution in moved
+        ),
     }
     for k, point in enumerate(scene.moving_points):
         for level, values in levels.items():
             found |= {f"{point}.{level}x": values[:, 2 * k], f"{point}.{level}y": values[:, 2 * k + 1]}
     turns = {
-        "angle": _rounded(map(_within_a_turn, angles(state.q)) for state in states),
-        "omega": _rounded(angles(state.velocity) for state in states),
-        "alpha": _rounded(angles(state.acceleration) for state in states),
+        "angle": _rounded(map(_within_a_turn, angles(solution.q)) for solution in solutions),
+        "omega": _rounded(angles(solution.velocity) for solution in solutions),
+        "alpha": _rounded(angles(solution.acceleration) for solution in solutions),
     }
     for body in scene.turning:
         found |= {f"{body}.{rate}": values[:, linkage.index[body]] for rate, values in turns.items()}
     if scene.has_masses:
-        found |= zip(force_channels(scene), _table(state.multipliers for state in states).T, strict=True)
+        found |= zip(force_channels(scene), _table(solution.multipliers for solution in solutions).T, strict=True)
     return found
 
 

@@ -10,7 +10,7 @@ from .channels import channels
 from .constraints import LinkageEquations
 from .loads import GeneralisedForce, generalised_force
 from .march import March
-from .solution import State, proven_errors, solved
+from .solution import Solution, proven_errors, solved
 from .start import start
 from .stroke import stroke_ends
 
@@ -35,7 +35,7 @@ class MultiprecisionSimulation:
     ) -> None:
         self._request, self._digits = request, digits
         self._linkage, self._force, self._start = linkage, force, start
-        self._states: list[State] = []
+        self._solutions: list[Solution] = []
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
 
@@ -49,14 +49,14 @@ class MultiprecisionSimulation:
         _, rates, accelerations = scene.drive.at(self._request.times(scene))
         driven = zip(self._request.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
         march = March(linkage, self._digits)
-        self._states = []
+        self._solutions = []
         q = self._start
         with ctx.workdps(self._digits):
             for position, rate, acceleration in driven:
                 goal = linkage.drive(position)
                 q = march.follow(q, goal)
-                self._states.append(solved(linkage, self._force, march.enclose(q, goal), rate, acceleration))
-            self.residuals = proven_errors(linkage, self._states)
+                self._solutions.append(solved(linkage, self._force, march.enclose(q, goal), rate, acceleration))
+            self.residuals = proven_errors(linkage, self._solutions)
         self.counters = march.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
             if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
@@ -67,5 +67,5 @@ class MultiprecisionSimulation:
         """Return the channels requested, in double precision."""
         scene = self._linkage.scene
         with ctx.workdps(self._digits):
-            samples = {"time": self._request.times(scene)} | channels(self._linkage, self._states)
+            samples = {"time": self._request.times(scene)} | channels(self._linkage, self._solutions)
         return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})

@@ -12,7 +12,7 @@ from .constraints import LinkageEquations
 from .loads import GeneralisedForce
 
 
-class State(NamedTuple):
+class Solution(NamedTuple):
     """Balls that hold the solution of one sample, each of shape (rows, 1)."""
 
     q: arb_mat  # m, rad: x, y, θ of every body
@@ -21,7 +21,9 @@ class State(NamedTuple):
     multipliers: arb_mat  # N, N m, in the order of the force channels
 
 
-def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float) -> State:
+def solved(
+    linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float
+) -> Solution:
     """Return the solution in a pose, e being the drive's row.
 
     J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
@@ -31,10 +33,10 @@ def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate:
     velocity = J.solve(linkage.drive(rate))
     total = J.solve(linkage.drive(acceleration) + rows.centripetal(q, velocity))
     multipliers = J.transpose().solve(linkage.mass * total - force(q, velocity))
-    return State(q, velocity, total, multipliers)
+    return Solution(q, velocity, total, multipliers)
 
 
-def proven_errors(linkage: LinkageEquations, states: Sequence[State]) -> dict[str, float]:
+def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> dict[str, float]:
     """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
 
     A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of
@@ -45,13 +47,13 @@ def proven_errors(linkage: LinkageEquations, states: Sequence[State]) -> dict[st
     units = np.array(linkage.units)
     motion = [
         np.max(_radii(derivative) / units) / pace**order
-        for state in states
-        for order, derivative in enumerate(state[:3])
+        for solution in solutions
+        for order, derivative in enumerate(solution[:3])
     ]
     errors = {"constraints": float(np.max(motion))}
     if scene.has_masses:
-        force = np.max([_radii(state.multipliers) for state in states])
-        peak = np.max(np.abs([[float(ball) for ball in state.multipliers.entries()] for state in states]))
+        force = np.max([_radii(solution.multipliers) for solution in solutions])
+        peak = np.max(np.abs([[float(ball) for ball in solution.multipliers.entries()] for solution in solutions]))
         heaviest = max(float(linkage.mass[k, k]) for k in range(0, len(units), 3))
         scale = max(peak, heaviest * linkage.size * pace**2)
         errors["newton-euler"] = float(force / scale if scale > 0 else force)
