@@ -8,8 +8,8 @@ from scenes import Failure, Motion, Request, Scene, Status
 
 from .channels import channels
 from .constraints import LinkageEquations
+from .continuation import Continuation
 from .loads import GeneralisedForce, generalised_force
-from .march import March
 from .solution import Solution, proven_errors, solved
 from .start import start
 from .stroke import stroke_ends
@@ -21,9 +21,9 @@ def build(scene: Scene, digits: int, request: Request) -> "MultiprecisionSimulat
     """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
     with ctx.workdps(digits):  # puts back the precision it found
         linkage = LinkageEquations(scene)
-        march = March(linkage, digits)
-        at_start = start(linkage, march)
-        force = generalised_force(linkage, stroke_ends(linkage, march, at_start))
+        continuation = Continuation(linkage, digits)
+        at_start = start(linkage, continuation)
+        force = generalised_force(linkage, stroke_ends(linkage, continuation, at_start))
     return MultiprecisionSimulation(request, digits, linkage, force, at_start)
 
 
@@ -48,16 +48,16 @@ class MultiprecisionSimulation:
         linkage, scene = self._linkage, self._linkage.scene
         _, rates, accelerations = scene.drive.at(self._request.times(scene))
         driven = zip(self._request.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
-        march = March(linkage, self._digits)
+        continuation = Continuation(linkage, self._digits)
         self._solutions = []
         q = self._start
         with ctx.workdps(self._digits):
             for position, rate, acceleration in driven:
                 goal = linkage.drive(position)
-                q = march.follow(q, goal)
-                self._solutions.append(solved(linkage, self._force, march.enclose(q, goal), rate, acceleration))
+                q = continuation.follow(q, goal)
+                self._solutions.append(solved(linkage, self._force, continuation.enclose(q, goal), rate, acceleration))
             self.residuals = proven_errors(linkage, self._solutions)
-        self.counters = march.counters
+        self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
             if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
                 reason = f"{self._digits} digits prove the {what} only to {self.residuals[proven]:.0e}"

@@ -8,10 +8,10 @@ from flint import arb, arb_mat
 from scenes.scene import GROUND
 
 from .constraints import LinkageEquations
-from .march import March
+from .continuation import Continuation
 
 
-def start(linkage: LinkageEquations, march: March) -> arb_mat:
+def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1).
 
     Raises:
@@ -21,16 +21,16 @@ def start(linkage: LinkageEquations, march: March) -> arb_mat:
     begin, sketched = scene.drive.start, scene.sketch.drive
     if scene.driven_slide is None:
         sketched = begin + remainder(sketched - begin, tau)  # from there the short way round to the start
-    return march.follow(assembled(linkage, march, sketched), linkage.drive(begin))
+    return continuation.follow(assembled(linkage, continuation, sketched), linkage.drive(begin))
 
 
-def assembled(linkage: LinkageEquations, march: March, position: float) -> arb_mat:
+def assembled(linkage: LinkageEquations, continuation: Continuation, position: float) -> arb_mat:
     """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1).
 
     Raises:
         Failure: the linkage cannot be assembled as sketched.
     """
-    return march.follow(sketched_pose(linkage, position), linkage.drive(position))
+    return continuation.follow(sketched_pose(linkage, position), linkage.drive(position))
 
 
 def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:

@@ -10,7 +10,7 @@ from flint import arb_mat
 from scenes.loads import PressForce
 
 from .constraints import LinkageEquations
-from .march import March
+from .continuation import Continuation
 
 INSTANTS = 180  # per cycle; the slider does not turn round twice between two of them
 HALVINGS = 24  # of the time between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
@@ -18,18 +18,18 @@ HALVINGS = 24  # of the time between two of them: 1e-9 of a cycle, to 1e-17 of t
 Move: TypeAlias = Callable[[arb_mat, float], tuple[arb_mat, bool, float]]
 
 
-def stroke_ends(linkage: LinkageEquations, march: March, q: arb_mat) -> dict[PressForce, float]:
+def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
-    return {load: end_of_stroke(linkage, march, q, load) for load in presses}
+    return {load: end_of_stroke(linkage, continuation, q, load) for load in presses}
 
 
-def end_of_stroke(linkage: LinkageEquations, march: March, q: arb_mat, load: PressForce) -> float:
+def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:
     """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends.
 
     Args:
         linkage: the equations
-        march: follows the pose
+        continuation: follows the pose
         q: the pose at the drive's start, shape (3 bodies, 1)
         load: the force that resists the stroke
 
@@ -41,7 +41,7 @@ def end_of_stroke(linkage: LinkageEquations, march: March, q: arb_mat, load: Pre
     def move(q: arb_mat, time: float) -> tuple[arb_mat, bool, float]:
         """Return the pose at an instant, s, whether the slider closes there, and how far it has closed, m."""
         position, rate, _ = map(float, linkage.scene.drive.at(time))
-        q = march.follow(q, linkage.drive(position))
+        q = continuation.follow(q, linkage.drive(position))
         motion = linkage.constraints.jacobian(q).solve(linkage.drive(rate))
         velocity = (displacement.jacobian(q) * motion)[0, 0]
         return q, bool(velocity * load.closing > 0), load.closing * float(displacement.value(q)[0, 0])

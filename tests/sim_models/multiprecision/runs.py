@@ -11,9 +11,9 @@ from tests import scene_files
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
-from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
 from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
 from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
 
@@ -43,6 +43,8 @@ def two_rods(length: float) -> Scene:
     return scene_files.load("two_rods", dict.fromkeys(("bodies.right.lengths.A-B", "bodies.left.lengths.A-C"), length))
 
 
-def closed(linkage: multiprecision_linkage.LinkageEquations, march: multiprecision_march.March) -> Any:
+def closed(
+    linkage: multiprecision_constraints.LinkageEquations, continuation: multiprecision_continuation.Continuation
+) -> Any:
     at = linkage.scene.sketch.drive
-    return multiprecision_start.assembled(linkage, march, at)
+    return multiprecision_start.assembled(linkage, continuation, at)

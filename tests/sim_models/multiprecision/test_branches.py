@@ -11,9 +11,9 @@ from .runs import EPS, Array, run, two_rods
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
-from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
 from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
 
 
@@ -44,8 +44,8 @@ def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) ->
 
 def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.MonkeyPatch, toggle: Motion) -> None:
     """The other guards off, a third of a turn is offered as one step; uncontracted Newton then flips the press."""
-    monkeypatch.setattr(multiprecision_march, "HOMOTOPY", np.inf)
-    monkeypatch.setattr(multiprecision_march, "LARGEST_TURN", 10.0)
+    monkeypatch.setattr(multiprecision_continuation, "HOMOTOPY", np.inf)
+    monkeypatch.setattr(multiprecision_continuation, "LARGEST_TURN", 10.0)
     leaping = run(scenes.load("toggle_press"), samples=3)
     assert np.abs(leaping["P5.y"] - toggle["P5.y"][::240]).max() <= 4 * EPS  # the angles differ by rounding
 
@@ -71,7 +71,7 @@ def test_bodies_that_slides_align_start_with_one_angle() -> None:
     }
     scene = scene_files.load("swinging_block", changes)
     with flint.ctx.workdps(50):
-        q = multiprecision_start.sketched_pose(multiprecision_linkage.LinkageEquations(scene), scene.sketch.drive)
+        q = multiprecision_start.sketched_pose(multiprecision_constraints.LinkageEquations(scene), scene.sketch.drive)
     assert abs(float(q[5, 0])) > 3
     assert float(q[5, 0]) == float(q[8, 0])
     motion = run(scene, samples=4)

@@ -14,9 +14,9 @@ from .runs import EPS, closed, run, slider_crank, two_rods
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
-from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
 
 
 def test_lock_is_found_where_the_cosine_rule_puts_it() -> None:
@@ -82,13 +82,13 @@ def test_lengths_of_a_body_that_do_not_meet_are_refused() -> None:
 def test_pose_that_is_no_solution_is_not_enclosed(name: str, coordinate: int) -> None:
     scene = scene_files.load(name)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.LinkageEquations(scene)
-        march, goal = multiprecision_march.March(linkage, 50), linkage.drive(scene.sketch.drive)
-        pose = closed(linkage, march)
-        march.enclose(pose, goal)
+        linkage = multiprecision_constraints.LinkageEquations(scene)
+        continuation, goal = multiprecision_continuation.Continuation(linkage, 50), linkage.drive(scene.sketch.drive)
+        pose = closed(linkage, continuation)
+        continuation.enclose(pose, goal)
         pose[coordinate, 0] += 1e-9
         with pytest.raises(Failure) as failure:
-            march.enclose(pose, goal)
+            continuation.enclose(pose, goal)
     assert failure.value.status is Status.not_converged
 
 

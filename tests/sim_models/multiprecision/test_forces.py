@@ -17,8 +17,8 @@ from .runs import ALL, EPS, closed, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import stroke as multiprecision_stroke  # noqa: E402
 
 
@@ -129,10 +129,10 @@ def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
 def stroke_end(scene: Scene, force: float) -> float:
     load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.LinkageEquations(scene)
-        march = multiprecision_march.March(linkage, 50)
-        q = march.follow(closed(linkage, march), linkage.drive(scene.drive.start))
-        return multiprecision_stroke.end_of_stroke(linkage, march, q, load)
+        linkage = multiprecision_constraints.LinkageEquations(scene)
+        continuation = multiprecision_continuation.Continuation(linkage, 50)
+        q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
+        return multiprecision_stroke.end_of_stroke(linkage, continuation, q, load)
 
 
 def test_a_closing_stroke_ends_at_the_dead_point() -> None:

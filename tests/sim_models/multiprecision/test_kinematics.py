@@ -16,8 +16,8 @@ from .runs import ALL, EPS, SMOOTH, Array, closed, run
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_linkage  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import march as multiprecision_march  # noqa: E402
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
+from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -184,11 +184,11 @@ def test_velocity_and_acceleration_are_the_derivatives(name: str) -> None:
 def test_differences_of_poses_are_the_derivatives_in_multiple_precision(scene: Scene) -> None:
     """A step of 1e-10 leaves 1e-20 of the third and fourth derivatives, which are below 1e4 here."""
     with flint.ctx.workdps(50):
-        linkage = multiprecision_linkage.LinkageEquations(scene)
-        march, rows = multiprecision_march.March(linkage, 50), linkage.constraints
+        linkage = multiprecision_constraints.LinkageEquations(scene)
+        continuation, rows = multiprecision_continuation.Continuation(linkage, 50), linkage.constraints
         at, h = flint.arb(scene.drive.start), flint.arb("1e-10").mid()
-        q = march.follow(closed(linkage, march), linkage.drive(at))
-        after, before = (march.follow(q, linkage.drive(at + step)) for step in (h, -h))
+        q = continuation.follow(closed(linkage, continuation), linkage.drive(at))
+        after, before = (continuation.follow(q, linkage.drive(at + step)) for step in (h, -h))
         J = rows.jacobian(q)
         slope = J.solve(linkage.drive(1.0))
         curvature = J.solve(rows.centripetal(q, slope))

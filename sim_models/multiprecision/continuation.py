@@ -15,15 +15,15 @@ from scenes import Failure, Status
 from .constraints import LinkageEquations
 
 LARGEST_TURN = radians(2)  # of any body in one step
-# The predicted turn of the fastest body where a march gives up. Rounding of the scene's own doubles makes or undoes a
-# singular configuration within their root, 1e-8.
+# The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
+# a singular configuration within their root, 1e-8.
 SMALLEST_TURN = 1e-7
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
 ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 
 
-class March:
+class Continuation:
     """Follows the pose of a linkage; counts the work."""
 
     def __init__(self, linkage: LinkageEquations, digits: int) -> None:
