@@ -29,7 +29,7 @@ Plane: TypeAlias = Any  # a complex number, or an array of them of shape (n,)
 
 
 @dataclass(frozen=True)
-class Member:
+class MovingBody:
     """A moving body: the arms of its points and of its centre of mass from its origin, m, in its own frame."""
 
     arms: Mapping[str, complex]
@@ -56,7 +56,7 @@ class LinkageConstraints:
         self.scene = scene
         rigids = {body.name: rigid(scene, body) for body in scene.bodies.values()}
         inertias = masses(scene, rigids)
-        self.members = {name: _member(body, inertias[name]) for name, body in rigids.items()}
+        self.members = {name: _moving_body(body, inertias[name]) for name, body in rigids.items()}
         self.index = {name: number for number, name in enumerate([*scene.bodies, GROUND])}
         self.driven = self.index[scene.drive.body]
 
@@ -167,9 +167,9 @@ def solved(J: Samples, wanted: Samples) -> Poses:
     return np.reshape(found, (len(J), -1, 3))
 
 
-def _member(body: PymunkBody, moved: Inertia) -> Member:
+def _moving_body(body: PymunkBody, moved: Inertia) -> MovingBody:
     arms = {point: place - moved.origin for point, place in body.points.items()}
-    return Member(arms, body.com - moved.origin, body.mass, body.inertia, moved)
+    return MovingBody(arms, body.com - moved.origin, body.mass, body.inertia, moved)
 
 
 def branch(jacobian: Samples) -> Samples:
