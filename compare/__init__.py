@@ -37,8 +37,10 @@ def check(
     Raises:
         InputError: no such scene or engine, an argument out of range, or a scene that the reference cannot solve.
     """
-    from .arguments import checked  # late: tables are slow to import
+    from .arguments import parser, sampling  # late: tables are slow to import
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)
-    return judged(scene, engines, checked(scene, engines, samples, turns, accuracy), accuracy)
+    asked = {"engines": ",".join(engines), "samples": samples, "turns": turns, "accuracy": accuracy}
+    options = parser().parse_args([f"--{name}={value}" for name, value in asked.items()])
+    return judged(scene, options.engines, sampling(scene, options.samples, options.turns), options.accuracy)

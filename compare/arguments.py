@@ -20,8 +20,6 @@ USAGE = (
     " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
 )
 
-SAMPLES, TURNS = (8, 100_000), (1, 10_000)  # least and most
-
 
 def parser() -> argparse.ArgumentParser:
     """Return what parses them; bad ones raise InputError."""
@@ -32,8 +30,8 @@ def parser() -> argparse.ArgumentParser:
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(*SAMPLES), default=360, help="samples per cycle of the drive (360)")
-    parser.add_argument("--turns", type=_count(*TURNS), default=1, help="cycles of the drive (1)")
+    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples per cycle of the drive (360)")
+    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
     parser.add_argument(
@@ -90,25 +88,6 @@ def accuracy(text: str) -> Accuracy:
     if not 0 < level < 1:
         raise ArgumentTypeError(f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{text}'")
     return level
-
-
-def checked(scene: Scene, engines: Sequence[str], samples: int, turns: int, level: Accuracy) -> Sampling:
-    """Return the sampling that these arguments ask for.
-
-    Raises:
-        InputError: one of the arguments is out of its range, or does not fit the scene.
-    """
-    registry.check_names(engines)
-    for name, value, parse in (
-        ("samples", samples, _count(*SAMPLES)),
-        ("turns", turns, _count(*TURNS)),
-        ("accuracy", level, accuracy),
-    ):
-        try:
-            parse(str(value))
-        except ArgumentTypeError as error:
-            raise InputError(f"arguments: {name}: {error}") from None
-    return sampling(scene, samples, turns)
 
 
 def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:

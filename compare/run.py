@@ -51,11 +51,9 @@ def _run(options: argparse.Namespace) -> int:
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
 
-    from .report import (
-        files as output,  # late: the tables and plots are slow to import, and bad input should be named at once
-    )
+    from .report import files  # late: slow to import, and bad input should be named at once
 
-    output.check_writable(options.out)
+    files.check_writable(options.out)
     run = _family if options.vary else _report
     with Console(stderr=True).status("") as status:  # prints nothing when it is not a terminal
         missed = [run(scene, request, options, status) for scene, request in zip(scenes, requests, strict=True)]

@@ -128,9 +128,8 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
         locks = [float(motion[channel].min()) for channel in motion.samples if quantity(channel) == "to_lock"]
         row["to_lock_m"] = min(locks, default=None)
     if len(measured.errors):
-        for group, worst in (
-            measured.errors.groupby("group")[["max", "explained", "unexplained"]].max(skipna=False).iterrows()
-        ):
+        by_group = measured.errors.groupby("group")[["max", "explained", "unexplained"]].max(skipna=False)
+        for group, worst in by_group.iterrows():
             row |= {f"{group}_{figure}": float(value) for figure, value in worst.items()}
     return row
 
@@ -148,9 +147,8 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
     elif missed:
         outcome = Outcome.silent
     row = case_row(case, Status.ok.name, "; ".join(missed), "", outcome)
-    return (
-        row | {"setting": f"against {registry.ENTRIES[ORACLE].distribution}"} | _figures(measured, reference, explained)
-    )
+    row["setting"] = f"against {registry.ENTRIES[ORACLE].distribution}"
+    return row | _figures(measured, reference, explained)
 
 
 def _counted(row: Row, scene: Scene) -> Row:
@@ -168,9 +166,8 @@ def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Fai
     outcome = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
     if case.engine == REFERENCE:
         agreed = outcome.status is not Status.ok and expected == failure.status.name
-        return case_row(
-            case, failure.status.name, failure.reason, "engine", Outcome.refused if agreed else Outcome.false_alarm
-        )
+        judged = Outcome.refused if agreed else Outcome.false_alarm
+        return case_row(case, failure.status.name, failure.reason, "engine", judged)
     if outcome.status is not Status.ok:
         return case_row(case, outcome.status.name, outcome.reason, outcome.found_by, Outcome.refused)
     reason = f"ok where the reference has no motion: {failure.reason}"

@@ -18,9 +18,8 @@ PARTIAL = "hard.partial.jsonl"
 
 def cases(ladders: Iterable[str], engines: Sequence[str]) -> list[Case]:
     """Return every engine on every rung."""
-    return [
-        Case(name, rung.label, engine) for name in ladders for rung in hard.ladder(name).rungs for engine in engines
-    ]
+    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
+    return [Case(*rung, engine) for rung in rungs for engine in engines]
 
 
 def hard_cases(

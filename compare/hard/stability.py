@@ -37,6 +37,7 @@ TURNS = (1, 3, 10, 30, 100)
 Variant: TypeAlias = tuple[str, Scene]
 Cell: TypeAlias = dict[str, object]
 Progress: TypeAlias = Callable[[str], None]
+Numbers: TypeAlias = Sequence[int]
 
 
 @dataclass(frozen=True)
@@ -61,15 +62,10 @@ def stability_table(
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    return pd.DataFrame([*kept(cells(scene, engines, to_lock, progress))])
+    return pd.DataFrame([*kept(_cells(scene, engines, to_lock, progress))])
 
 
-def cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress) -> Iterator[Cell]:
-    """Yield the cells of all maps.
-
-    Raises:
-        InputError: the reference cannot solve the scene.
-    """
+def _cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress) -> Iterator[Cell]:
     able = [engine for engine in engines if registry.engine(engine).at_steps]
     if not able:
         return
@@ -85,11 +81,7 @@ def cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], prog
 
 
 def over_sweeps(
-    reference: Reference,
-    engine: str,
-    progress: Progress,
-    sweeps: Sequence[int] = SWEEPS,
-    all_steps: Sequence[int] = STEPS,
+    reference: Reference, engine: str, progress: Progress, sweeps: Numbers = SWEEPS, all_steps: Numbers = STEPS
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
     needed_for = registry.engine(engine).iterations_needed
@@ -106,7 +98,7 @@ def over_sweeps(
 
 
 def over_variants(
-    kind: str, variants: Sequence[Variant], engines: Sequence[str], progress: Progress, all_steps: Sequence[int] = STEPS
+    kind: str, variants: Sequence[Variant], engines: Sequence[str], progress: Progress, all_steps: Numbers = STEPS
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
@@ -122,11 +114,7 @@ def over_variants(
 
 
 def over_turns(
-    reference: Reference,
-    engine: str,
-    progress: Progress,
-    turns: Sequence[int] = TURNS,
-    all_steps: Sequence[int] = FEWER_STEPS,
+    reference: Reference, engine: str, progress: Progress, turns: Numbers = TURNS, all_steps: Numbers = FEWER_STEPS
 ) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
     for number in turns if reference.scene.drive.repeats else ():

@@ -29,9 +29,8 @@ class Gate:
 
     def __str__(self) -> str:
         """Say it in one line."""
-        return (
-            f"{self.engine} {self.group}: {self.error:.2e} against a tolerance of {self.tolerance:.0e} ({self.worst})"
-        )
+        error = f"{self.error:.2e} against a tolerance of {self.tolerance:.0e}"
+        return f"{self.engine} {self.group}: {error} ({self.worst})"
 
 
 def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[str] | None = None) -> Iterator[Gate]:

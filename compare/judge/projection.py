@@ -48,10 +48,8 @@ def _joined(pieces: Sequence[Motion]) -> Motion:
 
 def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) -> Projection:
     """Return the projection of a part of a motion; the closing strokes of press forces end at `ends`, m."""
-    scene, given = (
-        constraints.scene,
-        {channel: motion[channel] for channel in ("time", constraints.scene.drive_channel)},
-    )
+    scene = constraints.scene
+    given = {channel: motion[channel] for channel in ("time", scene.drive_channel)}
     q = constraints.poses(motion)
     J = constraints.jacobian(q)
     sign, size = np.linalg.slogdet(J)

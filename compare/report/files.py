@@ -112,15 +112,9 @@ def _summary(study: Study) -> dict[str, Any]:
 
 def _engine(measurement: Measurement) -> dict[str, Any]:
     run = measurement.run
-    return {
-        "version": run.version,
-        "status": run.status.name,
-        "reason": run.reason,
-        "found_by": run.found_by,
-        "settings": run.settings,
+    known = ("version", "status", "reason", "found_by", "settings", "counters", "residuals")
+    return {name: getattr(run, name) for name in known} | {
         "seconds": {"build": run.build_s, "solve": run.solve_s, "read": run.read_s},
-        "counters": run.counters,
-        "residuals": run.residuals,
         "unsupported": run.motion.unsupported if run.motion else {},
         "checks": measurement.checks,
     }

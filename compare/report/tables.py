@@ -79,10 +79,8 @@ def setup(study: Study) -> str:
     scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
     stroke = 1e3 * study.reference.stroke
-    return (
-        f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle};"
-        f" stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
-    )
+    run = f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle}"
+    return f"{run}; stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
 
 
 def _motion_of_the_drive(scene: Scene) -> str:

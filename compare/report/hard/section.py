@@ -34,24 +34,16 @@ def hard_section(cases: pd.DataFrame) -> str:
         return ""
     promises = ", ".join(f"{name} {entry.promise:.0e}" for name, entry in registry.ENTRIES.items())
     figure, digits = over_condition(cases), tables.digits(cases)
-    ladders = (
-        details_html(
-            ladder.title,
-            f"<p>{escape(ladder.expected)} <i>{escape(ladder.why)}</i></p>{table_html(table, 'text')}",
-        )
-        for ladder, table in tables.ladders(cases)
-    )
-    lost = (
-        ""
-        if digits.empty
-        else details_html(
-            "Digits that the reference loses next to a singular configuration", DIGITS + table_html(digits)
-        )
-    )
+    lost = "Digits that the reference loses next to a singular configuration"
+    ladders = ""
+    for ladder, table in tables.ladders(cases):
+        about = f"<p>{escape(ladder.expected)} <i>{escape(ladder.why)}</i></p>"
+        ladders += details_html(ladder.title, about + table_html(table, "text"))
+    ladders += "" if digits.empty else details_html(lost, DIGITS + table_html(digits))
     return (
         f'<h2>Hard cases</h2><p class="verdict">{escape(tables.verdict(cases))}</p>'
         f"{RULES.replace('$promises', promises)}{table_html(tables.counts(cases))}"
-        f"{figure_html(figure) if figure else ''}{''.join(ladders)}{lost}"
+        f"{figure_html(figure) if figure else ''}{ladders}"
     )
 
 

@@ -36,10 +36,8 @@ def verdict(cases: pd.DataFrame) -> str:
     ladders, rungs = cases["ladder"].nunique(), len(cases[["ladder", "rung"]].drop_duplicates())
     outcomes = Outcome.silent, Outcome.false_alarm
     silent, alarms = (int((cases["outcome"] == outcome).sum()) for outcome in outcomes)
-    return (
-        f"{silent} silent wrong answers and {alarms} false alarms in {len(cases)} attempts on {rungs} rungs of"
-        f" {ladders} ladders."
-    )
+    tried = f"{len(cases)} attempts on {rungs} rungs of {ladders} ladders"
+    return f"{silent} silent wrong answers and {alarms} false alarms in {tried}."
 
 
 def digits(cases: pd.DataFrame) -> pd.DataFrame:
