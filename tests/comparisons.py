@@ -1,7 +1,9 @@
 """What tests of the comparison need: a motion as it should be, one that is not, an engine that ends as told."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 import pandas as pd
@@ -9,8 +11,11 @@ import pytest
 
 from compare.engines import registry
 from compare.engines.reference import Reference
+from compare.engines.settings import settings_of
 from compare.judge.errors import SHOWN_GROUPS
-from scenes import Motion, Sampling, Scene, Settings
+from compare.speed.timing import Budget, Times, take_turns
+from compare.study import Study, study
+from scenes import Motion, Sampling, Scene, Settings, Simulation
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 SAMPLING = Sampling(72)
@@ -18,6 +23,31 @@ CHECKS = {"drive", "closure", "branch", "estimate", *SHOWN_GROUPS, "Newton", "Eu
 Outcome = Motion | Exception
 References = Callable[[str], Reference]
 Plug = Callable[[Outcome], None]
+Studies = Callable[..., Study]
+
+
+@contextmanager
+def only_few_settings() -> Iterator[None]:
+    """Have four settings of each engine measured, and timed once, where a test is about something else."""
+
+    def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
+        return dict(islice(settings_of(engine, full=full).items(), 4))
+
+    def once(builds: Sequence[Callable[[], Simulation]], _: Budget, progress: Callable[[str], None]) -> list[Times]:
+        return take_turns(builds, Budget(1, 0.0), progress)
+
+    with pytest.MonkeyPatch.context() as patch:
+        for module in ("speed.speed_table", "study"):
+            patch.setattr(f"compare.{module}.settings_of", first)
+        patch.setattr("compare.speed.timing.LEAST_ROUNDS", 1)
+        patch.setattr("compare.speed.speed_table.take_turns", once)
+        yield
+
+
+def studied(scene: Scene, engines: Sequence[str] = ("analytic",), sampling: Sampling = SAMPLING) -> Study:
+    """Return the study of a scene, with few settings."""
+    with only_few_settings():
+        return study(scene, engines, sampling, Budget(1, 0.0), lambda _: None)
 
 
 def commanded(reference: Reference, sampling: Sampling = SAMPLING) -> Motion:

@@ -1,6 +1,7 @@
 """What several tests need: the toggle press, its reference, and engines that end as told."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
@@ -10,35 +11,33 @@ from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
 import scenes
+from compare.arguments import matching
 from compare.engines import registry
 from compare.engines.reference import Reference, establish, found
+from compare.study import Study
 from scenes import Motion, Scene
 
 from . import scene_files
-from .comparisons import Outcome, Plug, References, Stub, commanded
+from .comparisons import (
+    SAMPLING,
+    Outcome,
+    Plug,
+    References,
+    Stub,
+    Studies,
+    commanded,
+    only_few_settings,
+    studied,
+)
 
 set_hypothesis_home_dir(Path(gettempdir()) / "hypothesis")
 settings.register_profile("no leftovers", database=None)
 settings.load_profile("no leftovers")
 
-SceneFrom = Callable[[str], Scene]
-
 
 @pytest.fixture
 def toggle_press() -> Scene:
     return scenes.load("toggle_press")
-
-
-@pytest.fixture
-def scene_from(tmp_path: Path) -> SceneFrom:
-    """Return a function that loads a scene from the text of its file."""
-
-    def load(text: str) -> Scene:
-        file = tmp_path / "scene.toml"
-        file.write_text(text, encoding="utf-8")
-        return scenes.load(file)
-
-    return load
 
 
 # --- the comparison -----------------------------------------------------------------------------------------------
@@ -58,6 +57,25 @@ def motion(reference: Reference) -> Motion:
 def references() -> References:
     """Return a function that solves the reference of a mechanism, without its floor, and only once."""
     return cache(lambda name: found(scene_files.load(name)))
+
+
+@pytest.fixture(scope="session")
+def studies() -> Studies:
+    """Return a function that studies a scene, all of its channels or some, by the analytic core, and only once."""
+
+    @cache
+    def of(name: str, *patterns: str) -> Study:
+        scene = scene_files.load(name)
+        asked = matching(scene, patterns) if patterns else None
+        return studied(scene, sampling=replace(SAMPLING, channels=asked))
+
+    return of
+
+
+@pytest.fixture
+def few_settings() -> Iterator[None]:
+    with only_few_settings():
+        yield
 
 
 @pytest.fixture

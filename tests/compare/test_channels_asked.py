@@ -1,10 +1,7 @@
 """What a user asks for besides the scene: with some of its channels the whole comparison works, and is as strict."""
 
 from argparse import ArgumentTypeError
-from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
-from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +10,7 @@ import pytest
 
 import scenes
 from compare.arguments import accuracy, matching
-from compare.engines.reference import Reference, establish
+from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
@@ -21,15 +18,9 @@ from compare.judge.verdict import compared, judged
 from compare.report import files as output
 from compare.report import tables
 from compare.report.curves import Panel, panels
-from compare.speed.timing import Budget
-from compare.study import Study, study
 from scenes import InputError, Motion, Request, Sampling, Status
 from scenes.motion import header
-from tests import scene_files
-from tests.comparisons import CHECKS
-
-SAMPLING = Sampling(72)
-Studies = Callable[..., Study]
+from tests.comparisons import CHECKS, SAMPLING, Studies, studied
 
 
 @pytest.mark.parametrize(
@@ -67,19 +58,6 @@ def test_accuracies_that_are_not(text: str) -> None:
 
 
 # --- the whole comparison with few channels ---------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def studies() -> Studies:
-    """Return a function that studies a scene, with some of its channels, by the analytic core, and only once."""
-
-    @cache
-    def of(name: str, *patterns: str) -> Study:
-        scene = scene_files.load(name)
-        sampling = Sampling(72, channels=matching(scene, patterns) if patterns else None)
-        return study(scene, ["analytic"], sampling, Budget(1, 0.0), lambda _: None)
-
-    return of
 
 
 FEW = [
@@ -128,11 +106,6 @@ def test_panels_are_of_what_is_asked_for(studies: Studies) -> None:
     (panel,) = of("P5.y")
     assert [curve.name for curve in panel.curves] == ["along the guide"]
     assert panel.judged == ("P5.y",)
-
-
-@pytest.fixture(scope="module")
-def reference() -> Reference:
-    return establish(scenes.load("toggle_press"))
 
 
 def motion_of(reference: Reference, *patterns: str) -> Motion:
@@ -184,7 +157,7 @@ def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
     scene = scenes.load("toggle_press")
     scene = replace(scene, tolerances={"analytic": {"position": 1e-9, "reaction": 1e-9, "torque": 0.0}})
     few = Sampling(72, channels=frozenset({"P5.y", "drive.torque"}))
-    result = study(scene, ["analytic"], few, Budget(1, 0.0), lambda _: None)
+    result = studied(scene, sampling=few)
     assert [(gate.group, gate.missed) for gate in result.held] == [("position", False), ("torque", True)]
     assert "P5.y, drive.torque" in tables.notes(result)[1]
 
@@ -209,6 +182,6 @@ def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(registry, "engine", Spy)
     few = frozenset({"P5.y"})
-    study(scenes.load("toggle_press"), ["analytic"], Sampling(72, channels=few), Budget(1, inf), lambda _: None)
+    studied(scenes.load("toggle_press"), sampling=Sampling(72, channels=few))
     assert {name for name, _ in seen} == {"analytic", "multiprecision"}
     assert {asked for _, asked in seen} == {few}

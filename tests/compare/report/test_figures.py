@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -14,18 +13,16 @@ from compare.report.linkage import linkage
 from compare.report.page import page
 from compare.report.singular import assur_groups
 from compare.report.speed.figure import work_precision
-from compare.speed.timing import Budget
-from compare.study import Study, study
-from scenes import Motion, Sampling, load
+from compare.study import Study
+from scenes import Motion, load
 from scenes.motion import Samples, channels
 from tests import scene_files
-
-Studies = Callable[[str], Study]
+from tests.comparisons import SLOW, Studies, studied
 
 
 @pytest.fixture(scope="module")
 def result() -> Study:
-    return study(load("toggle_press"), ["analytic", "pymunk"], Sampling(72), Budget(1, 0.0), lambda _: None)
+    return studied(load("toggle_press"), ["analytic", "pymunk"])
 
 
 def panel_of(result: Study, title: str) -> Panel:
@@ -88,17 +85,6 @@ def test_prefixes(scale: float, factor: float, unit: str) -> None:
 
 
 # --- other drives and joints ------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def studies() -> Studies:
-    """Return a function that studies a mechanism by the analytic core alone, and only once."""
-
-    @cache
-    def of(name: str) -> Study:
-        return study(scene_files.load(name), ["analytic"], Sampling(72), Budget(1, 0.0), lambda _: None)
-
-    return of
 
 
 @pytest.mark.parametrize(
@@ -179,7 +165,9 @@ def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
         assert square.marker.angle == pytest.approx(-np.degrees(np.angle(along)))
 
 
-@pytest.mark.parametrize("name", scene_files.MECHANISMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=SLOW if name == "slotted_class_iii" else ()) for name in scene_files.MECHANISMS]
+)
 def test_every_mechanism_has_a_page(studies: Studies, name: str) -> None:
     text = page(studies(name))
     assert "$" not in text.partition("</script>")[2].partition("<h2>The linkage")[0]
