@@ -35,12 +35,9 @@ def solve(scene: Scene, position: ArrayLike, rate: ArrayLike, acceleration: Arra
         AssertionError: a position cannot be reached from the sketch along the way of the drive.
     """
     model = Absolute(scene)
-    asked = np.stack(
-        np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in (position, rate, acceleration)))
-    )
+    asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, (position, rate, acceleration))), dtype=float)
     found: list[dict[str, float]] = [{} for _ in asked.T]
-    q = model.assembled()
-    at = scene.sketch.drive
+    q, at = model.assembled(), scene.sketch.drive
     for row in np.argsort(asked[0], kind="stable"):
         q, at = model.follow(q, at, asked[0, row]), asked[0, row]
         found[row] = model.channels(q, *asked[:, row])
@@ -52,8 +49,6 @@ class Absolute:
     """The equations of one scene; Q has four coordinates a body, x, y, c, s, and a last one that is 1."""
 
     scene: Scene
-
-    # --- the equations
 
     @cached_property
     def forms(self) -> Floats:
@@ -129,8 +124,6 @@ class Absolute:
         J[-1] = self.drive(position)[0][:-1]
         return J
 
-    # --- positions
-
     def assembled(self) -> Floats:
         """Return Q near the sketch, where all closes."""
         Q = sketched(self.scene, self.local)
@@ -187,8 +180,6 @@ class Absolute:
     def span(self) -> float:
         """Return how far points are from their frames' origins, m."""
         return max(hypot(*xy) for local in self.local.values() for xy in local.values()) or 1.0
-
-    # --- channels
 
     def channels(self, Q: Floats, position: float, rate: float, acceleration: float) -> dict[str, float]:
         """Return every channel but the time at one position of the drive."""
@@ -267,9 +258,9 @@ class Absolute:
             return np.array(load.force)
         slide = self.scene.bodies[load.body].slide
         assert slide is not None
-        if isinstance(load, ForceTable):
-            return float(load.along(self.displacement(load.body) @ Q)) * np.asarray(slide.along)
         row = self.displacement(load.body)
+        if isinstance(load, ForceTable):
+            return float(load.along(row @ Q)) * np.asarray(slide.along)
         return float(load.acts(row @ Q, row @ dQ, self.stroke_ends[load])) * np.array(load.force)
 
     def displacement(self, name: str) -> Floats:
@@ -277,8 +268,7 @@ class Absolute:
         body = self.scene.bodies[name]
         assert body.slide is not None
         off = self.point(name, body.points[0]) - self.place(GROUND, body.slide.through)
-        row: Floats = np.asarray(body.slide.along) @ off
-        return row
+        return np.asarray(np.asarray(body.slide.along) @ off)
 
     @cached_property
     def stroke_ends(self) -> dict[PressForce, float]:
