@@ -26,7 +26,7 @@ class Check:
     """The worst violation over the whole run."""
 
     check: str
-    of: str  # the body, or the whole mechanism
+    of: str  # the body, the channel, or the whole mechanism
     worst: float  # relative
     max_at: float  # in the unit of the scene's axis
     where: str

@@ -61,17 +61,21 @@ def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) 
     v = (inverse[:, :, -1] * rate).reshape(q.shape)
     a = (inverse[:, :, -1] * acceleration - _times(inverse, constraints.bending(q, v))).reshape(q.shape)
     closed = Motion(given | _kinematics(constraints, q, v, a))
-    ways = [closed]
-    if scene.has_masses:
-        states = MotionVectors(scene, closed), MotionVectors(scene, motion)
-        may = [
-            np.concatenate([acts(state, load, end) for state in states])
-            for load, end in zip(press_forces(scene), ends, strict=True)
-        ]
-        loaded = (replace(states[0], acting=acting) for acting in sides(may))
-        ways = [Motion({**closed.samples, **_reactions(constraints, state, inverse)}) for state in loaded]
     branch = np.where(np.isnan(size), np.nan, sign)  # the determinant of what is not finite has a sign
-    return Projection(ways, branch, np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2)))
+    condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2))
+    ways = _loaded(constraints, motion, closed, inverse, ends) if scene.has_masses else [closed]
+    return Projection(ways, branch, condition)
+
+
+def _loaded(
+    constraints: Constraints, motion: Motion, closed: Motion, inverse: Matrices, ends: Sequence[float]
+) -> list[Motion]:
+    """Return the closed motion with its forces, for each way in which press forces may stand on their switches."""
+    own, computed = (MotionVectors(constraints.scene, of) for of in (closed, motion))
+    loads = zip(press_forces(constraints.scene), ends, strict=True)
+    may = [np.concatenate([acts(own, load, end), acts(computed, load, end)]) for load, end in loads]
+    reactions = (_reactions(constraints, replace(own, acting=acting), inverse) for acting in sides(may))
+    return [Motion({**closed.samples, **forces}) for forces in reactions]
 
 
 def _kinematics(constraints: Constraints, q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:

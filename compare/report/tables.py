@@ -48,7 +48,8 @@ def checks(study: Study) -> pd.DataFrame:
         [{"engine": m.run.engine} | asdict(check) for m in study.measurements for check in m.checks],
         columns=["engine", "check", "of", "worst", "max_at", "relative_to"],
     ).rename(columns={"max_at": at, "relative_to": "relative to"})
-    return table.loc[table.groupby(["engine", "check"], sort=False)["worst"].idxmax()]
+    largest = table.assign(worst=table["worst"].fillna(np.inf)).groupby(["engine", "check"], sort=False)["worst"]
+    return table.loc[largest.idxmax()]
 
 
 def residuals(study: Study) -> pd.DataFrame:
