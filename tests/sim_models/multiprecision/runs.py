@@ -1,5 +1,6 @@
 """What the tests of the arbitrary-precision model share: scenes, and runs of them."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,11 @@ def run(scene: Scene, samples: int = 36, digits: int = 50) -> Motion:
     simulation = model.build(scene, MultiprecisionSettings("test", digits), Sampling(samples))
     simulation.solve()
     return simulation.read()
+
+
+@cache
+def named(name: str, samples: int = 36) -> Motion:
+    return run(scene_files.load(name), samples)
 
 
 SMOOTH = ("loaded_four_bar", "two_rods")

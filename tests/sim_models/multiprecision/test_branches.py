@@ -7,7 +7,7 @@ import scenes
 from scenes import Motion, Sampling
 from tests import scene_files
 
-from .runs import EPS, Array, run, two_rods
+from .runs import EPS, Array, named, run, two_rods
 
 flint = pytest.importorskip("flint")
 
@@ -19,7 +19,7 @@ from sim_models.multiprecision import start as multiprecision_start  # noqa: E40
 
 @pytest.fixture(scope="module")
 def toggle() -> Motion:
-    return run(scenes.load("toggle_press"), samples=720)
+    return named("toggle_press", 720)
 
 
 def test_mirrored_sketch_gives_the_mirrored_branch() -> None:
@@ -53,7 +53,7 @@ def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.Monkey
 def test_result_does_not_depend_on_the_way_there() -> None:
     """A start at another angle, the same angles visited backwards: the same pose, and the same force if as fast."""
     back = run(scenes.load("toggle_press", {"drive.speed": -60, "drive.start": 360}))
-    there = run(scenes.load("toggle_press"))
+    there = named("toggle_press")
     for channel in ("P5.y", "P5.ay", "P3.fx", "drive.torque"):
         # The crank angles agree to a few units in the last place of a turn; the torque goes with dx/dθ.
         error = np.abs(back[channel][::-1] - there[channel]).max()

@@ -13,7 +13,7 @@ from scenes.scene import MotionLaw
 from tests import scene_files
 
 from .motion import acting, inertia, mass_centre, point_motion, reactions, size_of, slid, turning
-from .runs import ALL, EPS, closed, run, slider_crank
+from .runs import ALL, EPS, closed, named, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
@@ -29,7 +29,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 
 @pytest.fixture(scope="module")
 def motion(scene: Scene) -> Motion:
-    return run(scene)
+    return named(scene.name)
 
 
 def test_every_body_obeys_newton_and_euler(scene: Scene, motion: Motion) -> None:

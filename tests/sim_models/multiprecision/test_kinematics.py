@@ -12,7 +12,7 @@ from scenes.scene import GROUND
 from tests import scene_files
 
 from .motion import carried, point_motion, size_of, slid, turning
-from .runs import ALL, EPS, SMOOTH, Array, closed, run
+from .runs import ALL, EPS, SMOOTH, Array, closed, named, run
 
 flint = pytest.importorskip("flint")
 
@@ -27,7 +27,7 @@ def scene(request: pytest.FixtureRequest) -> Scene:
 
 @pytest.fixture(scope="module")
 def motion(scene: Scene) -> Motion:
-    return run(scene)
+    return named(scene.name)
 
 
 def test_every_channel_is_there_and_finite(scene: Scene, motion: Motion) -> None:

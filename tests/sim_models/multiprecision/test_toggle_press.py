@@ -9,12 +9,12 @@ import scenes
 from scenes import Motion
 from scenes.motion import channels
 
-from .runs import Array, run
+from .runs import Array, named, run
 
 
 @pytest.fixture(scope="module")
 def toggle() -> Motion:
-    return run(scenes.load("toggle_press"), samples=720)
+    return named("toggle_press", 720)
 
 
 def test_toggle_press_has_the_known_extremes(toggle: Motion) -> None:
