@@ -14,13 +14,6 @@ from scenes.scene import GROUND
 from .system import Array, ExudynSystem
 
 
-def driven(system: ExudynSystem, q: Array) -> Array:
-    """Return the position of the drive, shape (n,), rad or m."""
-    drive, (com, angle) = system.scene.drive.body, _body(system, system.scene.drive.body, q)
-    position: Array = angle if system.scene.driven_slide is None else system.displaced(drive, com)
-    return position
-
-
 def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
     """Return where a moving point is, shape (n,), m."""
     body = system.scene.owners[point][0]
@@ -34,7 +27,8 @@ def kinematics(
 ) -> dict[str, Array]:
     """Return the channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
-    found = {scene.drive_channel: driven(system, q)}
+    com, angle = _body(system, scene.drive.body, q)
+    found = {scene.drive_channel: angle if scene.driven_slide is None else system.displaced(scene.drive.body, com)}
     for point in scene.moving_points:
         if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
             continue

@@ -22,30 +22,17 @@ at_steps, iterations_needed = named.at_steps, None  # a step is solved by Newton
 
 
 def version() -> str:
-    """Return the version of Exudyn.
-
-    Raises:
-        ImportError: Exudyn is not installed.
-    """
+    """Return the version of Exudyn."""
     return f"exudyn {engine().__version__}"
 
 
 def build(scene: Scene, settings: ExudynSettings, request: Request) -> PointwiseSimulation | TimeSteppedSimulation:
-    """Assemble the linkage on the sketch's branch and prepare its solution.
-
-    Args:
-        scene: the linkage, its drive and loads
-        settings: the route, and for time stepping the integrator and its steps
-        request: at which instants, and for which channels; equal steps of the time
-
-    Returns:
-        what can be solved and then read.
+    """Assemble the linkage on the sketch's branch and prepare its solution, see `scenes.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, the scene or the request cannot be modelled; `cannot_assemble`, `wrong_branch` or
             `not_converged`, no pose on the sketch's branch, there or on the way to the start or through the cycle;
             `crashed`, an error of Exudyn's own.
-        ImportError: Exudyn is not installed.
     """
     try:
         if isinstance(settings, Pointwise):

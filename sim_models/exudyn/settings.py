@@ -137,10 +137,6 @@ ABLATIONS: tuple[ExudynSettings, ...] = (
 
 
 def at_steps(steps: int) -> TimeStepping:
-    """Return the settings of one integration, for maps of where time steps are stable.
-
-    Args:
-        steps: per cycle
-    """
+    """Return the settings of one integration with that many steps per cycle, for maps of stability."""
     (settings,) = _single("generalised-alpha 0.5", steps)
     return settings

@@ -25,31 +25,18 @@ at_steps = iterations_needed = None  # it takes no steps of the time
 
 
 def version() -> str:
-    """Return the versions of python-flint and of the FLINT it carries.
-
-    Raises:
-        ImportError: python-flint is not installed.
-    """
+    """Return the versions of python-flint and of the FLINT it carries."""
     import flint
 
     return f"python-flint {flint.__version__} (FLINT {flint.__FLINT_VERSION__})"
 
 
 def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
-    """Set up the equations, close the linkage on the sketch's branch and move it to the drive's start.
-
-    Args:
-        scene: the linkage, its drive and loads
-        settings: the number of digits
-        request: at which instants or positions of the drive, and for which channels
-
-    Returns:
-        what can be solved and then read.
+    """Close the linkage on the sketch's branch and move it to the drive's start, see `scenes.engine.Engine.build`.
 
     Raises:
         Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start,
             or within the cycle where the end of a press force's stroke is needed.
-        ImportError: python-flint is not installed.
     """
     from . import simulation
 

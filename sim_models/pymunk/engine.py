@@ -27,32 +27,19 @@ at_steps, iterations_needed = named.at_steps, sweeps.iterations_needed
 
 
 def version() -> str:
-    """Return the versions of pymunk and of Chipmunk, its C core.
-
-    Raises:
-        ImportError: pymunk is not installed.
-    """
+    """Return the versions of pymunk and of Chipmunk, its C core."""
     import pymunk
 
     return f"pymunk {pymunk.version}, Chipmunk {pymunk.chipmunk_version.partition('-')[0]}"
 
 
 def build(scene: Scene, settings: AnySettings, request: Request) -> PymunkSimulation | TextbookSimulation:
-    """Prepare one run, or one for each level, from a consistent start.
-
-    Args:
-        scene: the linkage, its drive and loads
-        settings: steps, sweeps and masses, or the set-up of the manual's examples
-        request: at which instants, and for which channels; equal steps of the time
-
-    Returns:
-        the runs, to be solved and then read.
+    """Prepare one run, or one for each level, from a consistent start, see `scenes.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, pymunk has no body, joint, load or drive for something, or the request is for positions
             of the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch, with the drive's
             position.
-        ImportError: pymunk is not installed.
     """
     if isinstance(settings, TextbookSettings):
         return textbook.build(scene, settings, request)

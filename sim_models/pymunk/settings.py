@@ -133,10 +133,5 @@ ABLATIONS: tuple[PymunkSettings, ...] = tuple(
 
 
 def at_steps(steps: int, iterations: int = DEFAULT.iterations) -> PymunkSettings:
-    """Return the settings of one run, for maps of where time steps are stable.
-
-    Args:
-        steps: per cycle
-        iterations: sweeps per step
-    """
+    """Return the settings of one run with that many steps per cycle and sweeps per step, for maps of stability."""
     return _run(steps, 1, iterations)

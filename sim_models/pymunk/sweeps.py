@@ -28,16 +28,9 @@ if TYPE_CHECKING:
 
 
 def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
-    """Return the number of sweeps with which the steps are stable throughout the drive's range.
+    """Return the number of sweeps with which the steps are stable throughout the drive's range, infinite with none.
 
     It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
-
-    Args:
-        scene: the linkage, its drive and masses
-        settings: the step, the part of an error that it corrects, and the kind of masses
-
-    Returns:
-        a whole number, or infinity where no number is enough.
 
     Raises:
         Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
