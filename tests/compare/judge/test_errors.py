@@ -170,9 +170,10 @@ def test_a_drive_that_strayed_is_diverged(references: References, plug: Plug) ->
     assert measured.errors.empty
 
 
-def test_samples_at_other_instants_are_noticed(references: References, plug: Plug) -> None:
+@pytest.mark.parametrize("late", [1e-6, -1e-6])
+def test_samples_at_other_instants_are_noticed(references: References, plug: Plug, late: float) -> None:
     reference = references("turning_law")
-    plug(changed(commanded(reference), "time", 1e-6))
+    plug(changed(commanded(reference), "time", late))
     outcome = run("stub", reference.scene, SAMPLING)
     assert outcome.status is Status.crashed
     assert "instants" in outcome.reason

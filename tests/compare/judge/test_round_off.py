@@ -63,6 +63,18 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     assert condition(scene, motion).max() > 1e15
 
 
+def test_the_allowance_is_a_few_roundings(reference: Reference) -> None:
+    """The larger of the condition and of what four units in the last place of the inputs move; 1e-13 is a fault."""
+    explained, motion = explain(reference, SAMPLING), commanded(reference)
+    for channel, moved in explained.sensitivity.items():
+        allowed = explained.error(channel)
+        assert np.array_equal(allowed, np.maximum(2.0**-52 * explained.condition, moved))
+        assert 20 * 2.0**-52 < allowed.max() < 200 * 2.0**-52, channel  # measured: 43 to 105 of them
+    wrong = changed(motion, "P3.fx", 1e-13 * reference.scale["P3.fx"])
+    table = error_table("x", compare(reference, SAMPLING, wrong), reference, explained).set_index("channel")
+    assert table["unexplained"]["P3.fx"] == pytest.approx(1e-13, rel=0.2)  # less a few roundings
+
+
 def test_an_error_is_a_fault_only_above_it(reference: Reference) -> None:
     """At one row where much is explained, and at another where nothing is."""
     motion = commanded(reference)

@@ -9,7 +9,8 @@ import pytest
 import analytic
 from compare.engines import registry
 from compare.engines.reference import Reference
-from compare.engines.runner import run
+from compare.engines.runner import Run, run
+from compare.judge.errors import compare, error_table
 from compare.judge.gates import gates
 from compare.judge.measure import Measurement, measure
 from compare.speed.timing import Budget
@@ -96,6 +97,25 @@ def test_gates(reference: Reference, motion: Motion, plug: Plug) -> None:
     measured = measure(reference, "stub", SAMPLING)
     assert judged(reference, {"reaction": 1.1e-3, "position": 1e-12}, measured) == [False, False]
     assert judged(reference, {"reaction": 0.9e-3, "position": 1e-12}, measured) == [True, False]
+
+
+GATED = {  # a channel of each quantity, and the group whose tolerance it is held to
+    "position": ("P4.x", "P4.y", "rod.angle"),
+    "velocity": ("P4.vx", "P4.vy", "rod.omega"),
+    "acceleration": ("P4.ax", "P4.ay", "rod.alpha"),
+    "reaction": ("P4.fx", "P4.fy", "slider.guide_force", "slider.guide_moment"),
+    "torque": ("drive.torque",),
+}
+
+
+@pytest.mark.parametrize(("group", "channel"), [(group, channel) for group, of in GATED.items() for channel in of])
+def test_every_channel_is_held_to_its_group(reference: Reference, motion: Motion, group: str, channel: str) -> None:
+    wrong = changed(motion, channel, 1e-3 * reference.scale[channel])
+    measured = Measurement(
+        Run("stub", None, Status.ok), None, [], error_table("stub", compare(reference, SAMPLING, wrong), reference)
+    )
+    held = {other: 0.9e-3 if other == group else 1e-12 for other in GATED}
+    assert judged(reference, held, measured) == [other == group for other in GATED]
 
 
 def test_what_has_no_error_misses_its_gate(reference: Reference, motion: Motion, plug: Plug) -> None:
