@@ -1,4 +1,4 @@
-"""A motion's channels as vectors, and the forces that its scene says act on each body at that motion.
+"""A motion's channels as vectors, and the forces of its scene on each body at that motion.
 
 Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b = a . b + i (a x b).
 """

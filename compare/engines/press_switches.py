@@ -2,7 +2,7 @@
 
 A press force jumps where its slider turns round, and where the last part of the stroke begins. On the switch itself
 displacement and velocity say the one or the other by their last digits, and every model has its own: there an engine is
-right on either side, as long as everything it says is on the same.
+right on either side, as long as all its channels are on the same.
 """
 
 from collections.abc import Iterator, Sequence
@@ -22,7 +22,7 @@ from .motion_vectors import MotionVectors
 HAIR = 1e-6  # of the slider's range and peak speed: far above all rounding, far below the way between two samples
 TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
 
-Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, what may be said of one force; on a switch both
+Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
 
 
 def press_forces(scene: Scene) -> tuple[PressForce, ...]:

@@ -38,7 +38,7 @@ class Reference:
     stroke_ends: tuple[float, ...] = ()  # m, of each press force
 
     def acts(self, *motions: Motion) -> list[Acts]:
-        """Return what may be said of each press force, by sample, from motions that are the same but for a hair."""
+        """Return whether each press force may act, by sample, from motions that are the same but for a hair."""
         states = [MotionVectors(self.scene, motion) for motion in motions]
         loads = zip(press_forces(self.scene), self.stroke_ends, strict=True)
         return [np.concatenate([acts(state, load, end) for state in states]) for load, end in loads]

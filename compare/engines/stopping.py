@@ -13,12 +13,12 @@ T = TypeVar("T")
 
 
 class Stopped(Exception):  # noqa: N818 - it is a wish, not an error
-    """The user asked to stop. What tells of progress raises it, since there nothing is half done."""
+    """The user asked to stop. Raised where progress is reported, since there nothing is half done."""
 
 
 @contextmanager
 def stoppable() -> Iterator[Callable[[], bool]]:
-    """Yield a function that says whether the user asked to stop.
+    """Yield a function: whether the user asked to stop.
 
     Raises:
         KeyboardInterrupt: the user asked again.

@@ -1,7 +1,7 @@
 """One engine on one rung of a hard ladder: every attempt, what is wrong with it, and who noticed.
 
-A run that says ok is wrong if it is off by more than its engine promises and doubles explain. A failure is a false
-alarm if what was computed is within that, or if it says that bodies cannot be put together which can.
+A run with status ok is wrong if it is off by more than its engine promises and round-off explains. A failure is a false
+alarm if what was computed is within that, or if bodies that can be assembled end as `cannot_assemble`.
 """
 
 from dataclasses import dataclass, replace

@@ -1,6 +1,6 @@
 """Results kept as they come, one line each, so that a run that was stopped goes on where it was.
 
-They count only for the very same code, scenes and engines: a line of the file says for which.
+They count only for the very same code, scenes and engines, named in the first line of the file.
 """
 
 import json

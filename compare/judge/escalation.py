@@ -1,4 +1,4 @@
-"""What is tried when an engine fails at the settings asked for: its next more accurate ones, and the report says so.
+"""What is tried when an engine fails at the settings asked for: its next more accurate ones, as reported.
 
 The engines order their named settings by accuracy: smaller steps, more sweeps, another integrator.
 """

@@ -43,7 +43,7 @@ def measure(
     settings: Settings | None = None,
     explained: Explained | None = None,
 ) -> Measurement:
-    """Run an engine, at its default settings unless told otherwise, and find out all about the result."""
+    """Run an engine, at its default settings or others, then compare, check and judge the result."""
     scene = reference.scene
     outcome = run(engine, scene, sampling, settings)
     if outcome.motion is None:

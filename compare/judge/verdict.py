@@ -1,6 +1,6 @@
 """Whether a run that its engine called a success was one. An engine that is wrong must not look right.
 
-What an engine's own output says comes first and needs no reference; what only the reference can tell comes last.
+Checks of an engine's own output come first and need no reference; the comparison with the reference comes last.
 """
 
 from dataclasses import replace
@@ -16,7 +16,7 @@ from .errors import Comparison
 
 OPEN = 1e-2  # of the stroke, or of the drive's turn or travel: a pin that gapes this far is no pin
 WORTHLESS = 0.1  # of the scale or peak: no better than a guess. What is coarse but of use stays well below
-ELSEWHERE = 5e-2  # of the stroke: with closed pins and the drive where it says, only another assembly is this far away
+ELSEWHERE = 5e-2  # of the stroke: with closed pins and the drive in place, only another assembly is so far off
 
 
 class Limit(NamedTuple):
@@ -47,8 +47,8 @@ def judged(run: Run, checks: list[Check]) -> Run:
         broken = [check for check in checks if check.check == name and not check.worst <= limit.most]
         if broken:
             found = broken[int(np.argmax([check.worst for check in broken]))]
-            said = limit.sentence.format(of=found.of, worst=f"{found.worst:.1%}", relative_to=found.relative_to)
-            return replace(run, status=limit.status, reason=f"{said} at {found.where}", found_by="checks")
+            reason = limit.sentence.format(of=found.of, worst=f"{found.worst:.1%}", relative_to=found.relative_to)
+            return replace(run, status=limit.status, reason=f"{reason} at {found.where}", found_by="checks")
     return run
 
 
