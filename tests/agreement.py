@@ -38,7 +38,7 @@ def scales(samples: Channels) -> dict[str, float]:
     """Return by kind what an error is relative to: 1 rad, the range of coordinates, the peak of all others.
 
     A kind that vanishes has the size of what it is a difference or a product of: where all guides stay parallel and the
-    drive is steady, nothing accelerates, and a torque may vanish where the forces do not.
+    drive is steady, nothing turns or accelerates, and a torque may vanish where the forces do not.
     """
     found: dict[str, float] = {"angle": 1.0, "crank_angle": 1.0}
     for channel, values in samples.items():
@@ -47,9 +47,10 @@ def scales(samples: Channels) -> dict[str, float]:
             size = np.ptp(values) if of in ("x", "displacement") else np.abs(values).max()
             found[of] = max(found.get(of, 0.0), float(size))
     span = found.get("x", 0.0) or 1.0
+    turning = max(found.get("omega", 0.0), found.get("vx", 0.0) / span)
     for of, least in (
-        ("omega", found.get("vx", 0.0) / span),
-        ("alpha", found.get("omega", 0.0) ** 2),
+        ("omega", turning),
+        ("alpha", turning**2),
         ("ax", found.get("vx", 0.0) ** 2 / span),
         ("torque", found.get("fx", 0.0) * span),
     ):
