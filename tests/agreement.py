@@ -34,11 +34,12 @@ def kind(channel: str) -> str:
     return ALIKE.get(quantity(channel), quantity(channel))
 
 
-def scales(samples: Channels) -> dict[str, float]:
+def scales(samples: Channels, mass: float = 0.0) -> dict[str, float]:
     """Return by kind what an error is relative to: 1 rad, the range of coordinates, the peak of all others.
 
     A kind that vanishes has the size of what it is a difference or a product of: where all guides stay parallel and the
-    drive is steady, nothing turns or accelerates, and a torque may vanish where the forces do not.
+    drive is steady, nothing turns or accelerates, so nothing of this mass, kg, needs a force; and a torque may vanish
+    where the forces do not.
     """
     found: dict[str, float] = {"angle": 1.0, "crank_angle": 1.0}
     for channel, values in samples.items():
@@ -46,22 +47,17 @@ def scales(samples: Channels) -> dict[str, float]:
         if of not in ("angle", "crank_angle"):
             size = np.ptp(values) if of in ("x", "displacement") else np.abs(values).max()
             found[of] = max(found.get(of, 0.0), float(size))
-    span = found.get("x", 0.0) or 1.0
-    turning = max(found.get("omega", 0.0), found.get("vx", 0.0) / span)
-    for of, least in (
-        ("omega", turning),
-        ("alpha", turning**2),
-        ("ax", found.get("vx", 0.0) ** 2 / span),
-        ("torque", found.get("fx", 0.0) * span),
-    ):
-        if of in found:
-            found[of] = max(found[of], least)
-    return {of: size or 1.0 for of, size in found.items()}
+    span, speed = found.get("x", 0.0) or 1.0, found.get("vx", 0.0)
+    turning = max(found.get("omega", 0.0), speed / span)
+    acceleration = max(found.get("ax", 0.0), speed**2 / span)
+    force = max(found.get("fx", 0.0), mass * speed**2 / span)
+    least = {"omega": turning, "alpha": turning**2, "ax": acceleration, "fx": force, "torque": force * span}
+    return {of: max(size, least.get(of, 0.0)) or 1.0 for of, size in found.items()}
 
 
-def errors(motion: Motion, expected: Channels, whole: Channels | None = None) -> dict[str, Samples]:
+def errors(motion: Motion, expected: Channels, whole: Channels | None = None, mass: float = 0.0) -> dict[str, Samples]:
     """Return the relative error of each channel expected, shape (n,); the scales are those of the whole motion."""
-    scale, found = scales(whole or expected), {}
+    scale, found = scales(whole or expected, mass), {}
     for channel, values in expected.items():
         difference = motion[channel] - values
         if quantity(channel) == "angle":
@@ -116,7 +112,8 @@ def size(motion: Motion, scene: Scene) -> float:
 def assert_agree(scene: Scene, motion: Motion, expected: Channels, whole: Motion | None = None) -> None:
     """Compare every channel of the scene's motion with the one expected."""
     assert set(expected) == set(channels(scene))
-    for channel, error in errors(motion, expected, whole.samples if whole else None).items():
+    lightest = min((body.mass for body in scene.bodies.values() if body.mass), default=0.0)
+    for channel, error in errors(motion, expected, whole.samples if whole else None, lightest).items():
         assert error.max() <= TOLERANCE[kind(channel)], channel
 
 
