@@ -43,6 +43,16 @@ def test_each_balance_of_a_body_has_it(references: References, name: str) -> Non
                 assert np.isnan([worst["Newton", body], worst["Euler", body]]).all(), (channel, body)
 
 
+@pytest.mark.parametrize(
+    ("channel", "body"), [("E.y", "ram"), ("E.x", "link"), ("A.x", "block"), ("block.angle", "block")]
+)
+def test_an_open_joint_has_it(references: References, channel: str, body: str) -> None:
+    """On a guide, at a bar's end, in a slot, and where a block turns against its slot."""
+    reference = references("shaper")
+    found = checks(reference.scene, changed(commanded(reference), channel, np.nan), reference.stroke)
+    assert np.isnan(next(c.worst for c in found if (c.check, c.of) == ("closure", body)))
+
+
 def test_a_place_that_is_no_number_is_another_branch(reference: Reference, motion: Motion) -> None:
     """The comparison alone: the checks have seen nothing."""
     comparison = compare(reference, SAMPLING, changed(motion, "P4.x", np.nan))
