@@ -28,11 +28,11 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-DEFAULT = AnalyticSettings("vector equations")
+DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
     DEFAULT,
     AnalyticSettings("half-angle form", half_angles=True, note="the source paper's form, its misprints corrected"),
-    AnalyticSettings("single precision", single=True),
+    AnalyticSettings("single precision", single=True, drive_promise=1e-6),
     *map(_differences, (72, 360, 3600)),
 )
 LONG_WORK_PRECISION = tuple(map(_differences, (720, 1440, 36_000, 360_000)))

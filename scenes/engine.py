@@ -28,6 +28,8 @@ class Status(Enum):
     wrong_branch = "The linkage ended up assembled the other way round."
     diverged = "The solution ran away or the engine gave up on a step."
     not_converged = "The engine's own residual stayed above its limit."
+    inconsistent = "The output contradicts itself: forces, rates, poses and drive do not belong to one motion."
+    inaccurate = "The output is further off than the settings promise."
     nonfinite = "The result holds values that are not finite."
     timed_out = "The time limit was reached before the end."
     crashed = "The engine stopped with an error of its own."
@@ -51,6 +53,8 @@ class Settings:
     """Base of every engine's settings."""
 
     label: str  # the name in tables and figures, of no other settings of the engine
+    promise: float = field(default=0.1, kw_only=True)  # the largest error of an ok run, relative, of any channel
+    drive_promise: float = field(default=1e-9, kw_only=True)  # of the drive's position, by 1 rad or the slider's travel
     family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
     order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
     note: str = field(default="", kw_only=True)  # what a reader has to know before believing it

@@ -12,7 +12,7 @@ class MultiprecisionSettings(Settings):
     digits: int = 50  # significant decimal digits of every number
 
 
-FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits")
+FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)
 WORK_PRECISION = (DEFAULT,)
 LONG_WORK_PRECISION: tuple[MultiprecisionSettings, ...] = ()  # more digits change no double
 ABLATIONS: tuple[MultiprecisionSettings, ...] = ()
