@@ -9,7 +9,8 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Reference, establish, relative_errors
+from compare.engines.reference import Reference, relative_errors
+from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Sampling
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from scenes import Scene, load
 
 if TYPE_CHECKING:
-    from .study import Judgement
+    from .judge.judgement import Judgement
 
 __all__ = ["check"]
 

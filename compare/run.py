@@ -18,8 +18,7 @@ from .engines import registry
 from .family.grid import grid
 
 if TYPE_CHECKING:
-    from .judge.gates import Gate
-    from .judge.measure import Measurement
+    from .judge.judgement import Judgement
     from .study import Study
 
 TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
@@ -117,7 +116,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
     print(f"report: {page}")
     if stopped:
         raise KeyboardInterrupt(f"stopped; {page} has what was done")
-    return bool(options.check) and _stops(scene, {scene.name: (result.measurements, result.held)})
+    return bool(options.check) and _stops(scene, {scene.name: result})
 
 
 def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":
@@ -162,9 +161,7 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status
         raise KeyboardInterrupt(
             f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
         )
-    able = {
-        f"{scene.name}  {label(family, m)}": (m.measurements, m.gates) for m in family.members if m.cycle is not None
-    }
+    able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
     if options.check and not able:
         print(f"{scene.name}  missed: every tolerance, since no member runs")
         return True
@@ -186,13 +183,11 @@ def _print_result(result: "Study") -> None:
         print(f"{result.scene.name}  {sentence}")
 
 
-def _stops(scene: Scene, judged: Mapping[str, tuple[Sequence["Measurement"], Sequence["Gate"]]]) -> bool:
-    """Name every tolerance that was missed and every engine that failed, given both by what they are about."""
-    from .judge.gates import missed
-
-    if not any(held for _, held in judged.values()):
-        print(f"{scene.name}  no tolerance is declared for these engines")
-    lines = [f"{name}  missed: {line}" for name, both in judged.items() for line in missed(*both)]
+def _stops(scene: Scene, judged: Mapping[str, "Judgement"]) -> bool:
+    """Name every tolerance that was missed and every engine that failed, given by what the judgements are about."""
+    if not any(judgement.held for judgement in judged.values()):
+        print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")
+    lines = [f"{name}  missed: {line}" for name, judgement in judged.items() for line in judgement.missed]
     for line in lines:
         print(line)
     return bool(lines)

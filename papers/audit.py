@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from compare.command_line import Parser, command
-from compare.engines.reference import establish
+from compare.judge.floor import establish
 from compare.report.files import check_writable, json_text, placed
 from compare.report.tables import floors
 from scenes import load

@@ -13,7 +13,8 @@ from hypothesis.configuration import set_hypothesis_home_dir
 import scenes
 from compare.arguments import matching
 from compare.engines import registry
-from compare.engines.reference import Reference, establish, found
+from compare.engines.reference import Reference, found
+from compare.judge.floor import establish
 from compare.study import Study
 from scenes import Motion, Scene
 

@@ -1,21 +1,19 @@
-"""What every engine is measured against: the analytic core, its scales, and how far it may itself be off."""
+"""What every engine is measured against: the analytic core, and the scales of its channels."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from scenes import Failure, InputError, Motion, Sampling, Scene
+from scenes import InputError, Motion, Sampling, Scene
 from scenes.motion import Samples, channels, force_channels, quantity
 
-from . import axis as units
 from . import registry
 from .motion_vectors import MotionVectors
 from .press_switches import Acts, acts, fixed, press_forces, stroke_end
-from .runner import run
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
-FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
+PLACES = {"x", "y", "angle"}  # quantities whose magnitude depends on where one counts from
 
 
 @dataclass(frozen=True)
@@ -24,6 +22,7 @@ class Floor:
 
     by_channel: Mapping[str, float]
     by: str
+    doubt: str = ""  # why the reference is not to be believed; empty where it is
 
 
 @dataclass(frozen=True)
@@ -58,19 +57,6 @@ class Reference:
             for channel in judged:
                 found[channel][rows] = np.where(better, errors[channel], found[channel][rows])
         return found
-
-
-def establish(scene: Scene, channels: frozenset[str] | None = None) -> Reference:
-    """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
-
-    Raises:
-        InputError: the reference cannot solve the scene, so that there is nothing to compare with.
-    """
-    try:
-        uncertified = found(scene)
-    except Failure as failure:
-        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
-    return replace(uncertified, floor=_certify(uncertified, channels))
 
 
 def found(scene: Scene) -> Reference:
@@ -121,28 +107,38 @@ def magnitude(motion: Motion, channel: str) -> Samples:
     return np.hypot(motion[stem + "x"], motion[stem + "y"]) if axis in "xy" else np.abs(motion[channel])
 
 
-def relative_errors(motion: Motion, reference: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
-    """Return |motion - reference| / scale by channel, each of shape (n,); angles are compared modulo one turn.
+def sizes(true: Motion, channel: str, scale: float) -> Samples:
+    """Return what errors of a channel are divided by, shape (n,): the larger of its scale and of its magnitude there.
 
-    The time is an input, and what only one model can say has no scale: neither is compared.
+    Places and angles have no magnitude; that of the drive is how far it has come.
     """
+    if quantity(channel) in PLACES:
+        return np.full(true["time"].shape, scale)
+    if quantity(channel) in ("crank_angle", "displacement"):
+        return np.maximum(scale, np.abs(true[channel] - true[channel][:1]))
+    return np.maximum(scale, magnitude(true, channel))
+
+
+def relative_errors(motion: Motion, true: Motion, scale: Mapping[str, float]) -> dict[str, Samples]:
+    """Return the error of each channel over its size, each of shape (n,); that of a component is its vector's.
+
+    Angles are compared modulo one turn. The time is an input, and what only one model returns has no scale: neither is
+    compared.
+    """
+    judged = [channel for channel in motion.samples if channel != "time" and channel in scale]
+    off = {channel: _distance(motion, true, channel) for channel in judged}
     errors = {}
-    for channel in motion.samples:
-        if channel != "time" and channel in scale:
-            difference = motion[channel] - reference[channel]
-            if quantity(channel) == "angle":
-                difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-            errors[channel] = np.abs(difference) / scale[channel]
+    for channel, distance in off.items():
+        stem, axis = channel[:-1], channel[-1]
+        other = off.get(stem + {"x": "y", "y": "x"}[axis]) if axis in "xy" else None
+        errors[channel] = (distance if other is None else np.hypot(distance, other)) / sizes(
+            true, channel, scale[channel]
+        )
     return errors
 
 
-def _certify(reference: Reference, channels: frozenset[str] | None) -> Floor:
-    """Measure the reference against arbitrary precision at a few positions of one cycle."""
-    oracle = run(registry.ORACLE, reference.scene, Sampling(FLOOR_SAMPLES, channels=channels))
-    if oracle.motion is None:
-        return Floor({}, f"not certified: {oracle.reason}")
-    true = reference.at(oracle.motion[reference.scene.drive_channel], oracle.motion["time"])
-    errors = reference.errors(oracle.motion, true, reference.acts(true))
-    where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(reference.scene) else 'instants'}"
-    by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(reference.scene)}"
-    return Floor({channel: float(error.max()) for channel, error in errors.items()}, by)
+def _distance(motion: Motion, true: Motion, channel: str) -> Samples:
+    difference = motion[channel] - true[channel]
+    if quantity(channel) == "angle":
+        difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+    return np.abs(difference)

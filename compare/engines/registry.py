@@ -20,10 +20,10 @@ class Entry:
 
     purpose: str
     module: str
-    promise: float  # the largest relative error of an ok run at balanced settings; hard cases hold it to that
     package: str  # what is imported
     distribution: str  # what is installed
     install: str
+    everything: bool = False  # whether it gives every channel of every scene that it can model
 
     @property
     def missing(self) -> str | None:
@@ -40,23 +40,17 @@ class Entry:
 
 
 _CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
+_DAE = "multibody DAE with Lagrange multipliers"
+_IMPULSES = "impulses, block Gauss-Seidel"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
 ENTRIES = {
-    "analytic": Entry(_CORE, "analytic.engine", 1e-12, "numpy", "numpy", "pip install numpy"),
-    "exudyn": Entry(
-        "multibody DAE with Lagrange multipliers",
-        "sim_models.exudyn.engine",
-        1e-3,
-        "exudyn",
-        "exudyn",
-        "pip install exudyn",
-    ),
-    "pymunk": Entry(
-        "impulses, block Gauss-Seidel", "sim_models.pymunk.engine", 1e-2, "pymunk", "pymunk", "pip install pymunk"
-    ),
-    "multiprecision": Entry(
-        _FLINT, "sim_models.multiprecision.engine", 1e-12, "flint", "python-flint", "pip install '.[certify]'"
-    ),
+    name: Entry(purpose, f"{module}.engine", package, distribution, f"pip install {install}", everything=True)
+    for name, purpose, module, package, distribution, install in (
+        ("analytic", _CORE, "analytic", "numpy", "numpy", "numpy"),
+        ("exudyn", _DAE, "sim_models.exudyn", "exudyn", "exudyn", "exudyn"),
+        ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
+        ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", "'.[certify]'"),
+    )
 }
 REFERENCE = "analytic"
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")

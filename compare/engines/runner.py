@@ -7,6 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from scenes import Failure, Motion, Request, Scene, Settings, Status
+from scenes.motion import kinematic_channels, quantity
 
 from . import registry
 
@@ -37,7 +38,10 @@ class Run:
 
 
 def run(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
-    """Build, solve and read, each timed apart; `settings` of None means the engine's default."""
+    """Build, solve and read, each timed apart; `settings` of None means the engine's default.
+
+    What comes back is not looked at, see `complete`.
+    """
     entry = registry.ENTRIES[name]
     failed = Run(name, settings, Status.unsupported, entry.missing or "", "engine", entry.version)
     if entry.missing:
@@ -53,7 +57,6 @@ def run(name: str, scene: Scene, request: Request, settings: Settings | None = N
         solved = perf_counter()
         motion = simulation.read()
         read = perf_counter()
-        _check_complete(scene, request, motion)
     except Failure as failure:
         return replace(failed, status=failure.status, reason=failure.reason, motion=_finite(failure.motion))
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
@@ -77,12 +80,32 @@ def _finite(motion: Motion | None) -> Motion | None:
     return motion if motion is not None and np.isfinite([*motion.samples.values()]).all() else None
 
 
-def _check_complete(scene: Scene, request: Request, motion: Motion) -> None:
-    """Refuse a result that is short, holds NaN, is of other instants, or drops a channel without a word."""
-    for channel in request.wanted(scene):
+def complete(outcome: Run, scene: Scene, request: Request) -> Run:
+    """Return the run, its status corrected where its motion is not what was asked for."""
+    if outcome.status is not Status.ok or outcome.motion is None:
+        return outcome
+    try:
+        _check_complete(scene, request, outcome.motion, everything=registry.ENTRIES[outcome.engine].everything)
+    except Failure as failure:
+        motion = _finite(failure.motion)
+        return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=motion)
+    return outcome
+
+
+def _check_complete(scene: Scene, request: Request, motion: Motion, *, everything: bool) -> None:
+    """Refuse a result that is short, holds NaN, is of other instants, repeats rows, or lacks a channel.
+
+    A channel may be missing for a reason where the engine gives not every quantity, and none such of another joint.
+    """
+    wanted = request.wanted(scene)
+    given = {quantity(channel) for channel in wanted if channel in motion}
+    for channel in wanted:
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
+            if everything or quantity(channel) in given or channel == scene.drive_channel:
+                why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
+                raise Failure(Status.unsupported, why, motion)
             continue
         values = motion[channel]
         if values.dtype != np.float64:  # the reference would be evaluated at its precision
@@ -93,6 +116,22 @@ def _check_complete(scene: Scene, request: Request, motion: Motion) -> None:
         if bad.any():
             where = scene.where(float(request.commanded(scene)[bad.argmax()]))
             raise Failure(Status.nonfinite, f"{channel} is not finite at {where}")
+    if not (np.diff(motion["time"]) > 0).all():
+        raise Failure(Status.inconsistent, "the engine's instants do not increase from sample to sample", motion)
     late = np.abs(motion["time"] - request.times(scene)).max()
     if not late <= ON_TIME * scene.drive.cycle:
         raise Failure(Status.crashed, f"the engine's samples are off the instants asked for, by up to {late:.3g} s")
+    _check_rows(scene, request, motion)
+
+
+def _check_rows(scene: Scene, request: Request, motion: Motion) -> None:
+    """Refuse a row that repeats the one before in all that moves, while the drive does not stand still."""
+    commanded = request.commanded(scene)
+    moves = kinematic_channels(scene)[2:]  # but for time and drive
+    if not all(channel in motion for channel in moves):  # a few may be the same on both sides of a dead point
+        return
+    rows = np.array([motion[channel] for channel in moves])
+    repeated = (np.diff(rows) == 0).all(axis=0) & (np.abs(np.diff(commanded)) > ON_TIME * np.ptp(scene.drive.extent))
+    if repeated.any():
+        where = scene.where(float(commanded[1:][repeated.argmax()]))
+        raise Failure(Status.inconsistent, f"a row repeats the one before, though the drive moves, at {where}", motion)

@@ -9,9 +9,10 @@ from scenes.changes import label
 from scenes.motion import Samples
 
 from ..engines import registry
-from ..engines.reference import Floor, establish
-from ..judge.gates import Gate, gates
-from ..judge.measure import Measurement, measure
+from ..judge.escalation import offers
+from ..judge.floor import establish
+from ..judge.judgement import Judgement, judgement
+from ..judge.measure import Measurement
 from .cycle import SAMPLING, Cycle, cycle
 from .grid import Variation
 
@@ -26,9 +27,12 @@ class Member:
     status: str
     reason: str
     cycle: Cycle | None = None
-    floor: Floor | None = None  # of the reference
-    measurements: Sequence[Measurement] = ()  # one an engine, in the order asked for
-    gates: Sequence[Gate] = ()
+    judgement: Judgement | None = None
+
+    @property
+    def measurements(self) -> Sequence[Measurement]:
+        """Its engines' runs, in the order asked for."""
+        return self.judgement.measurements if self.judgement else ()
 
 
 @dataclass(frozen=True)
@@ -79,9 +83,5 @@ def _member(
         return reference_at(scene.drive.at(time).position, time)
 
     found = cycle(scene, solve(SAMPLING.times(scene)), solve)
-    reference = establish(scene)
-    measurements = []
-    for engine in engines:
-        progress(engine)
-        measurements.append(measure(reference, engine, sampling))
-    return Member(change, Status.ok.name, "", found, reference.floor, measurements, list(gates(scene, measurements)))
+    judged = judgement(establish(scene), engines, sampling, lambda engine: (offers(engine, "balanced"), ""), progress)
+    return Member(change, Status.ok.name, "", found, judged)

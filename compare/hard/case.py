@@ -4,20 +4,19 @@ A run with status ok is wrong if it is off by more than its engine promises and 
 alarm if what was computed is within that, or if bodies that can be assembled end as `cannot_assemble`.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 from typing import Any
 
-from scenes import Failure, InputError, Sampling, Scene, Settings, Status, hard
+from scenes import Failure, InputError, Sampling, Scene, Status, hard
 from scenes.motion import quantity
 
 from ..engines import registry
 from ..engines.reference import Reference, found
 from ..engines.registry import ORACLE, REFERENCE
-from ..engines.settings import tiers
-from ..judge.errors import SHOWN_GROUPS
-from ..judge.escalation import attempts
-from ..judge.gates import gates
+from ..judge.escalation import attempts, offers
+from ..judge.floor import NO_ANSWER
 from ..judge.measure import Measurement, checked_run, measure
 from ..judge.round_off import Explained, explain
 from .digits import digits_lost
@@ -71,13 +70,9 @@ def examine(case: Case) -> list[Row]:
     if case.engine == REFERENCE:
         row = _certified(case, reference, sampling, explained, rung.status)
         return [_counted(row, scene) if ladder.digits and row["outcome"] == Outcome.right else row]
-    scene = _promised(scene, case.engine)
-
-    def judged(settings: Settings) -> Measurement:
-        return _held_to_its_promise(scene, measure(reference, case.engine, sampling, settings, explained))
-
-    made = attempts(judged, case.engine, tiers(case.engine)["balanced"])
-    return [_attempted(case, scene, reference, measured, explained) for measured in made]
+    at = partial(measure, reference, case.engine, sampling, explained=explained)
+    made = attempts(at, offers(case.engine, "balanced"))
+    return [_attempted(case, reference, measured, explained) for measured in made]
 
 
 def _invalid(case: Case, error: InputError, expected: str) -> Row:
@@ -85,33 +80,15 @@ def _invalid(case: Case, error: InputError, expected: str) -> Row:
     return case_row(case, hard.INVALID, str(error), "reader", outcome)
 
 
-def _promised(scene: Scene, engine: str) -> Scene:
-    """Return the scene with what the engine promises for its tolerances."""
-    return replace(scene, tolerances={engine: dict.fromkeys(SHOWN_GROUPS, registry.ENTRIES[engine].promise)})
-
-
-def _held_to_its_promise(scene: Scene, measured: Measurement) -> Measurement:
-    """Return the measurement, its status corrected where it breaks its promise, by itself or by the reference."""
-    run = measured.run
-    missed = [str(gate) for gate in gates(scene, [measured]) if gate.missed]
-    if run.status is not Status.ok or not missed:
-        return measured
-    estimate, promise = measured.estimate, registry.ENTRIES[run.engine].promise
-    found_by, reason = "reference", f"off the reference: {missed[0]}"
-    if not estimate <= promise:
-        found_by, reason = "checks", f"off by {estimate:.1e}, by its own poses; it promises {promise:g}"
-    return replace(measured, run=replace(run, status=Status.not_converged, reason=reason, found_by=found_by))
-
-
-def _attempted(case: Case, scene: Scene, reference: Reference, measured: Measurement, explained: Explained) -> Row:
+def _attempted(case: Case, reference: Reference, measured: Measurement, explained: Explained) -> Row:
     run = measured.run
     if run.status is Status.ok:
         outcome = Outcome.right
     elif run.found_by == "reference":
         outcome = Outcome.silent
     else:
-        as_if_ok = replace(measured, run=replace(run, status=Status.ok))
-        kept = len(measured.errors) > 0 and not any(gate.missed for gate in gates(scene, [as_if_ok]))
+        promise = run.settings.promise if run.settings else 0.0
+        kept = len(measured.errors) > 0 and bool(measured.errors["unexplained"].max(skipna=False) <= promise)
         denied = run.status is Status.cannot_assemble and explained.decidable
         outcome = Outcome.false_alarm if kept or denied else Outcome.refused
     setting = run.settings.label if run.settings else ""
@@ -137,16 +114,15 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
 def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:
     """Return the row of the reference itself, which arbitrary precision knows better."""
     measured = measure(reference, ORACLE, sampling, explained=explained)
-    scene = _promised(reference.scene, ORACLE)
-    missed = [str(gate) for gate in gates(scene, [measured]) if gate.missed]
-    outcome = Outcome.right
+    run = measured.run
+    outcome, missed = Outcome.right, ""
     if expected != Status.ok.name:
-        outcome, missed = Outcome.silent, [f"expected {expected}"]
-    elif measured.run.status is not Status.ok:
+        outcome, missed = Outcome.silent, f"expected {expected}"
+    elif run.status in NO_ANSWER:
         outcome = Outcome.uncertified
-    elif missed:
-        outcome = Outcome.silent
-    row = case_row(case, Status.ok.name, "; ".join(missed), "", outcome)
+    elif run.status is not Status.ok:
+        outcome, missed = Outcome.silent, run.reason
+    row = case_row(case, Status.ok.name, missed, "", outcome)
     row["setting"] = f"against {registry.ENTRIES[ORACLE].distribution}"
     return row | _figures(measured, reference, explained)
 

@@ -21,9 +21,10 @@ import pandas as pd
 from scenes import Failure, InputError, Sampling, Scene, Settings
 
 from ..engines import registry
-from ..engines.reference import Reference, establish
+from ..engines.reference import Reference
 from ..engines.stopping import kept
 from ..judge.errors import SHOWN_GROUPS
+from ..judge.floor import establish
 from ..judge.measure import Measurement, checked_run, measure
 from ..judge.perturbation import put
 

@@ -15,10 +15,14 @@ from scenes.scene import GROUND, Body
 from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, distances, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
+from ..engines.reference import sizes
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
+from .round_off import EPS
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
+
+RELATIVE = "larger of its scale and magnitude"
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,7 @@ class Check:
 def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
     """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to."""
     state = MotionVectors(scene, motion)
-    violations = {("drive", scene.drive.body, "turn" if scene.driven_slide is None else "travel"): _drive(state)}
+    violations = {("drive", scene.drive.body, "radian" if scene.driven_slide is None else "travel"): _drive(state)}
     for body in scene.bodies.values():
         if motion.samples.keys() >= _closed_by(scene, body):
             violations["closure", body.name, "stroke"] = _gaps(state, body, stroke)
@@ -45,7 +49,9 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            violations |= _balances(state, stroke)
+            rounding = EPS * estimated.condition
+            balances = _balances(state, stroke)
+            violations |= {what: np.where(left <= rounding, 0.0, left) for what, left in balances.items()}
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -63,13 +69,11 @@ def _flips(branch: Samples) -> Samples:
 
 
 def _estimated(estimated: Estimate) -> Violations:
-    """Return the errors of the channel of each group that is furthest off, and the mixed ones of one of all."""
+    """Return the errors of the channel of each group that is furthest off."""
     errors = estimated.errors
     groups = [[channel for channel in errors if GROUPS[quantity(channel)] == group] for group in SHOWN_GROUPS]
     worst = (_furthest({channel: errors[channel] for channel in own}) for own in groups if own)
-    by_group = {(GROUPS[quantity(channel)], channel, "scale"): errors[channel] for channel in worst}
-    channel = _furthest(estimated.mixed)
-    return by_group | {("estimate", channel, "larger of scale and magnitude"): estimated.mixed[channel]}
+    return {(GROUPS[quantity(channel)], channel, RELATIVE): errors[channel] for channel in worst}
 
 
 def _furthest(errors: Mapping[str, Samples]) -> str:
@@ -78,12 +82,12 @@ def _furthest(errors: Mapping[str, Samples]) -> str:
 
 
 def _drive(state: MotionVectors) -> Samples:
-    """Return how far the drive is from where it was asked to be, in turns or travels, shape (n,)."""
+    """Return how far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
     scene = state.scene
-    least, most = scene.drive.extent
-    asked = scene.drive.at(state.motion["time"]).position
-    off: Samples = np.abs(state.motion[scene.drive_channel] - asked)
-    return off / (2 * np.pi if scene.driven_slide is None else most - least)
+    asked = Motion({scene.drive_channel: scene.drive.at(state.motion["time"]).position})
+    scale = 1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent))
+    off: Samples = np.abs(state.motion[scene.drive_channel] - asked[scene.drive_channel])
+    return off / sizes(asked, scene.drive_channel, scale)
 
 
 def _closed_by(scene: Scene, body: Body) -> set[str]:
@@ -138,7 +142,7 @@ def _newton_euler(state: MotionVectors, stroke: float) -> Iterator[tuple[tuple[s
             peak = max(peak, float(np.abs(push).max()))
         peak = peak or 1.0  # a body that nothing pushes: the leftover itself, in N
         yield ("Newton", body.name, "peak force on the body"), np.abs(force) / peak
-        yield ("Euler", body.name, "peak force times stroke"), np.abs(moment) / (peak * stroke)
+        yield ("Euler", body.name, "peak force times the stroke"), np.abs(moment) / (peak * stroke)
 
 
 def _power(state: MotionVectors) -> Samples:

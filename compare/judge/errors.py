@@ -30,7 +30,7 @@ GROUPS: Mapping[str, str] = (
     | {"torque": "torque", "force": "torque", "crank_angle": "drive", "displacement": "drive"}
 )  # by quantity; every channel but the time is judged in one
 
-SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")  # of the linkage; the drive's is an input
+SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")  # of the linkage; the drive is an input
 
 TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below which the output nearly stands still
 
@@ -39,7 +39,7 @@ TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below wh
 class Comparison:
     """One engine's errors: relative, by channel, each of shape (n,)."""
 
-    actual: Mapping[str, Samples]  # against the reference at the drive's position that the engine had
+    actual: Mapping[str, Samples]  # against the reference at the drive's position that the engine had; but the drive
     commanded: Mapping[str, Samples]  # against the reference at the position asked for
     position: Samples  # of the drive, rad or m, commanded
     axis: Samples  # where the samples are on the axis of tables and curves
@@ -59,9 +59,10 @@ def compare(reference: Reference, sampling: Sampling, motion: Motion) -> Compari
     actual = reference.at(motion[scene.drive_channel], motion["time"])
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
     slope = _slope(reference, commanded)
+    off = reference.errors(motion, commanded, may)
     return Comparison(
-        reference.errors(motion, actual, may),
-        reference.errors(motion, commanded, may),
+        reference.errors(motion, actual, may) | {scene.drive_channel: off[scene.drive_channel]},
+        off,
         position,
         axis(scene).of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
@@ -100,6 +101,7 @@ def error_table(
     `unexplained` is the largest error where it is above what doubles explain, if that is known.
     """
     rows = []
+    known = {} if explained is None else explained.left_over(comparison.actual)
     unit = axis(reference.scene).unit
     last_turn = slice(-comparison.samples_a_turn - 1, None)
     for channel, error in comparison.actual.items():
@@ -107,10 +109,9 @@ def error_table(
         commanded = comparison.commanded[channel]
         floor = reference.floor.by_channel.get(channel, np.nan)
         least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
-        by_rounding = np.zeros_like(error) if explained is None else explained.error(channel)
         figures = {
             "max": error[worst],
-            "unexplained": np.where(error <= by_rounding, 0.0, error).max(),  # NaN is not explained
+            "unexplained": known.get(channel, error).max(),
             "rms": np.sqrt(np.mean(error**2)),
             "last_turn_max": error[last_turn].max(),
             "toggle_max": error[comparison.toggle].max() if comparison.toggle.any() else np.nan,
@@ -120,7 +121,7 @@ def error_table(
         rows.append(
             {"engine": engine, "channel": channel, "group": GROUPS[quantity(channel)]}
             | {name: float(np.maximum(figure, floor if floor >= 0 else least)) for name, figure in figures.items()}
-            | {"explained": np.nan if explained is None else by_rounding.max()}
+            | {"explained": np.nan if explained is None else explained.error(channel).max()}
             | {"max_at": comparison.axis[worst], "max_at_unit": unit, "floor": floor}
             | {"scale": reference.scale[channel], "unit": UNITS[quantity(channel)]}
         )

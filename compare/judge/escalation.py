@@ -1,9 +1,11 @@
-"""What is tried when an engine fails at the settings asked for: its next more accurate ones, as reported.
+"""What is tried when an engine fails, or breaks its promise, at the settings asked for: others that it offers.
 
-The engines order their named settings by accuracy: smaller steps, more sweeps, another integrator.
+First come its more accurate ones, by smaller steps, more sweeps, another integrator; then its cheaper ones, which hold
+at times where the others do not. All are held to the promise that was asked for.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from scenes import Settings, Status
 
@@ -11,31 +13,50 @@ from ..engines.runner import Run
 from ..engines.settings import tiers
 from .measure import Measurement
 
-HELPED = {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}  # by more accuracy, at times
+HELPED = {  # by other settings, at times
+    Status.wrong_branch,
+    Status.diverged,
+    Status.not_converged,
+    Status.inconsistent,
+    Status.inaccurate,
+    Status.nonfinite,
+}
 
 
-def attempts(measure: Callable[[Settings], Measurement], engine: str, settings: Settings) -> Iterator[Measurement]:
+def offers(engine: str, tier: str) -> list[Settings]:
+    """Return the settings of that name, then the more accurate ones, then the cheaper ones, all of one promise."""
+    offered = [*tiers(engine).values()]
+    asked = tiers(engine)[tier]
+    first = offered.index(asked)
+    return promising(asked.promise, (*offered[first:], *reversed(offered[:first])))
+
+
+def promising(promise: float, settings: Iterable[Settings]) -> list[Settings]:
+    """Return settings with another promise, each once."""
+    return list(dict.fromkeys(replace(each, promise=promise) for each in settings))
+
+
+def attempts(measure: Callable[[Settings], Measurement], offered: Sequence[Settings]) -> Iterator[Measurement]:
     """Yield the measurement asked for, and further ones until one does not fail, or is not to be helped."""
-    offered = list(tiers(engine).values())
-    further = offered[offered.index(settings) + 1 :] if settings in offered else offered[-1:]
-    for tried in dict.fromkeys((settings, *further)):
-        measured = measure(tried)
+    for settings in offered:
+        measured = measure(settings)
         yield measured
         if measured.run.status not in HELPED:
             return
 
 
-def escalated(measure: Callable[[Settings], Measurement], engine: str, settings: Settings) -> tuple[Measurement, str]:
+def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Settings]) -> tuple[Measurement, str]:
     """Return the first measurement that is ok, or else the one asked for; and in a sentence what was tried."""
-    first, *further = attempts(measure, engine, settings)
+    first, *further = attempts(measure, offered)
     if not further:
         return first, ""
+    engine = first.run.engine
     if further[-1].run.status is not Status.ok:
-        return first, f"{engine}: {_said(first, *further)}"
-    return further[-1], f"{engine}: {_said(first, *further[:-1])}; so {_label(further[-1].run)} was taken"
+        return first, f"{engine}: {_ended(first, *further)}"
+    return further[-1], f"{engine}: {_ended(first, *further[:-1])}; so {_label(further[-1].run)} was taken"
 
 
-def _said(*failed: Measurement) -> str:
+def _ended(*failed: Measurement) -> str:
     return "; ".join(f"{_label(m.run)} ended {m.run.status.name}, {m.run.reason}" for m in failed)
 
 

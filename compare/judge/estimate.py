@@ -8,7 +8,7 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.motion import Samples, quantity
 
-from ..engines.reference import magnitude, relative_errors, scales
+from ..engines.reference import relative_errors, scales, sizes
 from .errors import GROUPS
 from .projection import projected
 from .round_off import EPS
@@ -20,9 +20,9 @@ POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and fo
 class Estimate(NamedTuple):
     """What is known of a motion without a reference."""
 
-    errors: Mapping[str, Samples]  # by channel, relative to the scales of the reference, each of shape (n,)
-    mixed: Mapping[str, Samples]  # relative to the larger of the scale and the magnitude at the sample
+    errors: Mapping[str, Samples]  # by channel, relative as against the reference, each of shape (n,)
     branch: Samples  # the sign of det J, shape (n,): it changes in a singular pose alone
+    condition: Samples  # of J, shape (n,)
 
 
 @np.errstate(all="ignore")  # what is not finite is so in the result
@@ -32,24 +32,22 @@ def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
     On the switch of a press force all channels count on the side where they fit best.
     """
     projection = projected(scene, motion)
-    true = projection.ways[0]
-    scale = scales(scene, true, stroke)
+    scale = scales(scene, projection.ways[0], stroke)
     ways = [_unexplained(motion, way, scale, projection.condition) for way in projection.ways]
     best = np.array([np.max([*way.values()], axis=0) for way in ways]).argmin(axis=0)
     errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in ways[0]}
-    rated = [channel for channel in errors if KINDS[GROUPS[quantity(channel)]] > 0]  # a place has no magnitude
-    mixed = {channel: errors[channel] / np.fmax(1.0, magnitude(true, channel) / scale[channel]) for channel in rated}
-    return Estimate(errors, errors | mixed, projection.branch)
+    return Estimate(errors, projection.branch, projection.condition)
 
 
 def _unexplained(motion: Motion, true: Motion, scale: Mapping[str, float], condition: Samples) -> dict[str, Samples]:
     """Return the relative errors, zero where rounding explains them: by the largest value of their kind."""
     found = relative_errors(motion, true, scale)
     values = np.array([np.abs(true[channel]) / scale[channel] for channel in found])
+    shrunk = np.array([scale[channel] / sizes(true, channel, scale[channel]) for channel in found])
     kinds = np.array([KINDS[GROUPS[quantity(channel)]] for channel in found])
     errors = np.array([*found.values()])
     for kind, power in enumerate(POWERS):
         own = kinds == kind
-        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0)
+        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0) * shrunk[own]
         errors[own] = np.where((errors[own] <= explained) | np.isinf(condition), 0.0, errors[own])
     return dict(zip(found, errors, strict=True))

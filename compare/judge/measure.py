@@ -8,10 +8,11 @@ import pandas as pd
 from scenes import Failure, Sampling, Scene, Settings, Status
 
 from ..engines.reference import Reference, stroke
-from ..engines.runner import Run, run
+from ..engines.registry import REFERENCE
+from ..engines.runner import Run, complete, run
 from .checks import Check, checks
 from .errors import SHOWN_GROUPS, Comparison, compare, error_table
-from .round_off import Explained
+from .round_off import Explained, explain
 from .verdict import compared, judged
 
 
@@ -43,26 +44,40 @@ def measure(
     settings: Settings | None = None,
     explained: Explained | None = None,
 ) -> Measurement:
-    """Run an engine, at its default settings or others, then compare, check and judge the result."""
+    """Run an engine, at its default settings or others, then assess the result."""
+    return assess(reference, sampling, run(engine, reference.scene, sampling, settings), explained)
+
+
+def assess(reference: Reference, sampling: Sampling, outcome: Run, explained: Explained | None = None) -> Measurement:
+    """Hold a run against what was asked for, its own output, the reference, and what its settings promise.
+
+    A reference that is in doubt is not held against another engine.
+    """
     scene = reference.scene
-    outcome = run(engine, scene, sampling, settings)
+    outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
         return Measurement(outcome, None, [], pd.DataFrame())
     found = checks(scene, outcome.motion, reference.stroke)
     verdict = judged(outcome, found)
     try:
+        explained = explained or explain(reference, sampling)
         comparison = compare(reference, sampling, outcome.motion)
     except Failure as failure:
         reason = f"its drive is where no reference is: {failure.reason}"
         strayed = replace(verdict, status=Status.diverged, reason=reason, found_by="reference")
         return Measurement(verdict if verdict.status is not Status.ok else strayed, None, found, pd.DataFrame())
-    verdict = compared(verdict, scene, found, comparison)
-    return Measurement(verdict, comparison, found, error_table(engine, comparison, reference, explained))
+    table = error_table(outcome.engine, comparison, reference, explained)
+    doubt = reference.floor.doubt
+    if not doubt:
+        verdict = compared(verdict, scene, comparison, explained.left_over(comparison.commanded))
+    elif outcome.engine == REFERENCE and verdict.status is Status.ok:
+        verdict = replace(verdict, status=Status.inaccurate, reason=doubt, found_by="reference")
+    return Measurement(verdict, comparison, found, table)
 
 
 def checked_run(engine: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
     """Run an engine where there is no reference, and judge the result by itself."""
-    outcome = run(engine, scene, sampling, settings)
+    outcome = complete(run(engine, scene, sampling, settings), scene, sampling)
     if outcome.motion is None:
         return outcome
     return judged(outcome, checks(scene, outcome.motion, stroke(scene, outcome.motion)))

@@ -37,6 +37,10 @@ class Explained:
         """Return the largest error of a channel that needs no explanation, shape (n,)."""
         return np.maximum(EPS * self.condition, self.sensitivity[channel])
 
+    def left_over(self, errors: Mapping[str, Samples]) -> dict[str, Samples]:
+        """Return errors by channel, zero where they need no explanation; NaN is not explained."""
+        return {channel: np.where(error <= self.error(channel), 0.0, error) for channel, error in errors.items()}
+
 
 def explain(reference: Reference, sampling: Sampling) -> Explained:
     """Return what is explained at the samples of a run, as commanded.

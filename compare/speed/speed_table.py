@@ -18,6 +18,7 @@ from ..engines.runner import Run
 from ..engines.settings import settings_of, tiers
 from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
+from ..judge.round_off import explain
 from .timing import NO_CLOCK, Budget, Times, take_turns
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
@@ -50,7 +51,8 @@ def speed_table(
     done.
     """
     sampling = replace(SAMPLING, channels=channels)
-    runs = (_error_runs(reference, engine, sampling, budget, progress) for engine in engines)
+    at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling))
+    runs = (_error_runs(at, engine, budget, progress) for engine in engines)
     points = list(kept(chain.from_iterable(runs)))
     able = (point for point in points if point.run.status is Status.ok and point.run.seconds <= budget.point_s)
     timed = [] if budget == NO_CLOCK else list(able)
@@ -67,7 +69,7 @@ def steps_per_cycle(settings: Settings) -> int | None:
 
 
 def _error_runs(
-    reference: Reference, engine: str, sampling: Sampling, budget: Budget, progress: Callable[[str], None]
+    measured: Callable[..., Measurement], engine: str, budget: Budget, progress: Callable[[str], None]
 ) -> Iterator[Point]:
     """Yield every setting's error run; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps per cycle, by family
@@ -79,7 +81,7 @@ def _error_runs(
             yield Point(role, settings, Measurement(run, None, [], pd.DataFrame()))
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
-        point = Point(role, settings, measure(reference, engine, sampling, settings))
+        point = Point(role, settings, measured(engine, settings=settings))
         if settings.family and point.run.seconds > budget.point_s:
             too_slow[settings.family] = steps
         yield point

@@ -83,15 +83,17 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def cheapest_within(engine: str, accuracy: float, speed: pd.DataFrame) -> Settings | None:
-    """Return an engine's cheapest settings without a note that meet an accuracy in every group; None where none do."""
+def within(engine: str, accuracy: float, speed: pd.DataFrame) -> list[Settings]:
+    """Return an engine's settings without a note that meet an accuracy in every group: the cheapest first.
+
+    Each that follows is the cheapest of those more accurate than the ones before.
+    """
     points = solved(speed)
     points = points[(points["engine"] == engine) & (points["note"] == "")]
-    worst = points[[f"{group}_max" for group in groups(speed)]].max(axis=1, skipna=False)
-    best = cheapest(points.assign(worst=worst), "worst", accuracy)
-    if best is None:
-        return None
-    return next(s for s in settings_of(engine, full=True) if s.label == best["setting"])
+    points = points.assign(worst=points[[f"{group}_max" for group in groups(speed)]].max(axis=1, skipna=False))
+    by_label = {settings.label: settings for settings in settings_of(engine, full=True)}
+    good = front(points[points["worst"] <= accuracy], "worst")
+    return [by_label[label] for label in good["setting"]]
 
 
 # --- fits within a family --------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ import pytest
 
 from analytic.engine import WORK_PRECISION, AnalyticSettings
 from compare.engines import registry
-from compare.engines.reference import establish
+from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Sampling, Scene
 from scenes.motion import channels

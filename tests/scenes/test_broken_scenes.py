@@ -12,7 +12,8 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Floor, establish
+from compare.engines.reference import Floor
+from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import InputError, Sampling, Status
 from tests import scene_files

@@ -152,7 +152,7 @@ def verdict(family: Family) -> str:
 
 def notes(family: Family) -> list[str]:
     """Return how far the reference may be off, which members cannot run, and which engines fail on which; and why."""
-    sentences = [*floors(member.floor for member in family.members if member.floor is not None)]
+    sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement is not None)]
     sentences += [f"{label(family, m)}: {m.status}: {m.reason}" for m in family.members if m.cycle is None]
     for member in family.members:
         failed = (m.run for m in member.measurements if m.run.status is not Status.ok)

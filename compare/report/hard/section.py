@@ -4,7 +4,7 @@ from html import escape
 
 import pandas as pd
 
-from ...engines import registry
+from ...engines.settings import tiers
 from ..html import details_html, figure_html, section_html, table_html
 from . import tables
 from .figure import over_condition
@@ -32,7 +32,8 @@ def hard_section(cases: pd.DataFrame) -> str:
     """Return the section on the hard cases; nothing where none was run."""
     if cases.empty:
         return ""
-    promises = ", ".join(f"{name} {entry.promise:.0e}" for name, entry in registry.ENTRIES.items())
+    engines = dict.fromkeys(cases["engine"])
+    promises = ", ".join(f"{name} {tiers(name)['balanced'].promise:.0e}" for name in engines)
     figure, digits = over_condition(cases), tables.digits(cases)
     lost = "Digits that the reference loses next to a singular configuration"
     ladders = ""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compare.engines import runner
-from compare.engines.reference import establish
 from compare.judge.errors import SHOWN_GROUPS
+from compare.judge.floor import establish
 from compare.judge.measure import Measurement, measure
 from scenes import Sampling, Scene, load
 from scenes.loads import Force

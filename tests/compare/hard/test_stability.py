@@ -10,9 +10,9 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import establish
 from compare.engines.stopping import Stopped
 from compare.hard import stability
+from compare.judge.floor import establish
 from compare.report.hard.stability import LETTERS, stability_maps
 from scenes import Scene, Status
 from tests import scene_files

@@ -8,10 +8,11 @@ import pytest
 import scenes
 from compare.engines.motion_vectors import MotionVectors
 from compare.engines.press_switches import acts, stroke_end
-from compare.engines.reference import Floor, Reference, establish
+from compare.engines.reference import Floor, Reference
 from compare.engines.runner import Run, run
 from compare.judge.checks import checks
 from compare.judge.errors import compare, error_table
+from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Motion, Sampling, Status
 from scenes.motion import channels, quantity

@@ -1,0 +1,62 @@
+"""How far the reference may itself be off, and whether it is to be believed: measured by arbitrary precision.
+
+The reference is in doubt where it contradicts itself, or differs from arbitrary precision by more than it promises and
+round-off explains. Then nothing is held against it.
+"""
+
+from dataclasses import replace
+
+from scenes import Failure, InputError, Sampling, Scene, Status
+
+from ..engines import axis as units
+from ..engines import registry
+from ..engines.reference import Floor, Reference, found
+from ..engines.runner import run
+from .measure import Measurement, assess
+from .round_off import explain
+
+FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
+NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.crashed}  # which casts no doubt
+
+
+def establish(scene: Scene, channels: frozenset[str] | None = None) -> Reference:
+    """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
+
+    Raises:
+        InputError: the reference cannot solve the scene, so that there is nothing to compare with.
+    """
+    try:
+        uncertified = found(scene)
+    except Failure as failure:
+        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
+    return replace(uncertified, floor=certified(uncertified, channels))
+
+
+def certified(reference: Reference, channels: frozenset[str] | None = None) -> Floor:
+    """Return the floor of a reference, measured at a few positions of one cycle.
+
+    Args:
+        reference: without a floor.
+        channels: those to certify; None for all.
+    """
+    scene, sampling = reference.scene, Sampling(FLOOR_SAMPLES, channels=channels)
+    explained = explain(reference, sampling)
+    core, oracle = (
+        assess(reference, sampling, run(engine, scene, sampling), explained)
+        for engine in (registry.REFERENCE, registry.ORACLE)
+    )
+    doubt = _doubt(core, oracle)
+    if oracle.comparison is None:
+        return Floor({}, f"not certified: {oracle.run.reason}", doubt)
+    where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(scene) else 'instants'}"
+    by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
+    return Floor({channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}, by, doubt)
+
+
+def _doubt(core: Measurement, oracle: Measurement) -> str:
+    """Return why the reference is not to be believed, or nothing."""
+    if core.run.status is not Status.ok:
+        return f"the core contradicts itself: {core.run.reason}"
+    if oracle.run.status is Status.ok or oracle.run.status in NO_ANSWER:
+        return ""
+    return f"the core and arbitrary precision differ: {oracle.run.status.name}, {oracle.run.reason}"

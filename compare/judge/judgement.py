@@ -1,0 +1,146 @@
+"""One scene solved by several engines, each held to its promise, and the reference to its own."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
+from typing import TypeAlias
+
+import numpy as np
+import pandas as pd
+
+from scenes import Motion, Sampling, Scene, Settings, Status
+
+from ..engines import registry
+from ..engines.reference import Reference, relative_errors
+from ..engines.registry import ORACLE, REFERENCE
+from ..engines.runner import Run
+from ..engines.stopping import kept
+from .escalation import escalated
+from .gates import Gate, gate_table, gates, missed
+from .measure import Measurement, measure
+from .round_off import Explained, explain
+from .verdict import judged
+
+Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Every engine's run on one scene, held against its own output, the reference and the scene's tolerances."""
+
+    scene: Scene
+    sampling: Sampling
+    reference: Reference
+    explained: Explained  # of errors, by doubles
+    measurements: list[Measurement]  # one an engine, in the order asked for
+    held: list[Gate]  # the scene's tolerances
+    reasons: list[str]  # why engines run at the settings that they do, where there is a reason to name
+
+    @property
+    def ok(self) -> bool:
+        """Whether every engine is ok, the reference not in doubt, and no tolerance missed."""
+        return not self.missed
+
+    @property
+    def missed(self) -> list[str]:
+        """What a CI run is stopped by, a line each."""
+        doubt = self.reference.floor.doubt
+        asked = any(m.run.engine == REFERENCE for m in self.measurements)
+        return missed(self.measurements, self.held) + ([f"{REFERENCE}: {doubt}"] if doubt and not asked else [])
+
+    @property
+    def verdicts(self) -> dict[str, tuple[str, str]]:
+        """By engine the name of its status, and the reason where it is not ok."""
+        return {m.run.engine: (m.run.status.name, m.run.reason) for m in self.measurements}
+
+    @property
+    def motions(self) -> dict[str, Motion]:
+        """By engine its motion, where it returned one, be it ok or not."""
+        return {m.run.engine: m.run.motion for m in self.measurements if m.run.motion is not None}
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """One row per engine and channel: its errors against the reference."""
+        return pd.concat([m.errors for m in self.measurements], ignore_index=True)
+
+    @property
+    def gates(self) -> pd.DataFrame:
+        """One row per tolerance of the scene: the error measured, and whether it was met."""
+        return gate_table(self.held)
+
+
+def judgement(
+    reference: Reference, engines: Sequence[str], sampling: Sampling, offers: Offers, progress: Callable[[str], None]
+) -> Judgement:
+    """Run every engine at the settings chosen for it, and at others if these fail; a stop leaves what is done.
+
+    Args:
+        reference: the reference of the scene, with its floor.
+        engines: their names.
+        sampling: the instants.
+        offers: by engine the settings to try, in that order, and a sentence why, or nothing.
+        progress: called with what is being done.
+    """
+    scene, explained = reference.scene, explain(reference, sampling)
+    reasons: list[str] = []
+
+    def main_runs() -> Iterator[Measurement]:
+        for engine in engines:
+            progress(f"running {engine}")
+            if registry.ENTRIES[engine].missing:
+                yield measure(reference, engine, sampling)
+                continue
+            offered, why = offers(engine)
+            measured, tried = escalated(partial(measure, reference, engine, sampling, explained=explained), offered)
+            reasons.extend(filter(None, (why, tried)))
+            yield measured
+
+    reference, measurements = _voted(reference, list(kept(main_runs())))
+    held = list(gates(scene, measurements, sampling.channels))
+    return Judgement(scene, sampling, reference, explained, measurements, held, reasons)
+
+
+def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Reference, list[Measurement]]:
+    """Return the reference and the measurements with whoever stands alone named.
+
+    Engines that the reference alone contradicts, and that agree with each other, put the reference in doubt.
+    """
+    others = [m for m in measurements if m.run.engine not in (REFERENCE, ORACLE)]
+    against = [m for m in others if m.run.found_by == "reference"]
+    if not reference.floor.doubt:
+        if not any(_agree(reference, *pair) for pair in combinations(against, 2)):
+            return reference, measurements
+        names = " and ".join(m.run.engine for m in against)
+        doubt = f"{names} agree with each other and not with the core: suspect the core"
+        by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
+    else:
+        by_themselves = {}
+        solved = [m for m in others if m.run.status is Status.ok and m.run.settings is not None and len(m.errors)]
+        apart = [m for m in solved if not m.errors["unexplained"].max() <= m.run.settings.promise]  # type: ignore[union-attr]
+        shared = "suspect what all models but it share, the scene's laws, tables and press forces"
+        suspect = "suspect the core" if apart or not solved else f"arbitrary precision stands alone: {shared}"
+        doubt = f"{reference.floor.doubt}: {suspect}"
+    doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
+    return doubted, [
+        replace(m, run=replace(m.run, status=Status.inaccurate, reason=doubt, found_by="reference"))
+        if m.run.engine == REFERENCE and m.run.status in (Status.ok, Status.inaccurate)
+        else by_themselves.get(id(m), m)
+        for m in measurements
+    ]
+
+
+def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
+    """Return whether two runs of the same instants are within the sum of their promises of each other."""
+    runs = one.run, other.run
+    if any(run.motion is None or run.settings is None for run in runs):
+        return False
+    motions = [run.motion for run in runs if run.motion is not None]
+    promises = sum(run.settings.promise for run in runs if run.settings is not None)
+    errors = relative_errors(motions[0], motions[1], reference.scale)
+    return bool(np.max([error.max() for error in errors.values()]) <= promises)
+
+
+def _by_itself(measured: Measurement) -> Run:
+    """Return the run as its own output lets one judge it."""
+    return judged(replace(measured.run, status=Status.ok, reason="", found_by=""), measured.checks)
