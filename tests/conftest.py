@@ -83,7 +83,7 @@ def few_settings() -> Iterator[None]:
 def plug(monkeypatch: pytest.MonkeyPatch) -> Plug:
     """Return a function that makes the engine named `stub` end as told."""
     real = registry.engine
-    entry = registry.Entry("a stub", "", 1e-3, "numpy", "numpy", "")
+    entry = registry.Entry("a stub", "", "numpy", "numpy", "")
     monkeypatch.setitem(registry.ENTRIES, "stub", entry)
 
     def plug(outcome: Outcome) -> None:

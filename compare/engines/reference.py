@@ -13,6 +13,7 @@ from .motion_vectors import MotionVectors
 from .press_switches import Acts, acts, fixed, press_forces, stroke_end
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
+NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
 PLACES = {"x", "y", "angle"}  # quantities whose magnitude depends on where one counts from
 
 
@@ -97,8 +98,9 @@ def scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
     for channel in peaks:
         if quantity(channel) == "guide_moment":  # often zero by symmetry; a force times the stroke is its natural size
             peaks[channel] = max(peaks[channel], stroke * peaks[channel.replace("guide_moment", "guide_force")])
-    largest = max(peaks.values(), default=0.0) or 1.0  # for a joint that never carries anything
-    return {c: size[quantity(c)] if quantity(c) in size else peaks[c] or largest for c in channels(scene)}
+    largest = max(peaks.values(), default=0.0) or 1.0
+    forces = {c: peak if peak > NOTHING * largest else largest for c, peak in peaks.items()}
+    return {c: size[quantity(c)] if quantity(c) in size else forces[c] for c in channels(scene)}
 
 
 def magnitude(motion: Motion, channel: str) -> Samples:

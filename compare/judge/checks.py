@@ -15,7 +15,8 @@ from scenes.scene import GROUND, Body
 from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, distances, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from ..engines.reference import sizes
+from ..engines.reference import NOTHING, sizes
+from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
 from .round_off import EPS
@@ -49,9 +50,7 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            rounding = EPS * estimated.condition
-            balances = _balances(state, stroke)
-            violations |= {what: np.where(left <= rounding, 0.0, left) for what, left in balances.items()}
+            violations |= _balances(state, stroke, EPS * estimated.condition)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -117,35 +116,48 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: MotionVectors, stroke: float) -> Violations:
-    """Return what forces and power leave over; on the switch of a press force, on the side where it is less."""
+def _balances(state: MotionVectors, stroke: float, rounding: Samples) -> Violations:
+    """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
+
+    What `rounding`, relative and of shape (n,), explains is zero.
+    """
     may = [acts(state, load, stroke_end(state, load)) for load in press_forces(state.scene)]
     least: Violations = {}
     for acting in sides(may):
         standing = replace(state, acting=acting)
-        left_over = dict(_newton_euler(standing, stroke))
-        left_over["power", "mechanism", "peak of the largest power"] = _power(standing)
+        left_over = dict(_newton_euler(standing, stroke, rounding))
+        left_over["power", "mechanism", "peak of the largest power"] = _power(standing, rounding)
         least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
     return least
 
 
-def _newton_euler(state: MotionVectors, stroke: float) -> Iterator[tuple[tuple[str, str, str], Samples]]:
+def _newton_euler(
+    state: MotionVectors, stroke: float, rounding: Samples
+) -> Iterator[tuple[tuple[str, str, str], Samples]]:
     """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
-    for body in state.scene.bodies.values():
+    scene = state.scene
+    pushes = {
+        body.name: [*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))]
+        for body in scene.bodies.values()
+    }
+    peaks = {name: max(float(np.abs(force).max()) for force, _ in own) for name, own in pushes.items()}
+    largest = max(peaks.values()) or 1.0  # where nothing pushes: the leftover itself, in N
+    explained = rounding * largest
+    for body in scene.bodies.values():
         com, _, acceleration = state.com(body)
         force = -(body.mass or 0.0) * acceleration
         moment = state.couples(body) - inertia(body) * state.turning(body.name)[2]
-        peak = 0.0
-        for push, at in (*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))):
+        for push, at in pushes[body.name]:
             force = force + push
             moment = moment + ((at - com).conjugate() * push).imag
-            peak = max(peak, float(np.abs(push).max()))
-        peak = peak or 1.0  # a body that nothing pushes: the leftover itself, in N
-        yield ("Newton", body.name, "peak force on the body"), np.abs(force) / peak
-        yield ("Euler", body.name, "peak force times the stroke"), np.abs(moment) / (peak * stroke)
+        peak = peaks[body.name] if peaks[body.name] > NOTHING * largest else largest
+        left, turning = np.abs(force), np.abs(moment)
+        yield ("Newton", body.name, "peak force on the body"), np.where(left <= explained, 0.0, left) / peak
+        turning = np.where(turning <= explained * largest_length(scene), 0.0, turning)
+        yield ("Euler", body.name, "peak force times the stroke"), turning / (peak * stroke)
 
 
-def _power(state: MotionVectors) -> Samples:
+def _power(state: MotionVectors, rounding: Samples) -> Samples:
     """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
     driven = state.scene.bodies[state.scene.drive.body]
     if state.scene.driven_slide is None:
@@ -158,4 +170,5 @@ def _power(state: MotionVectors) -> Samples:
         _, omega, alpha = state.turning(body.name)
         terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
     peak = max(float(np.abs(term).max()) for term in terms) or 1.0
-    return np.abs(sum(terms)) / peak
+    left = np.abs(sum(terms)) / peak
+    return np.where(left <= rounding, 0.0, left)

@@ -44,7 +44,7 @@ class Constraints:
     """C(q) = 0 of one scene, at many poses at once."""
 
     def __init__(self, scene: Scene) -> None:
-        self.scene, self.size = scene, _largest_length(scene)
+        self.scene, self.size = scene, largest_length(scene)
         self.bodies = {name: number for number, name in enumerate((*scene.bodies, GROUND))}
         self.arms = {name: arms(scene, body) for name, body in scene.bodies.items()}
         self.arms[GROUND] = {point: complex(*place) for point, place in scene.ground.items()}
@@ -140,7 +140,7 @@ def condition(scene: Scene, motion: Motion) -> Samples:
         )
 
 
-def _largest_length(scene: Scene) -> float:
+def largest_length(scene: Scene) -> float:
     """Return the largest known distance of a body's points, or of the ground's, m; without one, the drive's travel."""
     ground = [complex(*place) for place in scene.ground.values()]
     known = [length for body in scene.bodies.values() for length in distances(body).values()]

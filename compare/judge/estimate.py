@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples, quantity
+from scenes.motion import UNITS, Samples, force_channels, quantity
 
 from ..engines.reference import relative_errors, scales, sizes
+from .constraints import largest_length
 from .errors import GROUPS
 from .projection import projected
 from .round_off import EPS
@@ -33,21 +34,30 @@ def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
     """
     projection = projected(scene, motion)
     scale = scales(scene, projection.ways[0], stroke)
-    ways = [_unexplained(motion, way, scale, projection.condition) for way in projection.ways]
+    units = scale | _force_units(scene)
+    ways = [_unexplained(motion, way, scale, units, projection.condition) for way in projection.ways]
     best = np.array([np.max([*way.values()], axis=0) for way in ways]).argmin(axis=0)
     errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in ways[0]}
     return Estimate(errors, projection.branch, projection.condition)
 
 
-def _unexplained(motion: Motion, true: Motion, scale: Mapping[str, float], condition: Samples) -> dict[str, Samples]:
-    """Return the relative errors, zero where rounding explains them: by the largest value of their kind."""
+def _force_units(scene: Scene) -> dict[str, float]:
+    """Return what makes forces and moments of all joints comparable: one newton, at the linkage's largest length."""
+    size = {"N": 1.0, "N*m": largest_length(scene)}
+    return {channel: size[UNITS[quantity(channel)]] for channel in force_channels(scene)}
+
+
+def _unexplained(
+    motion: Motion, true: Motion, scale: Mapping[str, float], units: Mapping[str, float], condition: Samples
+) -> dict[str, Samples]:
+    """Return the relative errors, zero where rounding explains them: by the largest value of their kind, in `units`."""
     found = relative_errors(motion, true, scale)
-    values = np.array([np.abs(true[channel]) / scale[channel] for channel in found])
-    shrunk = np.array([scale[channel] / sizes(true, channel, scale[channel]) for channel in found])
+    values = np.array([np.abs(true[channel]) / units[channel] for channel in found])
+    shares = np.array([units[channel] / sizes(true, channel, scale[channel]) for channel in found])
     kinds = np.array([KINDS[GROUPS[quantity(channel)]] for channel in found])
     errors = np.array([*found.values()])
     for kind, power in enumerate(POWERS):
         own = kinds == kind
-        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0) * shrunk[own]
+        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0) * shares[own]
         errors[own] = np.where((errors[own] <= explained) | np.isinf(condition), 0.0, errors[own])
     return dict(zip(found, errors, strict=True))

@@ -53,9 +53,9 @@ def limits(settings: Settings) -> Iterator[Limit]:
 
 def judged(run: Run, checks: Sequence[Check]) -> Run:
     """Return the run, its status corrected where its own output contradicts it, or is further off than promised."""
-    if run.status is not Status.ok or run.settings is None:
+    if run.status is not Status.ok:
         return run
-    for limit in limits(run.settings):
+    for limit in limits(run.settings or Settings("")):
         broken = [check for check in checks if check.check == limit.check and not check.worst <= limit.most]
         if broken:
             found = broken[int(np.argmax([check.worst for check in broken]))]
@@ -73,7 +73,7 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
         comparison: its errors.
         unexplained: those at the positions commanded, by channel, zero where round-off explains them; shape (n,).
     """
-    if run.status is not Status.ok or run.settings is None:
+    if run.status is not Status.ok:
         return run
     for point in scene.moving_points:
         both = (f"{point}.x", f"{point}.y")
@@ -85,10 +85,11 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
             return replace(run, status=Status.wrong_branch, reason=reason, found_by="reference")
     worst = {channel: float(error.max()) for channel, error in unexplained.items() if channel != scene.drive_channel}
     channel = max(worst, key=lambda name: np.inf if np.isnan(worst[name]) else worst[name], default="")
-    if channel and not worst[channel] <= run.settings.promise:
+    promise = (run.settings or Settings("")).promise
+    if channel and not worst[channel] <= promise:
         where = scene.where(float(comparison.position[unexplained[channel].argmax()]))
         reason = f"{channel} is off the reference by {share(worst[channel])} of the larger of its scale and magnitude"
-        reason += f"; at most {run.settings.promise:g} is promised, at {where}"
+        reason += f"; at most {promise:g} is promised, at {where}"
         return replace(run, status=Status.inaccurate, reason=reason, found_by="reference")
     return run
 

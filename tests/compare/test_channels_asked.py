@@ -149,7 +149,8 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
     found = checks(scene, wrong, reference.stroke)
-    verdict = compared(judged(run, found), scene, found, compare(reference, SAMPLING, wrong))
+    comparison = compare(reference, SAMPLING, wrong)
+    verdict = compared(judged(run, found), scene, comparison, comparison.commanded)
     assert verdict.status is status
 
 

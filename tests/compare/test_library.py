@@ -7,8 +7,8 @@ import pytest
 import compare
 import scenes
 from compare.engines import registry
+from compare.judge.judgement import Judgement
 from compare.run import main
-from compare.study import Judgement
 from scenes.motion import kinematic_channels
 from tests.comparisons import SLOW
 

@@ -1,16 +1,18 @@
 """What is tried after a failure, and what is said of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pandas as pd
 import pytest
 
 from compare.engines.runner import Run
-from compare.judge.escalation import escalated
+from compare.judge.escalation import escalated, offers
 from compare.judge.measure import Measurement
 from scenes import Settings, Status
 
-FAST, BALANCED, EXACT = Settings("fast"), Settings("balanced"), Settings("exact")
+FAST, BALANCED, EXACT = (
+    Settings(*of[:1], promise=of[1]) for of in (("fast", 1e-2), ("balanced", 1e-3), ("exact", 1e-6))
+)
 
 
 @dataclass
@@ -35,9 +37,14 @@ def tiers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("compare.judge.escalation.tiers", lambda _: offered)
 
 
+def test_all_are_held_to_the_promise_asked_for() -> None:
+    assert [(s.label, s.promise) for s in offers("x", "balanced")] == [(s, 1e-3) for s in ("balanced", "exact", "fast")]
+    assert [(s.label, s.promise) for s in offers("x", "fast")] == [(s, 1e-2) for s in ("fast", "balanced", "exact")]
+
+
 def test_what_is_ok_is_not_tried_again() -> None:
     engine = Engine({})
-    measured, said = escalated(engine, "x", BALANCED)
+    measured, said = escalated(engine, offers("x", "balanced"))
     assert engine.tried == ["balanced"]
     assert measured.run.status is Status.ok
     assert said == ""
@@ -45,9 +52,9 @@ def test_what_is_ok_is_not_tried_again() -> None:
 
 def test_the_next_that_is_ok_is_taken() -> None:
     engine = Engine({"fast": Status.wrong_branch, "balanced": Status.not_converged})
-    measured, said = escalated(engine, "x", FAST)
+    measured, said = escalated(engine, offers("x", "fast"))
     assert engine.tried == ["fast", "balanced", "exact"]
-    assert measured.run.settings == EXACT
+    assert measured.run.settings == replace(EXACT, promise=1e-2)
     assert said == (
         "x: fast ended wrong_branch, fast is not enough; balanced ended not_converged, balanced is not enough;"
         " so exact was taken"
@@ -55,20 +62,21 @@ def test_the_next_that_is_ok_is_taken() -> None:
 
 
 def test_where_nothing_helps_the_first_stays() -> None:
-    engine = Engine(dict.fromkeys(("balanced", "exact"), Status.diverged))
-    measured, said = escalated(engine, "x", BALANCED)
+    engine = Engine(dict.fromkeys(("fast", "balanced", "exact"), Status.diverged))
+    measured, said = escalated(engine, offers("x", "balanced"))
     assert measured.run.settings == BALANCED
-    assert said.endswith("exact ended diverged, exact is not enough")
+    assert said.endswith("exact ended diverged, exact is not enough; fast ended diverged, fast is not enough")
 
 
 @pytest.mark.parametrize("status", [Status.unsupported, Status.cannot_assemble, Status.crashed, Status.timed_out])
 def test_what_accuracy_cannot_help_is_not_tried_again(status: Status) -> None:
     engine = Engine({"balanced": status})
-    escalated(engine, "x", BALANCED)
+    escalated(engine, offers("x", "balanced"))
     assert engine.tried == ["balanced"]
 
 
-def test_settings_without_a_name_are_followed_by_the_most_accurate() -> None:
-    engine = Engine({"other": Status.diverged})
-    escalated(engine, "x", Settings("other"))
-    assert engine.tried == ["other", "exact"]
+def test_where_the_more_accurate_fail_a_cheaper_one_may_hold() -> None:
+    engine = Engine({"balanced": Status.inaccurate, "exact": Status.inconsistent})
+    measured, said = escalated(engine, offers("x", "balanced"))
+    assert measured.run.settings == replace(FAST, promise=1e-3)
+    assert said.endswith("so fast was taken")

@@ -56,7 +56,7 @@ def test_an_open_joint_has_it(references: References, channel: str, body: str) -
 def test_a_place_that_is_no_number_is_another_branch(reference: Reference, motion: Motion) -> None:
     """The comparison alone: the checks have seen nothing."""
     comparison = compare(reference, SAMPLING, changed(motion, "P4.x", np.nan))
-    assert compared(OK, reference.scene, [], comparison).status is Status.wrong_branch
+    assert compared(OK, reference.scene, comparison, {}).status is Status.wrong_branch
 
 
 def test_an_error_that_is_no_number_is_the_largest(reference: Reference, motion: Motion) -> None:

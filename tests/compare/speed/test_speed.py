@@ -19,7 +19,7 @@ from compare.report.speed.figure import work_precision as picture
 from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget, take_turns
 from compare.speed.work_precision import choices, orders, solved, step_costs
-from compare.study import Study, settings_by_error, settings_by_name, study
+from compare.study import Study, _offers, study
 from scenes import Sampling
 
 from .stubs import FULL, STEPS, Clock, StubEngine, StubSettings, family, quiet, second_order, table
@@ -30,7 +30,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     """Return an engine named `stub`, the only one there is besides the analytic core, under a clock of its own."""
     clock, real = Clock(tick=1e-9), registry.engine
     engine = StubEngine(reference, clock)
-    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", 1e-3, "numpy", "numpy", ""))
+    monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
     monkeypatch.setattr("compare.engines.runner.perf_counter", clock)
     monkeypatch.setattr("compare.speed.speed_table.take_turns", partial(take_turns, clock=clock, wall=clock))
@@ -112,16 +112,17 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("tier", TIERS)
 def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
-    settings, why = settings_by_name("stub", tier)
-    assert settings is {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
+    (settings, *_), why = _offers(tier, table())("stub")
+    assert settings == {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
     assert why == ""
 
 
 def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "EXACT", second_order(72, note="for show"))
     speed = table(("stub", "72 steps", 1.0, 1e-3))
-    for settings, why in (settings_by_name("stub", "exact"), settings_by_error("stub", 1e-9, speed)):
-        assert settings is stub.EXACT
+    for accuracy in ("exact", 1e-9):
+        (settings, *_), why = _offers(accuracy, speed)("stub")
+        assert settings.label == stub.EXACT.label
         assert why.endswith("stub, 72 steps, noted: for show")
 
 
@@ -137,7 +138,7 @@ def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.Mon
 def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
     speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
     speed.loc[speed["setting"] == "72 steps", "torque_max"] = nan  # what has no error in a group does not meet it
-    settings, why = settings_by_error("stub", level, speed)
+    (settings, *_), why = _offers(level, speed)("stub")
     assert settings.label == label
     assert said in why
 
@@ -146,7 +147,8 @@ def test_an_accuracy_by_number(reference: Reference, level: float, label: str, s
 def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(StubEngine, "WORK_PRECISION", (second_order(72, note="for show"), *StubEngine.WORK_PRECISION))
     speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
-    assert settings_by_error("stub", 1e-2, speed)[0] is StubEngine.WORK_PRECISION[1]
+    (settings, *_), _ = _offers(1e-2, speed)("stub")
+    assert settings.label == StubEngine.WORK_PRECISION[1].label
 
 
 def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
