@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -16,10 +17,11 @@ from compare.judge.errors import SHOWN_GROUPS
 from compare.speed.timing import Budget, Times, take_turns
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings, Simulation
+from scenes.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 SAMPLING = Sampling(72)
-CHECKS = {"drive", "closure", "branch", "estimate", *SHOWN_GROUPS, "Newton", "Euler", "power"}
+CHECKS = {"drive", "closure", "branch", *SHOWN_GROUPS, "Newton", "Euler", "power"}
 Outcome = Motion | Exception
 References = Callable[[str], Reference]
 Plug = Callable[[Outcome], None]
@@ -99,3 +101,15 @@ def changed(motion: Motion, channel: str, by: float, row: int = 40) -> Motion:
 
 def row_of(table: pd.DataFrame, channel: str) -> dict[Hashable, Any]:
     return next(row for row in table.to_dict("records") if row["channel"] == channel)
+
+
+def vector_of(channel: str) -> set[str]:
+    """Return the channels of a component's vector, or the channel itself."""
+    return {channel[:-1] + axis for axis in "xy"} if channel[-1] in "xy" else {channel}
+
+
+def size_of(motion: Motion, channel: str, scale: float, row: int = 40) -> float:
+    """Return what an error is divided by at a sample: the scale, or of a rate the vector's magnitude if larger."""
+    if quantity(channel) in ("x", "y", "angle"):
+        return scale
+    return max(scale, float(np.sqrt(sum(motion[part][row] ** 2 for part in vector_of(channel)))))

@@ -15,8 +15,8 @@ from compare.judge.gates import gates
 from compare.judge.measure import Measurement, measure
 from compare.speed.timing import Budget
 from compare.study import study
-from scenes import Failure, Motion, Status
-from tests.comparisons import SAMPLING, Plug, changed
+from scenes import Failure, Motion, Settings, Status
+from tests.comparisons import SAMPLING, Plug, Stub, changed, size_of
 
 # --- verdicts and statuses --------------------------------------------------------------------------------------------
 
@@ -57,7 +57,7 @@ def test_a_failure_is_a_row(reference: Reference, plug: Plug, outcome: Exception
 
 def test_nan_is_nonfinite(reference: Reference, motion: Motion, plug: Plug) -> None:
     plug(changed(motion, "P3.fx", np.nan))
-    outcome = run("stub", reference.scene, SAMPLING)
+    outcome = measure(reference, "stub", SAMPLING).run
     assert outcome.status is Status.nonfinite
     assert "P3.fx" in outcome.reason
     assert "crank angle 200.0000 deg" in outcome.reason
@@ -66,14 +66,59 @@ def test_nan_is_nonfinite(reference: Reference, motion: Motion, plug: Plug) -> N
 def test_a_dropped_channel_is_noticed(reference: Reference, motion: Motion, plug: Plug) -> None:
     rest = {channel: values for channel, values in motion.samples.items() if channel != "P3.fx"}
     plug(Motion(rest))
-    assert run("stub", reference.scene, SAMPLING).status is Status.crashed
+    assert measure(reference, "stub", SAMPLING).run.status is Status.crashed
     plug(Motion(rest, {"P3.fx": "this engine has no such sensor"}))
-    assert run("stub", reference.scene, SAMPLING).status is Status.ok
+    missing = measure(reference, "stub", SAMPLING).run
+    assert missing.status is Status.unsupported
+    assert missing.reason == "P3.fx is missing, which the engine gives elsewhere: this engine has no such sensor"
 
 
-def test_a_short_run_is_noticed(reference: Reference, motion: Motion, plug: Plug) -> None:
-    plug(Motion({channel: values[:-1] for channel, values in motion.samples.items()}))
-    assert run("stub", reference.scene, SAMPLING).status is Status.crashed
+def test_what_an_engine_gives_nowhere_may_be_missing(
+    reference: Reference, motion: Motion, plug: Plug, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rest = {channel: values for channel, values in motion.samples.items() if channel != "drive.torque"}
+    plug(Motion(rest, {"drive.torque": "it knows no motor"}))
+    assert measure(reference, "stub", SAMPLING).run.status is Status.ok
+    monkeypatch.setitem(registry.ENTRIES, "stub", replace(registry.ENTRIES["stub"], everything=True))
+    assert measure(reference, "stub", SAMPLING).run.status is Status.unsupported
+
+
+@pytest.mark.parametrize("spoilt", [("crank_angle",), ("time",), ()])
+@pytest.mark.parametrize("row", [1, 40, 72])
+def test_a_repeated_row_is_noticed(
+    reference: Reference, motion: Motion, plug: Plug, spoilt: tuple[str, ...], row: int
+) -> None:
+    """With the drive's channel or the time as they should be, or repeated too."""
+    kept = {"time", "crank_angle"} - {*spoilt}
+    rows = np.arange(SAMPLING.count)
+    repeated = np.where(rows == row, row - 1, rows)
+    samples = {c: values if c in kept else values[repeated] for c, values in motion.samples.items()}
+    plug(Motion(samples))
+    assert measure(reference, "stub", SAMPLING).run.status is Status.inconsistent
+
+
+@pytest.mark.parametrize("late", [1e-8, 1e-3, 0.05])
+def test_a_motion_that_is_late_is_noticed(reference: Reference, plug: Plug, late: float) -> None:
+    """All of it, the crank angle too: consistent, and not where it was asked to be."""
+    plug(reference.at(SAMPLING.commanded(reference.scene) - late, SAMPLING.times(reference.scene)))
+    run = measure(reference, "stub", SAMPLING).run
+    assert run.status is Status.inconsistent
+    assert f"crank is off where the drive asks it to be by {late:.1%}"[:52] in run.reason or late < 1e-2
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.9, Status.ok), (1.1, Status.inaccurate)])
+def test_a_run_is_held_to_its_promise(
+    reference: Reference, motion: Motion, plug: Plug, monkeypatch: pytest.MonkeyPatch, share: float, status: Status
+) -> None:
+    """By the checks, which know of accelerations, and by the reference alone, where few channels are asked for."""
+    monkeypatch.setattr(Stub, "DEFAULT", Settings("stub", promise=1e-3))
+    wrong = changed(motion, "P5.ay", share * 1e-3 * size_of(motion, "P5.ay", reference.scale["P5.ay"]))
+    plug(wrong)
+    assert measure(reference, "stub", SAMPLING).run.status is status
+    few = replace(SAMPLING, channels=frozenset({"P5.ay"}))
+    plug(Motion({channel: wrong[channel] for channel in few.wanted(reference.scene)}))
+    run = measure(reference, "stub", few).run
+    assert (run.status, run.found_by) == (status, "reference" if status is Status.inaccurate else "")
 
 
 def test_an_engine_not_installed_is_a_row(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:

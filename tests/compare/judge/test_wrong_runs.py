@@ -40,7 +40,7 @@ WRONG = [  # a scene, its settings, the channel that is furthest off, and by how
 @pytest.mark.parametrize(("name", "engine", "settings", "channel", "by"), WRONG)
 def test_a_wrong_run_is_refused(name: str, engine: str, settings: Settings, channel: str, by: float) -> None:
     wrong = measured(scenes.load(name), engine, settings)
-    assert (wrong.run.status, wrong.run.found_by) == (Status.not_converged, "checks")
+    assert (wrong.run.status, wrong.run.found_by) == (Status.inconsistent, "checks")
     worst = wrong.errors.set_index("channel")["max"]
     assert worst[channel] == pytest.approx(by, rel=0.1)
     assert wrong.estimate == pytest.approx(worst.max(), rel=0.02)
@@ -50,7 +50,7 @@ def test_a_wrong_run_is_refused(name: str, engine: str, settings: Settings, chan
 def test_too_few_sweeps_never_pass(reference: Reference, sweeps: int) -> None:
     """Measured: with 20 the result is off by 1.3 %, by its own poses; the limit is 10 %."""
     wrong = measure(reference, "pymunk", SAMPLING, PymunkSettings("", 360, 1, sweeps))
-    assert wrong.run.status in {Status.wrong_branch, Status.diverged, Status.not_converged, Status.nonfinite}
+    assert wrong.run.status in {Status.wrong_branch, Status.diverged, Status.inconsistent, Status.nonfinite}
 
 
 def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -58,7 +58,7 @@ def test_undamped_oscillation_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(exudyn_stepping, "SINGULAR_SPEED", np.inf)
     settings = TimeStepping("", steps=360, richardson=False, solver="TrapezoidalIndex2")
     wrong = measured(scene_files.load("slotted_class_iii"), "exudyn", settings, Sampling(60))
-    assert (wrong.run.status, wrong.run.found_by) == (Status.not_converged, "checks")
+    assert (wrong.run.status, wrong.run.found_by) == (Status.inconsistent, "checks")
 
 
 # The rod is longer than |P4.x| ever gets, 248.99658795 mm near 212.05 deg, by one part in a million or in ten thousand.
@@ -80,11 +80,11 @@ def test_a_jump_to_the_other_branch_is_seen(settings: Settings, status: Status) 
 
 def test_runs_too_far_apart_to_extrapolate() -> None:
     wrong = measured(with_rod(249.021487609), "exudyn", TimeStepping("", steps=360))
-    assert (wrong.run.status, wrong.run.found_by) == (Status.not_converged, "checks")
+    assert (wrong.run.status, wrong.run.found_by) == (Status.inconsistent, "checks")
 
 
 def test_wild_accelerations_do_not_pass_as_their_own_scale() -> None:
     """Near 30 degrees the sweeps leave the busy scene's accelerations wrong by three times their true peak."""
     wrong = measured(scene_files.load("busy"), "pymunk", pymunk_model.DEFAULT, Sampling(360))
-    assert wrong.run.status is Status.not_converged
+    assert wrong.run.status is Status.inconsistent
     assert wrong.run.found_by == "checks"
