@@ -36,6 +36,7 @@ class Reference:
     scale: Mapping[str, float]  # by channel, what errors are divided by
     floor: Floor
     stroke_ends: tuple[float, ...] = ()  # m, of each press force
+    neighbours: tuple[registry.Solve, ...] = ()  # the same with the scene's numbers a few last places off, where known
 
     def acts(self, *motions: Motion) -> list[Acts]:
         """Return whether each press force may act, by sample, from motions that are the same but for a hair."""

@@ -11,8 +11,9 @@ from scenes import Failure, InputError, Sampling, Scene, Status
 from ..engines import axis as units
 from ..engines import registry
 from ..engines.reference import Floor, Reference, found
-from ..engines.runner import run
+from ..engines.runner import Run, run
 from .measure import Measurement, assess
+from .perturbation import neighbours
 from .round_off import explain
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
@@ -29,6 +30,7 @@ def establish(scene: Scene, channels: frozenset[str] | None = None) -> Reference
         uncertified = found(scene)
     except Failure as failure:
         raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
+    uncertified = replace(uncertified, neighbours=neighbours(scene))
     return replace(uncertified, floor=certified(uncertified, channels))
 
 
@@ -41,10 +43,10 @@ def certified(reference: Reference, channels: frozenset[str] | None = None) -> F
     """
     scene, sampling = reference.scene, Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
-    core, oracle = (
-        assess(reference, sampling, run(engine, scene, sampling), explained)
-        for engine in (registry.REFERENCE, registry.ORACLE)
-    )
+    own = reference.at(sampling.commanded(scene), sampling.times(scene))
+    settings = registry.engine(registry.REFERENCE).DEFAULT
+    core = assess(reference, sampling, Run(registry.REFERENCE, settings, Status.ok, motion=own), explained)
+    oracle = assess(reference, sampling, run(registry.ORACLE, scene, sampling), explained)
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
         return Floor({}, f"not certified: {oracle.run.reason}", doubt)

@@ -3,7 +3,7 @@
 No model that computes in doubles can be held to less: each rounds the lengths its own way before the first equation.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -75,29 +75,50 @@ def put(whole: Any, path: Path, value: float | Vector) -> Any:
     return replace(whole, **{str(key): put(getattr(whole, str(key)), rest, value)})
 
 
-def sensitivity(scene: Scene, true: Motion, errors: Callable[[Motion], Mapping[str, Samples]]) -> dict[str, Samples]:
+def neighbours(scene: Scene) -> tuple[registry.Solve, ...]:
+    """Return solvers of the scene with its lengths and places off by a few last places; none if one cannot be solved.
+
+    Args:
+        scene: the linkage.
+    """
+    draw = np.random.default_rng(SEED)
+    off = ULPS * np.finfo(float).eps
+    try:
+        return tuple(
+            registry.reference(_jittered(scene, lambda value: value * (1 + off * float(draw.choice((-1.0, 1.0))))))
+            for _ in range(DRAWS)
+        )
+    except Failure:
+        return ()
+
+
+def sensitivity(
+    scene: Scene,
+    others: Sequence[registry.Solve],
+    true: Motion,
+    errors: Callable[[Motion], Mapping[str, Samples]],
+) -> dict[str, Samples]:
     """Return by how much each channel moves when lengths, places and drive are off by a few last places, shape (n,).
 
     Infinite where one of the scenes cannot be assembled: then doubles know nothing of the motion.
 
     Args:
         scene: the linkage.
+        others: its neighbours.
         true: its motion, whose drive the others follow, off by as little.
         errors: relative errors of a motion by channel, each of shape (n,).
     """
-    draw = np.random.default_rng(SEED)
-    off = ULPS * np.finfo(float).eps
     position = true[scene.drive_channel]
     least = 1e-3 * np.ptp(scene.drive.extent)  # an angle that passes through zero is no better known there
-    moved: dict[str, Samples] = {}
-    for number in range(DRAWS):
-        turn = (-1) ** number * off * np.maximum(np.abs(position), least)
-        other = _jittered(scene, lambda value: value * (1 + off * float(draw.choice((-1.0, 1.0)))))
+    off = ULPS * np.finfo(float).eps * np.maximum(np.abs(position), least)
+    unknown = {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
+    moved: dict[str, Samples] = {} if others else unknown
+    for number, solve in enumerate(others):
         try:
             with np.errstate(invalid="ignore"):
-                found = errors(registry.reference(other)(position + turn, true["time"]))
+                found = errors(solve(position + (-1) ** number * off, true["time"]))
         except Failure:
-            return {channel: np.full(true["time"].shape, np.inf) for channel in true.samples}
+            return unknown
         for channel, error in found.items():
             known = np.where(np.isnan(error), np.inf, error)  # where both scenes stand in a singular pose
             moved[channel] = np.maximum(moved.get(channel, 0.0), known)

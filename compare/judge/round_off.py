@@ -15,7 +15,7 @@ from scenes.motion import Samples
 
 from ..engines.reference import Reference
 from .constraints import condition
-from .perturbation import sensitivity
+from .perturbation import neighbours, sensitivity
 
 EPS = float(np.finfo(float).eps)
 UNKNOWN = 1e-3  # of κ ε: a length that is off by a few last places changes the pose by about that
@@ -51,5 +51,6 @@ def explain(reference: Reference, sampling: Sampling) -> Explained:
     scene = reference.scene
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
     may = reference.acts(true)
-    moved = sensitivity(scene, true, lambda motion: reference.errors(motion, true, may))
+    others = reference.neighbours or neighbours(scene)
+    moved = sensitivity(scene, others, true, lambda motion: reference.errors(motion, true, may))
     return Explained(condition(scene, true), moved)
