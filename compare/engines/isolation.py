@@ -4,24 +4,28 @@ import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
+from math import ceil
 from multiprocessing import get_context
+from time import process_time
 from typing import TypeVar
 
 from pebble import ProcessExpired, ProcessPool
 
 from scenes import Status
 
+SIGXCPU = getattr(signal, "SIGXCPU", 24)  # which Windows lacks
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 POLL = 0.2  # s, between two looks at whether the user asked to stop
+WAIT = 10.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
 
 
 @dataclass(frozen=True)
 class Limits:
     """What one item may take."""
 
-    seconds: float = 30.0
+    seconds: float = 30.0  # of processor time
     memory: int = 3 * 2**30  # bytes of address space, of which much is reserved and never touched
     workers: int = 2
 
@@ -46,7 +50,8 @@ def isolated(
     ) as pool:
         try:
             pending: dict[Future[Result], Item] = {
-                pool.schedule(function, args=[item], timeout=limits.seconds): item for item in items
+                pool.schedule(_within, args=[limits.seconds, function, item], timeout=WAIT * limits.seconds): item
+                for item in items
             }
             while pending:
                 poll()
@@ -67,12 +72,24 @@ def _limit(memory: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash is expected and leaves no file
 
 
+def _within(seconds: float, function: Callable[[Item], Result], item: Item) -> Result:
+    """Call a function; the process is ended by SIGXCPU when that has taken so much processor time."""
+    try:
+        import resource
+    except ImportError:
+        return function(item)
+    resource.setrlimit(resource.RLIMIT_CPU, (ceil(process_time() + seconds), resource.RLIM_INFINITY))
+    return function(item)
+
+
 def _outcome(result: Callable[[], Result], limits: Limits) -> Result | Ended:
     try:
         return result()
     except TimeoutError:
-        return Ended(Status.timed_out, f"no answer within {limits.seconds:g} s")
+        return Ended(Status.timed_out, f"no answer within {WAIT * limits.seconds:g} s")
     except ProcessExpired as error:
+        if error.exitcode == -SIGXCPU:
+            return Ended(Status.timed_out, f"no answer within {limits.seconds:g} s of processor time")
         return Ended(Status.crashed, f"its process ended by {_cause(error.exitcode)}")
     except MemoryError:
         return Ended(Status.crashed, f"it needed more than {limits.memory / 2**30:g} GiB of memory")

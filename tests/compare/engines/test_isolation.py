@@ -13,11 +13,12 @@ ENDS = {
     "abort": (Status.crashed, "its process ended by SIGABRT"),
     "segfault": (Status.crashed, "its process ended by SIGSEGV"),
     "exit": (Status.crashed, "its process ended by exit status 3"),
-    "hang": (Status.timed_out, "no answer within 2 s"),
+    "hang": (Status.timed_out, "no answer within 10 s"),
+    "spin": (Status.timed_out, "no answer within 1 s of processor time"),
     "eat": (Status.crashed, "it needed more than 2 GiB of memory"),
     "raise": (Status.crashed, "ValueError: first line"),
 }
-LIMITS = Limits(seconds=2.0, memory=2 * 2**30)
+LIMITS = Limits(seconds=1.0, memory=2 * 2**30)
 
 
 def test_nothing_is_lost() -> None:
