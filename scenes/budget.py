@@ -1,0 +1,32 @@
+"""The processor time that a task may take, so that every run ends."""
+
+from time import process_time
+
+from .engine import Failure, Status
+
+
+class Budget:
+    """What one task may take of the process's processor time, which a busy machine does not use up."""
+
+    def __init__(self, seconds: float, task: str) -> None:
+        """Start the clock.
+
+        Args:
+            seconds: the processor time from now on, s.
+            task: what it is for, as the reason names it; it may be renamed while it goes on.
+        """
+        self.seconds, self.task = seconds, task
+        self._end = process_time() + seconds
+
+    def check(self, progress: str) -> None:
+        """Do nothing while there is time left; cheap enough for every step of the task.
+
+        Args:
+            progress: how far the task has come, in a few words.
+
+        Raises:
+            Failure: `timed_out`, the reason names the task and its progress.
+        """
+        if not process_time() < self._end:
+            reason = f"{self.seconds:g} s of processor time were not enough for {self.task}: {progress}"
+            raise Failure(Status.timed_out, reason)
