@@ -12,6 +12,7 @@ from scenes import Scene
 from scenes.scene import GROUND, Body
 
 from .bodies import centre_of_mass, inertia, local_points
+from .drive import law_of
 from .rows import Point, Rows, axis_vector
 
 
@@ -30,6 +31,7 @@ class LinkageEquations:
             Failure: a body's lengths do not close, or the sketch does not decide how.
         """
         self.scene = scene
+        self.law = law_of(scene.drive)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
         self.arms: dict[str, dict[str, Point]] = {}  # from the centre of mass to the points, in the body's frame
         self._origins: dict[str, Point] = {}  # and to the frame's origin
@@ -48,7 +50,7 @@ class LinkageEquations:
         self.position = Rows(1, len(self.index))  # of the drive
         self._add_drive(self.position, 0)
 
-    def drive(self, value: float) -> arb_mat:
+    def drive(self, value: float | arb) -> arb_mat:
         """Return what f(q) has to be at a position of the drive, or f' at its rate, f'' at its acceleration."""
         goal = arb_mat(self.constraints.k.nrows(), 1)
         goal[goal.nrows() - 1, 0] = arb(value)
@@ -73,7 +75,7 @@ class LinkageEquations:
         """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
         known = np.array([complex(*at) for at in self.sketched.values()] or [0j])
         arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
-        travel = 0.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
+        travel = 0.0 if self.scene.driven_slide is None else float(self.law.travel)
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
 
     @property

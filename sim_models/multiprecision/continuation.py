@@ -10,7 +10,7 @@ from math import radians
 import numpy as np
 from flint import arb, arb_mat
 
-from scenes import Failure, Status
+from scenes import Budget, Failure, Status
 
 from .constraints import LinkageEquations
 
@@ -26,8 +26,8 @@ HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 class Continuation:
     """Follows the pose of a linkage; counts the work."""
 
-    def __init__(self, linkage: LinkageEquations, digits: int) -> None:
-        self.linkage = linkage
+    def __init__(self, linkage: LinkageEquations, digits: int, budget: Budget) -> None:
+        self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
         self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square
         halo = 10.0 ** (-2 * digits / 3)
@@ -43,11 +43,12 @@ class Continuation:
         as long.
 
         Raises:
-            Failure: the Jacobian becomes singular on the way.
+            Failure: the Jacobian becomes singular on the way, or the budget does not last.
         """
         rows = self.rows
         share, longest = 0.0, LARGEST_TURN
         while share < 1:
+            self.budget.check(f"it is at {self._place(q)}")
             left = goal - rows.value(q)
             J = rows.jacobian(q)
             rate = self._solve(J, left, q)

@@ -2,9 +2,9 @@
 
 A formulation far from any loop of vectors: absolute coordinates of every body, all constraints at once, followed from
 the sketch by continuation in the position of the drive; velocities and accelerations from the constraint Jacobian,
-reactions as its Lagrange multipliers. The scene's double-precision numbers are taken as exact, and so are the drive's
-positions, rates and accelerations. Loads that depend on the pose are evaluated in the same arithmetic; only whether a
-press force acts is decided in doubles.
+reactions as its Lagrange multipliers. The scene's double-precision numbers are taken as exact; the drive and all loads
+are evaluated from them in the same arithmetic, and nothing that `scenes` computes for all models is used here. Only the
+drive's positions are then rounded to doubles, at which the pose is found and returned.
 
 Engine: python-flint, imported only when a run is built.
 """
@@ -36,8 +36,8 @@ def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "
 
     Raises:
         Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start,
-            or within the cycle where the end of a press force's stroke is needed.
+            or within the cycle where the end of a press force's stroke is needed; `timed_out`.
     """
     from . import simulation
 
-    return simulation.build(scene, settings.digits, request)
+    return simulation.build(scene, settings, request)

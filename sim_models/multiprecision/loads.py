@@ -11,6 +11,7 @@ from scenes.loads import Force, ForceTable, PressForce, Spring
 
 from .constraints import LinkageEquations
 from .rows import Point, Rows, axis_vector
+from .stroke import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat], arb_mat]  # of q and its rate, each of shape (3 bodies, 1)
 
@@ -45,13 +46,17 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
 
 
 def _press(linkage: LinkageEquations, load: PressForce, end: float) -> GeneralisedForce:
-    """Return a force that acts or not, as the doubles nearest to the slider's displacement and velocity decide."""
+    """Return a force that acts where the balls prove both: its power is negative, and its stroke is in the last part.
+
+    On the switch itself nothing is proven, and the force does not act.
+    """
     work = _work(linkage, load, (arb(load.force[0]), arb(load.force[1])))
-    displacement = linkage.displacement(load.body)
+    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
     def force(q: arb_mat, velocity: arb_mat) -> arb_mat:
-        x, v = displacement.value(q)[0, 0], (displacement.jacobian(q) * velocity)[0, 0]
-        return work.jacobian(q).transpose() * arb(int(load.acts(float(x), float(v), end)))
+        J, left = work.jacobian(q), closing * (end - displacement.value(q)[0, 0])
+        acts = (J * velocity)[0, 0] < 0 and left <= load.last
+        return J.transpose() * arb(int(acts))
 
     return force
 

@@ -1,8 +1,8 @@
-"""Settings of the arbitrary-precision model: its number of digits."""
+"""Settings of the arbitrary-precision model: its number of digits, and the processor time it may take."""
 
 from dataclasses import dataclass
 
-from scenes import Settings
+from scenes import Request, Sampling, Settings
 
 
 @dataclass(frozen=True)
@@ -10,6 +10,14 @@ class MultiprecisionSettings(Settings):
     """The precision of the arithmetic."""
 
     digits: int = 50  # significant decimal digits of every number
+    # Of processor time, for the build and for each cycle or hundred samples: more than ten times what any shipped scene
+    # takes. Next to a singular configuration the steps shrink with the distance from it, to a million times more.
+    seconds: float = 20.0
+
+    def seconds_for(self, request: Request) -> float:
+        """Return what the solution of a request may take of processor time, s."""
+        cycles = request.turns if isinstance(request, Sampling) else 1
+        return self.seconds * max(cycles, request.count / 100)
 
 
 FAST = DEFAULT = EXACT = MultiprecisionSettings("50 digits", promise=1e-12)

@@ -2,14 +2,17 @@
 
 from collections.abc import Mapping
 
+import numpy as np
 from flint import arb_mat, ctx
 
-from scenes import Failure, Motion, Request, Scene, Status
+from scenes import Budget, Failure, Motion, Request, Scene, Status
 
 from .channels import channels
 from .constraints import LinkageEquations
 from .continuation import Continuation
+from .drive import Command, commands
 from .loads import GeneralisedForce, generalised_force
+from .settings import MultiprecisionSettings
 from .solution import Solution, proven_errors, solved
 from .start import start
 from .stroke import stroke_ends
@@ -17,24 +20,32 @@ from .stroke import stroke_ends
 ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below a double's round-off
 
 
-def build(scene: Scene, digits: int, request: Request) -> "MultiprecisionSimulation":
+def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
     """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
-    with ctx.workdps(digits):  # puts back the precision it found
+    budget = Budget(settings.seconds, "the start from the sketch")
+    with ctx.workdps(settings.digits):  # puts back the precision it found
         linkage = LinkageEquations(scene)
-        continuation = Continuation(linkage, digits)
+        continuation = Continuation(linkage, settings.digits, budget)
         at_start = start(linkage, continuation)
+        budget.task = "the end of the closing stroke"
         force = generalised_force(linkage, stroke_ends(linkage, continuation, at_start))
-    return MultiprecisionSimulation(request, digits, linkage, force, at_start)
+    return MultiprecisionSimulation(request, settings, linkage, force, at_start)
 
 
 class MultiprecisionSimulation:
     """One prepared run, see `scenes.engine.Simulation`."""
 
     def __init__(
-        self, request: Request, digits: int, linkage: LinkageEquations, force: GeneralisedForce, start: arb_mat
+        self,
+        request: Request,
+        settings: MultiprecisionSettings,
+        linkage: LinkageEquations,
+        force: GeneralisedForce,
+        start: arb_mat,
     ) -> None:
-        self._request, self._digits = request, digits
+        self._request, self._settings, self._digits = request, settings, settings.digits
         self._linkage, self._force, self._start = linkage, force, start
+        self._commands: list[Command] = []
         self._solutions: list[Solution] = []
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
@@ -43,19 +54,21 @@ class MultiprecisionSimulation:
         """Follow the pose through the samples and enclose each.
 
         Raises:
-            Failure: the linkage is singular at some position of the drive, or the digits are too few.
+            Failure: the linkage is singular at some position of the drive, or the digits or the time are too few.
         """
-        linkage, scene = self._linkage, self._linkage.scene
-        _, rates, accelerations = scene.drive.at(self._request.times(scene))
-        driven = zip(self._request.commanded(scene).tolist(), rates.tolist(), accelerations.tolist(), strict=True)
-        continuation = Continuation(linkage, self._digits)
+        linkage = self._linkage
+        budget = Budget(self._settings.seconds_for(self._request), "")
+        continuation = Continuation(linkage, self._digits, budget)
         self._solutions = []
         q = self._start
         with ctx.workdps(self._digits):
-            for position, rate, acceleration in driven:
-                goal = linkage.drive(position)
+            self._commands = commands(linkage.law, self._request)
+            for number, command in enumerate(self._commands, start=1):
+                budget.task = f"sample {number} of {self._request.count}"
+                goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)
-                self._solutions.append(solved(linkage, self._force, continuation.enclose(q, goal), rate, acceleration))
+                pose = continuation.enclose(q, goal)
+                self._solutions.append(solved(linkage, self._force, pose, command.rate, command.acceleration))
             self.residuals = proven_errors(linkage, self._solutions)
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
@@ -67,5 +80,6 @@ class MultiprecisionSimulation:
         """Return the channels requested, in double precision."""
         scene = self._linkage.scene
         with ctx.workdps(self._digits):
-            samples = {"time": self._request.times(scene)} | channels(self._linkage, self._solutions)
+            time = np.array([float(command.time) for command in self._commands])
+            samples = {"time": time} | channels(self._linkage, self._solutions)
         return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from flint import arb_mat
+from flint import arb, arb_mat
 
 from scenes.motion import Samples
 
@@ -21,9 +21,7 @@ class Solution(NamedTuple):
     multipliers: arb_mat  # N, N m, in the order of the force channels
 
 
-def solved(
-    linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: float, acceleration: float
-) -> Solution:
+def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: arb, acceleration: arb) -> Solution:
     """Return the solution in a pose, e being the drive's row.
 
     J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
@@ -43,7 +41,7 @@ def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> d
     any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
     """
     scene = linkage.scene
-    pace = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent)))
+    pace = float(linkage.law.pace / (1 if scene.driven_slide is None else linkage.law.travel))
     units = np.array(linkage.units)
     motion = [
         np.max(_radii(derivative) / units) / pace**order

@@ -1,5 +1,6 @@
 """The start: the linkage closed from its sketch, and moved to the drive's start."""
 
+from fractions import Fraction
 from math import remainder, tau
 
 import numpy as np
@@ -18,9 +19,9 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
         Failure: the linkage cannot be assembled as sketched, or is singular on the way to the start.
     """
     scene = linkage.scene
-    begin, sketched = scene.drive.start, scene.sketch.drive
+    begin, sketched = linkage.law.at(Fraction(0)).position, scene.sketch.drive
     if scene.driven_slide is None:
-        sketched = begin + remainder(sketched - begin, tau)  # from there the short way round to the start
+        sketched = float(begin) + remainder(sketched - float(begin), tau)  # from there the short way round to the start
     return continuation.follow(assembled(linkage, continuation, sketched), linkage.drive(begin))
 
 

@@ -1,21 +1,23 @@
 """The end of a press force's stroke: as far against the force as a cycle of the drive takes its slider."""
 
 from collections.abc import Callable
+from fractions import Fraction
 from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
-from flint import arb_mat
+from flint import arb, arb_mat
 
+from scenes import Scene
 from scenes.loads import PressForce
 
 from .constraints import LinkageEquations
 from .continuation import Continuation
 
-INSTANTS = 180  # per cycle; the slider does not turn round twice between two of them
-HALVINGS = 24  # of the time between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
+INSTANTS = 180  # a cycle; the slider does not turn round twice between two of them
+HALVINGS = 24  # of the way between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
 
-Move: TypeAlias = Callable[[arb_mat, float], tuple[arb_mat, bool, float]]
+Move: TypeAlias = Callable[[arb_mat, Fraction], tuple[arb_mat, bool, float]]
 
 
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
@@ -36,28 +38,36 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
     Raises:
         Failure: the linkage is singular within the cycle.
     """
-    displacement = linkage.displacement(load.body)
+    displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
-    def move(q: arb_mat, time: float) -> tuple[arb_mat, bool, float]:
-        """Return the pose at an instant, s, whether the slider closes there, and how far it has closed, m."""
-        position, rate, _ = map(float, linkage.scene.drive.at(time))
-        q = continuation.follow(q, linkage.drive(position))
-        motion = linkage.constraints.jacobian(q).solve(linkage.drive(rate))
+    def move(q: arb_mat, cycles: Fraction) -> tuple[arb_mat, bool, float]:
+        """Return the pose after some cycles, whether the slider closes there, and how far it has closed, m."""
+        command = linkage.law.at(cycles)
+        q = continuation.follow(q, linkage.drive(command.position))
+        motion = linkage.constraints.jacobian(q).solve(linkage.drive(command.rate))
         velocity = (displacement.jacobian(q) * motion)[0, 0]
-        return q, bool(velocity * load.closing > 0), load.closing * float(displacement.value(q)[0, 0])
+        return q, bool(velocity * closing > 0), closing * float(displacement.value(q)[0, 0])
 
-    times = np.linspace(0, linkage.scene.drive.cycle, INSTANTS + 1).tolist()
-    q, closes, farthest = move(q, times[0])
-    for early, late in pairwise(times):
+    instants = [Fraction(k, INSTANTS) for k in range(INSTANTS + 1)]
+    q, closes, farthest = move(q, instants[0])
+    for early, late in pairwise(instants):
         closed_before = closes
         q, closes, closed = move(q, late)
         farthest = max(farthest, closed)
         if closed_before and not closes:
             farthest = max(farthest, _dead_point(move, q, early, late))
-    return load.closing * farthest
+    return closing * farthest
 
 
-def _dead_point(move: Move, q: arb_mat, early: float, late: float) -> float:
+def closing_sign(scene: Scene, load: PressForce) -> int:
+    """Return the sign of the displacement's rate while the slider closes: it then moves against the force."""
+    slide = scene.bodies[load.body].slide
+    assert slide is not None
+    push = sum((arb(f) * e for f, e in zip(load.force, slide.along, strict=True)), arb(0))
+    return 1 if push < 0 else -1
+
+
+def _dead_point(move: Move, q: arb_mat, early: Fraction, late: Fraction) -> float:
     """Return how far the slider has closed where it turns round between two instants, by bisection, m."""
     closed = -np.inf
     for _ in range(HALVINGS):

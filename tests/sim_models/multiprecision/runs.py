@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling, Scene
+from scenes import Budget, Motion, Sampling, Scene
 from tests import scene_files
 
 flint = pytest.importorskip("flint")
@@ -24,7 +24,7 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 def run(scene: Scene, samples: int = 36, digits: int = 50) -> Motion:
-    simulation = model.build(scene, MultiprecisionSettings("test", digits), Sampling(samples))
+    simulation = model.build(scene, MultiprecisionSettings("test", digits=digits), Sampling(samples))
     simulation.solve()
     return simulation.read()
 
@@ -47,6 +47,10 @@ def slider_crank(changes: scene_files.Changes = scene_files.NONE) -> Scene:
 
 def two_rods(length: float) -> Scene:
     return scene_files.load("two_rods", dict.fromkeys(("bodies.right.lengths.A-B", "bodies.left.lengths.A-C"), length))
+
+
+def continuing(linkage: multiprecision_constraints.LinkageEquations) -> multiprecision_continuation.Continuation:
+    return multiprecision_continuation.Continuation(linkage, 50, Budget(60.0, "a test"))
 
 
 def closed(

@@ -1,22 +1,23 @@
 """What is refused, where, and what a run leaves behind."""
 
 import re
+from itertools import count
 from math import acos, degrees, sqrt
 from typing import Any
 
 import pytest
 
 import scenes
-from scenes import Failure, Sampling, Status
+from scenes import Failure, Positions, Sampling, Status
 from tests import scene_files
 
-from .runs import EPS, closed, run, slider_crank, two_rods
+from .runs import EPS, closed, continuing, run, slider_crank, two_rods
 
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
+from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
 
 
 def test_lock_is_found_where_the_cosine_rule_puts_it() -> None:
@@ -83,7 +84,7 @@ def test_pose_that_is_no_solution_is_not_enclosed(name: str, coordinate: int) ->
     scene = scene_files.load(name)
     with flint.ctx.workdps(50):
         linkage = multiprecision_constraints.LinkageEquations(scene)
-        continuation, goal = multiprecision_continuation.Continuation(linkage, 50), linkage.drive(scene.sketch.drive)
+        continuation, goal = continuing(linkage), linkage.drive(scene.sketch.drive)
         pose = closed(linkage, continuation)
         continuation.enclose(pose, goal)
         pose[coordinate, 0] += 1e-9
@@ -137,3 +138,30 @@ def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> 
     with pytest.raises(Failure, match="50 digits prove the forces only to") as failure:
         simulation.solve()
     assert failure.value.status is Status.not_converged
+
+
+# --- the budget of processor time -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "task"),
+    [
+        ("toggle_press", 1, "the start from the sketch"),
+        ("crank_press", 60, "the end of the closing stroke"),  # the sketch is 90 deg, 45 steps, from the start
+        ("toggle_press", 60, r"sample \d\d of 73"),
+    ],
+)
+def test_a_run_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch, name: str, steps: int, task: str) -> None:
+    """By a clock that goes on by a second a step; no step is longer than two degrees."""
+    ticks = count()
+    monkeypatch.setattr("scenes.budget.process_time", lambda: next(ticks))
+    with pytest.raises(Failure, match=rf"^{steps} s .* {task}: it is at crank angle [\d.]+ deg$") as failure:
+        model.build(scenes.load(name), MultiprecisionSettings("short", seconds=steps), Sampling(72)).solve()
+    assert failure.value.status is Status.timed_out
+
+
+def test_a_longer_run_may_take_longer() -> None:
+    seconds = model.DEFAULT.seconds
+    assert model.DEFAULT.seconds_for(Sampling(72)) == seconds
+    assert model.DEFAULT.seconds_for(Sampling(36, turns=20)) == 20 * seconds
+    assert model.DEFAULT.seconds_for(Positions((0.0,) * 1000)) == 10 * seconds

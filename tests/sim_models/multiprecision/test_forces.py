@@ -13,12 +13,11 @@ from scenes.scene import MotionLaw
 from tests import scene_files
 
 from .motion import acting, inertia, mass_centre, point_motion, reactions, size_of, slid, turning
-from .runs import ALL, EPS, closed, named, run, slider_crank
+from .runs import ALL, EPS, closed, continuing, named, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import stroke as multiprecision_stroke  # noqa: E402
 
 
@@ -130,7 +129,7 @@ def stroke_end(scene: Scene, force: float) -> float:
     load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
     with flint.ctx.workdps(50):
         linkage = multiprecision_constraints.LinkageEquations(scene)
-        continuation = multiprecision_continuation.Continuation(linkage, 50)
+        continuation = continuing(linkage)
         q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
         return multiprecision_stroke.end_of_stroke(linkage, continuation, q, load)
 

@@ -12,12 +12,11 @@ from scenes.scene import GROUND
 from tests import scene_files
 
 from .motion import carried, point_motion, size_of, slid, turning
-from .runs import ALL, EPS, SMOOTH, Array, closed, named, run
+from .runs import ALL, EPS, SMOOTH, Array, closed, continuing, named, run
 
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -36,19 +35,17 @@ def test_every_channel_is_there_and_finite(scene: Scene, motion: Motion) -> None
 
 
 def test_the_drive_is_where_it_is_to_be(scene: Scene, motion: Motion) -> None:
+    """Where the doubles of the scene's own drive have it, to their rounding."""
     sampling = Sampling(36)
     _, rate, acceleration = scene.drive.at(sampling.times(scene))
-    none = 1e-40  # of digits that a zero keeps
     if scene.driven_slide is None:
-        assert np.abs(motion["crank_angle"] - sampling.commanded(scene)).max() <= none
-        assert np.abs(motion[f"{scene.drive.body}.omega"] - rate).max() <= none
-        assert np.abs(motion[f"{scene.drive.body}.alpha"] - acceleration).max() <= none
+        have = [motion[name] for name in ("crank_angle", f"{scene.drive.body}.omega", f"{scene.drive.body}.alpha")]
     else:
-        x, v, a = (values.real for values in slid(scene, motion, scene.drive.body))
-        assert np.abs(motion["drive.displacement"] - sampling.commanded(scene)).max() <= none
-        assert np.abs(x - sampling.commanded(scene)).max() <= 4 * EPS  # of metres: points rounded, products
-        assert np.abs(v - rate).max() <= 4 * EPS * np.abs(rate).max()
-        assert np.abs(a - acceleration).max() <= none
+        have = [np.asarray(values.real, float) for values in slid(scene, motion, scene.drive.body)]
+        assert np.abs(have[0] - motion["drive.displacement"]).max() <= 4 * EPS  # of metres: points rounded, products
+    for asked, found in zip((sampling.commanded(scene), rate, acceleration), have, strict=True):
+        # A spline's second derivatives lose the shortest step's share of the table, squared; zeros keep other digits.
+        assert np.abs(found - asked).max() <= 100 * EPS * np.abs(asked).max() + 1e-40
 
 
 def test_bodies_are_rigid_and_joints_closed_at_all_three_levels(scene: Scene, motion: Motion) -> None:
@@ -185,7 +182,7 @@ def test_differences_of_poses_are_the_derivatives_in_multiple_precision(scene: S
     """A step of 1e-10 leaves 1e-20 of the third and fourth derivatives, which are below 1e4 here."""
     with flint.ctx.workdps(50):
         linkage = multiprecision_constraints.LinkageEquations(scene)
-        continuation, rows = multiprecision_continuation.Continuation(linkage, 50), linkage.constraints
+        continuation, rows = continuing(linkage), linkage.constraints
         at, h = flint.arb(scene.drive.start), flint.arb("1e-10").mid()
         q = continuation.follow(closed(linkage, continuation), linkage.drive(at))
         after, before = (continuation.follow(q, linkage.drive(at + step)) for step in (h, -h))

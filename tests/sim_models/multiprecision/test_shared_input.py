@@ -1,0 +1,126 @@
+"""What all other models take from the scene, the oracle finds by its own means: a slip there sets it apart."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import analytic
+import scenes
+from compare.engines.reference import establish
+from scenes import Sampling, Scene
+from scenes.loads import ForceTable, PressForce
+from scenes.scene import ConstantSpeed, MotionLaw
+from tests import agreement, scene_files
+
+pytest.importorskip("flint")
+
+SAMPLING = Sampling(24)
+FLOOR = 1e-12  # of the scenes below, see `agreement.FORCES`
+FAR = 1e-7  # every slip below changes what it computes by 1e-6 or more, and some channel by that
+
+LAW = [[0, 1], [0.3, 1.5], [0.5, 3], [0.9, 2.5], [1.2, 4]]
+SCENES: dict[str, tuple[str, scene_files.Changes]] = {
+    "speed": ("crank", {}),
+    "law": ("crank", {"drive": {"body": "crank", "law": LAW}}),
+    "turning law": ("crank", {"drive": {"body": "crank", "law": [*LAW, [1.5, 1 + 2 * np.pi]], "periodic": True}}),
+    "press": ("slider_crank", {"loads.0.last": 0.7, "drive.start": 0.1}),
+    "table": ("slider_crank", {"loads": [{"body": "slider", "at": "B", "table": [[2.5, 0], [3, -10], [3.5, -50]]}]}),
+}
+
+
+def scene(name: str) -> Scene:
+    file, changes = SCENES[name]
+    return scene_files.load(file, changes)
+
+
+def apart(scene: Scene) -> float:
+    """Return how far the oracle is from the core where the drive is to be, or from what the drive asks for.
+
+    It is the largest relative error of any channel; those of the drive are by 1 rad and by the largest rate.
+    """
+    time, oracle = SAMPLING.times(scene), agreement.exact(scene, SAMPLING)
+    core = analytic.solve(scene, SAMPLING.commanded(scene), time)
+    found = agreement.errors(core, oracle.samples)
+    asked, rate = scene.drive.at(time), oracle[f"{scene.drive.body}.omega"]
+    found["position"] = np.abs(oracle["crank_angle"] - asked.position)
+    found["rate"] = np.abs(rate - asked.rate) / np.abs(rate).max()
+    return max(float(error.max()) for error in found.values())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_unbroken_the_oracle_and_the_core_agree(name: str) -> None:
+    assert apart(scene(name)) <= FLOOR
+
+
+Wrong = Callable[..., Any]  # of what is right, and its arguments
+
+
+def faster(right: Wrong, drive: Any, time: Any) -> Any:
+    driven = right(drive, time)
+    return driven._replace(rate=driven.rate * (1 + 1e-6))
+
+
+def late(right: Wrong, drive: Any, time: Any) -> Any:
+    return right(drive, np.asarray(time) - 1e-6 * drive.cycle)
+
+
+def natural(_right: Any, law: MotionLaw) -> CubicSpline:
+    return CubicSpline(law.times, law.positions, bc_type="natural")
+
+
+def held(right: Wrong, table: ForceTable, x: Any) -> Any:
+    """Return the force at an entry before, not on the line to the next."""
+    return right(table, np.asarray(table.displacements)[np.searchsorted(table.displacements[1:-1], x)])
+
+
+def on_both_strokes(right: Wrong, load: PressForce, x: Any, v: Any, end: float) -> Any:
+    return right(load, x, np.full_like(v, load.closing), end)
+
+
+def too_early(right: Wrong, load: PressForce, x: Any, v: Any, end: float) -> Any:
+    return right(replace(load, last=1.5 * load.last), x, v, end)
+
+
+SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
+    *(("speed", ConstantSpeed, "at", wrong) for wrong in (faster, late)),
+    ("speed", ConstantSpeed, "after", lambda right, drive, cycles: right(drive, cycles) + 1e-6),
+    ("speed", Sampling, "commanded", lambda right, request, scene: right(request, scene) * (1 + 1e-6)),
+    *(("turning law", MotionLaw, "at", wrong) for wrong in (faster, late)),
+    ("turning law", MotionLaw, "after", lambda right, law, cycles: right(law, np.asarray(cycles) - 1e-6)),
+    ("turning law", MotionLaw, "_trend", lambda _right, _law: 0.0),
+    ("law", MotionLaw, "_spline", natural),
+    ("table", ForceTable, "along", held),
+    *(("press", PressForce, "acts", wrong) for wrong in (on_both_strokes, too_early)),
+)
+
+
+@pytest.mark.parametrize(("name", "of", "attribute", "wrong"), SLIPS)
+def test_a_slip_in_what_models_share_sets_the_oracle_apart(
+    monkeypatch: pytest.MonkeyPatch, name: str, of: type, attribute: str, wrong: Wrong
+) -> None:
+    right = vars(of)[attribute]
+    if callable(right):
+        monkeypatch.setattr(of, attribute, lambda *args: wrong(right, *args))
+    else:
+        monkeypatch.setattr(of, attribute, property(lambda self: wrong(right, self)))
+    assert apart(scene(name)) > FAR
+
+
+def test_a_press_force_that_closes_the_wrong_way_sets_the_oracle_apart() -> None:
+    (load,) = scene("press").loads
+    assert isinstance(load, PressForce)
+    assert apart(replace(scene("press"), loads=(replace(load, closing=-load.closing),))) > FAR
+
+
+def test_samples_on_the_switches_of_a_press_force_are_within_the_floor() -> None:
+    """One at the dead point, where the force ends, and one where it begins, to the last digit."""
+    press = scenes.load("crank_press", {"drive.start": 90})
+    (load,) = press.loads
+    assert isinstance(load, PressForce)
+    begins, _, ends = analytic.solve(press, Sampling(72).commanded(press)[34:37])["B.y"]
+    floor = establish(replace(press, loads=(replace(load, last=float(begins - ends)),))).floor
+    assert max(floor.by_channel.values()) <= FLOOR
