@@ -11,7 +11,8 @@ class MultiprecisionSettings(Settings):
 
     digits: int = 50  # significant decimal digits of every number
     # Of processor time, for the build and for each cycle or hundred samples: more than ten times what any shipped scene
-    # takes. Next to a singular configuration the steps shrink with the distance from it, to a million times more.
+    # takes. It ends what passes a singular configuration by a hair, since steps shrink with the distance from it, and
+    # what goes to infinity, as a slider between guides that become parallel does.
     seconds: float = 20.0
 
     def seconds_for(self, request: Request) -> float:

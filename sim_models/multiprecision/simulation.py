@@ -43,7 +43,7 @@ class MultiprecisionSimulation:
         force: GeneralisedForce,
         start: arb_mat,
     ) -> None:
-        self._request, self._settings, self._digits = request, settings, settings.digits
+        self._request, self._settings = request, settings
         self._linkage, self._force, self._start = linkage, force, start
         self._commands: list[Command] = []
         self._solutions: list[Solution] = []
@@ -56,12 +56,12 @@ class MultiprecisionSimulation:
         Raises:
             Failure: the linkage is singular at some position of the drive, or the digits or the time are too few.
         """
-        linkage = self._linkage
-        budget = Budget(self._settings.seconds_for(self._request), "")
-        continuation = Continuation(linkage, self._digits, budget)
+        linkage, digits = self._linkage, self._settings.digits
+        budget = Budget(self._settings.seconds_for(self._request), "the motion")
+        continuation = Continuation(linkage, digits, budget)
         self._solutions = []
         q = self._start
-        with ctx.workdps(self._digits):
+        with ctx.workdps(digits):
             self._commands = commands(linkage.law, self._request)
             for number, command in enumerate(self._commands, start=1):
                 budget.task = f"sample {number} of {self._request.count}"
@@ -73,13 +73,13 @@ class MultiprecisionSimulation:
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):
             if proven in self.residuals and not self.residuals[proven] <= ENOUGH:
-                reason = f"{self._digits} digits prove the {what} only to {self.residuals[proven]:.0e}"
+                reason = f"{digits} digits prove the {what} only to {self.residuals[proven]:.0e}"
                 raise Failure(Status.not_converged, reason)
 
     def read(self) -> Motion:
         """Return the channels requested, in double precision."""
         scene = self._linkage.scene
-        with ctx.workdps(self._digits):
+        with ctx.workdps(self._settings.digits):
             time = np.array([float(command.time) for command in self._commands])
             samples = {"time": time} | channels(self._linkage, self._solutions)
         return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})
