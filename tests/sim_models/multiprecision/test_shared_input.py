@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 
 import analytic
 import scenes
-from compare.engines.reference import establish
+from compare.judge.floor import establish
 from scenes import Sampling, Scene
 from scenes.loads import ForceTable, PressForce
 from scenes.scene import ConstantSpeed, MotionLaw
@@ -124,3 +124,12 @@ def test_samples_on_the_switches_of_a_press_force_are_within_the_floor() -> None
     begins, _, ends = analytic.solve(press, Sampling(72).commanded(press)[34:37])["B.y"]
     floor = establish(replace(press, loads=(replace(load, last=float(begins - ends)),))).floor
     assert max(floor.by_channel.values()) <= FLOOR
+    assert not floor.doubt
+
+
+def test_a_slip_in_what_models_share_casts_doubt_on_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = PressForce.acts
+    monkeypatch.setattr(PressForce, "acts", lambda *args: on_both_strokes(right, *args))
+    floor = establish(scene("press")).floor
+    assert max(floor.by_channel.values()) > FAR
+    assert "arbitrary precision" in floor.doubt
