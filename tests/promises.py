@@ -1,0 +1,139 @@
+"""Whether verdicts keep their word: runs called ok within what was promised, and no run refused that is."""
+
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+from unittest.mock import patch
+
+import analytic
+import compare
+from compare import study
+from compare.engines.runner import Run
+from compare.engines.settings import TIERS, Accuracy
+from compare.judge import judgement, measure
+from scenes import Sampling, Scene
+from scenes.scene import ForceTable, MotionLaw, PressForce
+
+from . import agreement
+from .true_errors import DRIVE, Truth, by_absolute
+
+ENGINES = ("analytic", "exudyn", "pymunk")
+NUMBERS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+ACCURACIES: tuple[Accuracy, ...] = (*TIERS, *NUMBERS)
+INSTANTS = 12  # a cycle, at which absolute coordinates hold the core: a few milliseconds each
+
+
+@dataclass(frozen=True)
+class Record:
+    """One verdict beside the truth."""
+
+    scene: str
+    features: str
+    engine: str
+    accuracy: str
+    samples: int
+    setting: str
+    status: str
+    found_by: str
+    reason: str
+    promise: float
+    error: float  # the largest but for the drive, relative; NaN where there is no motion
+    of: str  # the vector that is furthest off
+    drive: float
+    drive_promise: float
+
+    @property
+    def within(self) -> bool:
+        return self.error <= self.promise and self.drive <= self.drive_promise
+
+    @property
+    def broken(self) -> bool:
+        """Whether a run was called ok and is off by more than promised."""
+        return self.status == "ok" and not self.within
+
+    @property
+    def false_alarm(self) -> bool:
+        """Whether the comparison refused a run that is within its promise."""
+        return self.status != "ok" and self.found_by in ("checks", "reference") and self.within
+
+
+def records(scene: Scene, wanted: dict[int, tuple[Accuracy, ...]]) -> Iterator[Record]:
+    """Yield the verdicts of every engine on a scene, by samples a cycle and accuracy, beside the truth."""
+    truth, core = Truth(scene), core_error(scene)
+    with _shared():
+        for samples, accuracies in wanted.items():
+            for accuracy in accuracies:
+                found = compare.check(scene, ENGINES, samples, accuracy=accuracy)
+                for run in (m.run for m in found.measurements):
+                    off = core if run.engine == "analytic" else 0.0
+                    yield record(truth, run, Sampling(samples), f"{accuracy}", off)
+
+
+def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced", least: float = 0.0) -> Record:
+    """Return the verdict on a run beside the truth; `least` is how far it is known to be off, relative."""
+    scene, settings, worst = truth.scene, run.settings, {DRIVE: float("nan"), "": float("nan")}
+    assert settings is not None
+    if run.motion is not None:
+        worst = {name: float(error.max()) for name, error in truth.errors(run.motion, sampling).items()}
+    drive = worst.pop(DRIVE)
+    of = max(worst, key=lambda name: worst[name] if worst[name] >= 0 else float("inf"))
+    return Record(
+        *(scene.name, " ".join(features(scene)), run.engine, accuracy, sampling.samples, settings.label),
+        *(run.status.name, run.found_by, run.reason, settings.promise),
+        *(max(worst[of], least), of, drive, settings.drive_promise),
+    )
+
+
+def core_error(scene: Scene) -> float:
+    """Return how far the core is off absolute coordinates, by the scales of `agreement`."""
+    time = Sampling(INSTANTS).times(scene)
+    motion = analytic.solve(scene, scene.drive.at(time).position, time)
+    lightest = min((body.mass for body in scene.bodies.values() if body.mass), default=0.0)
+    expected = by_absolute(scene, time)
+    return max(float(error.max()) for error in agreement.errors(motion, expected, mass=lightest).values())
+
+
+def features(scene: Scene) -> Iterator[str]:
+    """Yield what a scene has that makes it harder than a crank at a constant speed."""
+    yield "crank" if scene.driven_slide is None else "slider"
+    if isinstance(scene.drive, MotionLaw):
+        yield "periodic-law" if scene.drive.periodic else "law-once"
+    for kind, name in ((PressForce, "press"), (ForceTable, "table")):
+        if any(isinstance(load, kind) for load in scene.loads):
+            yield name
+    if scene.springs:
+        yield "spring"
+    if not all(body.mass for body in scene.bodies.values()):
+        yield "massless"
+
+
+# --- what accuracies share --------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _shared() -> Iterator[None]:
+    """Let the judgements of one scene share its reference, what round-off explains, the speed table and equal runs."""
+    places = ((measure, "run"), (judgement, "explain"), (study, "establish"), (study, "speed_table"))
+    real = {name: getattr(module, name) for module, name in places}
+    kept: dict[Hashable, Any] = {}
+
+    def once(name: str, key: Hashable, *arguments: Any) -> Any:
+        if (name, key) not in kept:
+            kept[name, key] = real[name](*arguments)
+        return kept[name, key]
+
+    def equal_runs(engine: str, scene: Scene, sampling: Sampling, settings: Any = None) -> Run:
+        run: Run = once("run", (engine, getattr(settings, "label", None), sampling), engine, scene, sampling, settings)
+        return run if settings is None else replace(run, settings=settings)  # of another promise
+
+    shared: dict[str, Callable[..., Any]] = {
+        "run": equal_runs,
+        "explain": lambda reference, sampling: once("explain", sampling, reference, sampling),
+        "establish": lambda *of: once("establish", None, *of),
+        "speed_table": lambda *of: once("speed_table", None, *of),
+    }
+    with ExitStack() as stack:
+        for module, name in places:
+            stack.enter_context(patch.object(module, name, shared[name]))
+        yield

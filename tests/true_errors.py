@@ -1,0 +1,155 @@
+"""How far a motion is off the truth, by nothing of the comparison's: every vector's distance as DESIGN.md defines it.
+
+The error of a vector is its distance over the larger of its scale and its true magnitude there: S w and S w^2 for
+points, w and w^2 for bodies, the peak of its joint for a force. A place is relative to the stroke S, an angle to 1 rad.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import analytic
+from scenes import Motion, Sampling, Scene
+from scenes.motion import Samples
+from scenes.scene import Force, PressForce
+
+from . import absolute_coordinates
+
+SAMPLES = 720  # a cycle: fine enough for peaks to 1e-5 of themselves
+HAIR = 1e-6  # of a slider's range and peak speed: nearer to a press force's switch, it may or may not act
+TURNING = 1e-3  # of its peak speed, where it turns round: the way left goes with the square of the speed
+NOTHING = 1e-12  # of the largest force: a joint that carries no more carries nothing but round-off
+DRIVE = "drive"
+
+Channels = Mapping[str, Samples]
+Reals = NDArray[np.floating[Any]]
+Vectors = NDArray[np.complexfloating[Any, Any]]
+Rows = NDArray[np.bool_]
+
+
+def by_core(scene: Scene, time: Samples) -> Channels:
+    """Return the motion by the analytic core, for many samples; `by_absolute` holds it."""
+    return analytic.solve(scene, scene.drive.at(time).position, time).samples
+
+
+def by_absolute(scene: Scene, time: Samples) -> Channels:
+    """Return the motion in absolute coordinates: nothing of the core's, a few milliseconds a sample."""
+    return absolute_coordinates.solve(scene, *scene.drive.at(time))
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The true motion of a scene, and what errors are relative to."""
+
+    scene: Scene
+    solve: Callable[[Scene, Samples], Channels] = by_core
+
+    def errors(self, motion: Motion, sampling: Sampling) -> dict[str, Samples]:
+        """Return the errors of a motion by vector, shape (n,); on a press force's switch on the side that fits best."""
+        time = sampling.times(self.scene)
+        found = dict(self._errors(motion.samples, self.solve(self.scene, time)))
+        rows = self._switches(time)
+        for scene in self._sides() if rows.any() else ():
+            at_rows = {channel: values[rows] for channel, values in motion.samples.items()}
+            there = dict(self._errors(at_rows, self.solve(scene, time[rows])))
+            better = sum(there.values()) < sum(error[rows] for error in found.values())
+            for name, error in there.items():
+                found[name][rows] = np.where(better, error, found[name][rows])
+        return found
+
+    @cached_property
+    def _cycle(self) -> Channels:
+        return by_core(self.scene, Sampling(SAMPLES).times(self.scene))
+
+    # --- press forces at their switches ---
+
+    @property
+    def _presses(self) -> list[PressForce]:
+        return [load for load in self.scene.loads if isinstance(load, PressForce)]
+
+    def _sides(self) -> Iterator[Scene]:
+        """Yield the scene with press forces that each act always or never."""
+        for way in product((True, False), repeat=len(self._presses)):
+            acts = dict(zip(self._presses, way, strict=True))
+            loads = [load for load in self.scene.loads if not isinstance(load, PressForce) or acts[load]]
+            always = (Force(load.body, load.at, load.force) if isinstance(load, PressForce) else load for load in loads)
+            yield replace(self.scene, loads=tuple(always))
+
+    def _switches(self, time: Samples) -> Rows:
+        """Return at which instants rounding decides whether a press force acts."""
+        switches = np.zeros(time.shape, np.bool_)
+        for load in self._presses:
+            x, v, _ = self._displacement(load, self.solve(self.scene, time))
+            way, speed, change = self._displacement(load, self._cycle)
+            last = way.argmax()
+            beyond = speed[last] ** 2 / (2 * np.abs(change[last]))  # to the dead point, if one is near
+            end = way[last] + (beyond if 0 < last < SAMPLES else 0.0)
+            near, turns = HAIR * np.ptp(way), np.abs(v) / np.abs(speed).max()
+            switches |= (np.abs(end - x - load.last) <= near) | (turns <= HAIR)
+            switches |= (np.abs(end - x) <= near) & (turns <= TURNING)
+        return switches
+
+    def _displacement(self, load: PressForce, motion: Channels) -> tuple[Reals, Reals, Reals]:
+        """Return how far the pressed slider is towards the end of its stroke, m, and its first two derivatives."""
+        body = self.scene.bodies[load.body]
+        assert body.slide is not None
+        along, through = load.closing * complex(*body.slide.along).conjugate(), complex(*body.slide.through)
+        z, v, a = (_vector(motion, f"{body.points[0]}.{of}") for of in ("", "v", "a"))
+        return ((z - through) * along).real, (v * along).real, (a * along).real
+
+    # --- errors ---
+
+    @cached_property
+    def _scales(self) -> tuple[float, float, float]:
+        """Return the stroke, m, the drive's travel, m or rad, and its rate, travels a second."""
+        path, (least, most) = _vector(self._cycle, f"{self.scene.output}."), self.scene.drive.extent
+        travel = 1.0 if self.scene.driven_slide is None else most - least
+        return float(np.hypot(np.ptp(path.real), np.ptp(path.imag))), travel, self.scene.drive.peak_rate / travel
+
+    @cached_property
+    def _peaks(self) -> dict[str, float]:
+        """Return what forces and moments are relative to; a guide's moment at least to its force times the stroke."""
+        peaks = {name: float(np.abs(force).max()) for name, force in self._forces(self._cycle)}
+        for name in peaks:
+            if name.endswith("moment"):
+                peaks[name] = max(peaks[name], self._scales[0] * peaks[name.replace("moment", "force")])
+        largest = max(peaks.values()) or 1.0
+        return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
+
+    def _forces(self, motion: Channels) -> Iterator[tuple[str, Vectors]]:
+        yield from ((pin.channel, _vector(motion, f"{pin.channel}.f")) for pin in self.scene.pins)
+        for name in (name for name, body in self.scene.bodies.items() if body.slide is not None):
+            yield from ((of, motion[of] + 0j) for of in (f"{name}.guide_force", f"{name}.guide_moment"))
+        effort = "drive.torque" if self.scene.driven_slide is None else "drive.force"
+        yield effort, motion[effort] + 0j
+
+    def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:
+        scene, (stroke, travel, w) = self.scene, self._scales
+        yield DRIVE, np.abs(motion[scene.drive_channel] - true[scene.drive_channel]) / travel
+        for point in scene.moving_points:
+            z, there = (_vector(of, f"{point}.") for of in (motion, true))
+            yield point, np.abs(z - there) / stroke
+            for name, scale in ((f"{point}.v", stroke * w), (f"{point}.a", stroke * w**2)):
+                yield name, _mixed(_vector(motion, name), _vector(true, name), scale)
+        for body in scene.turning:
+            turned = motion[f"{body}.angle"] - true[f"{body}.angle"]
+            yield f"{body}.angle", np.abs(np.angle(np.exp(1j * turned)))
+            for name, scale in ((f"{body}.omega", w), (f"{body}.alpha", w**2)):
+                yield name, _mixed(motion[name] + 0j, true[name] + 0j, scale)
+        if scene.has_masses:
+            for (name, force), (_, there) in zip(self._forces(motion), self._forces(true), strict=True):
+                yield name, _mixed(force, there, self._peaks[name])
+
+
+def _vector(motion: Channels, stem: str) -> Vectors:
+    return motion[f"{stem}x"] + 1j * motion[f"{stem}y"]
+
+
+def _mixed(vector: Vectors, true: Vectors, scale: float) -> Samples:
+    error: Samples = np.abs(vector - true) / np.maximum(scale, np.abs(true))
+    return error
