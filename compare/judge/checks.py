@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples, force_channels, kinematic_channels, quantity
+from scenes.motion import UNITS, Samples, force_channels, kinematic_channels, quantity
 from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
@@ -50,7 +50,7 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            violations |= _balances(state, stroke, EPS * estimated.condition)
+            violations |= _balances(state, EPS * estimated.condition)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -116,7 +116,7 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: MotionVectors, stroke: float, rounding: Samples) -> Violations:
+def _balances(state: MotionVectors, rounding: Samples) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
 
     What `rounding`, relative and of shape (n,), explains is zero.
@@ -125,15 +125,13 @@ def _balances(state: MotionVectors, stroke: float, rounding: Samples) -> Violati
     least: Violations = {}
     for acting in sides(may):
         standing = replace(state, acting=acting)
-        left_over = dict(_newton_euler(standing, stroke, rounding))
-        left_over["power", "mechanism", "peak of the largest power"] = _power(standing, rounding)
+        left_over = dict(_newton_euler(standing, rounding))
+        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, rounding)
         least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
     return least
 
 
-def _newton_euler(
-    state: MotionVectors, stroke: float, rounding: Samples
-) -> Iterator[tuple[tuple[str, str, str], Samples]]:
+def _newton_euler(state: MotionVectors, rounding: Samples) -> Iterator[tuple[tuple[str, str, str], Samples]]:
     """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
     scene = state.scene
     pushes = {
@@ -142,7 +140,7 @@ def _newton_euler(
     }
     peaks = {name: max(float(np.abs(force).max()) for force, _ in own) for name, own in pushes.items()}
     largest = max(peaks.values()) or 1.0  # where nothing pushes: the leftover itself, in N
-    explained = rounding * largest
+    explained, length = rounding * largest, largest_length(scene)
     for body in scene.bodies.values():
         com, _, acceleration = state.com(body)
         force = -(body.mass or 0.0) * acceleration
@@ -153,8 +151,8 @@ def _newton_euler(
         peak = peaks[body.name] if peaks[body.name] > NOTHING * largest else largest
         left, turning = np.abs(force), np.abs(moment)
         yield ("Newton", body.name, "peak force on the body"), np.where(left <= explained, 0.0, left) / peak
-        turning = np.where(turning <= explained * largest_length(scene), 0.0, turning)
-        yield ("Euler", body.name, "peak force times the stroke"), turning / (peak * stroke)
+        turning = np.where(turning <= explained * length, 0.0, turning)
+        yield ("Euler", body.name, "peak force times the linkage's size"), turning / (peak * length)
 
 
 def _power(state: MotionVectors, rounding: Samples) -> Samples:
@@ -169,6 +167,9 @@ def _power(state: MotionVectors, rounding: Samples) -> Samples:
         _, v, a = state.com(body)
         _, omega, alpha = state.turning(body.name)
         terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
-    peak = max(float(np.abs(term).max()) for term in terms) or 1.0
+    forces = [c for c in force_channels(state.scene) if UNITS[quantity(c)] == "N"]
+    natural = max((float(np.abs(state.motion[c]).max()) for c in forces), default=0.0)
+    natural *= max((float(np.abs(state.point(p)[1]).max()) for p in state.scene.moving_points), default=0.0)
+    peak = max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0
     left = np.abs(sum(terms)) / peak
     return np.where(left <= rounding, 0.0, left)

@@ -20,6 +20,7 @@ HELPED = {  # by other settings, at times
     Status.inconsistent,
     Status.inaccurate,
     Status.nonfinite,
+    Status.unsupported,  # a body without mass, which fictitious masses do without
 }
 
 
@@ -53,7 +54,9 @@ def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Sett
     engine = first.run.engine
     if further[-1].run.status is not Status.ok:
         return first, f"{engine}: {_ended(first, *further)}"
-    return further[-1], f"{engine}: {_ended(first, *further[:-1])}; so {_label(further[-1].run)} was taken"
+    taken = further[-1].run
+    note = f": {taken.settings.note}" if taken.settings and taken.settings.note else ""
+    return further[-1], f"{engine}: {_ended(first, *further[:-1])}; so {_label(taken)} was taken{note}"
 
 
 def _ended(*failed: Measurement) -> str:

@@ -6,7 +6,7 @@ round-off explains. Then nothing is held against it.
 
 from dataclasses import replace
 
-from scenes import Failure, InputError, Sampling, Scene, Status
+from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import axis as units
 from ..engines import registry
@@ -17,6 +17,7 @@ from .perturbation import neighbours
 from .round_off import explain
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
+DRIVE = Settings("").drive_promise
 NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.crashed}  # which casts no doubt
 
 
@@ -57,6 +58,8 @@ def certified(reference: Reference, channels: frozenset[str] | None = None) -> F
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:
     """Return why the reference is not to be believed, or nothing."""
+    if any(check.check == "drive" and not check.worst <= DRIVE for check in core.checks):  # it is where it was put
+        return f"the scene's drive contradicts itself: {core.run.reason}"
     if core.run.status is not Status.ok:
         return f"the core contradicts itself: {core.run.reason}"
     if oracle.run.status is Status.ok or oracle.run.status in NO_ANSWER:

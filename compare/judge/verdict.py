@@ -19,6 +19,7 @@ from .errors import SHOWN_GROUPS, Comparison
 OPEN = 1e-2  # of the stroke: a pin that gapes this far is no pin
 WORTHLESS = 0.1  # of the scale or magnitude: what is so far off belongs to another motion
 ELSEWHERE = 5e-2  # of the stroke: with closed pins and the drive in place, only another assembly is so far off
+SUM = 10.0  # times the promise: to what errors within it add up over the joints of a body
 BALANCES = {
     "Newton": "forces and m a of {of} are out of balance by {worst} of the {relative_to}",
     "Euler": "moments and I alpha of {of} are out of balance by {worst} of the {relative_to}",
@@ -43,7 +44,7 @@ def limits(settings: Settings) -> Iterator[Limit]:
     yield Limit("drive", drive, Status.inconsistent, off)
     yield Limit("closure", OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
     yield Limit("branch", 0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch")
-    yield from (Limit(check, promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items())
+    yield from (Limit(check, SUM * promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items())
     yield from (Limit(group, WORTHLESS, Status.inconsistent, ESTIMATED) for group in SHOWN_GROUPS)
     promised = f"; at most {promise:g} is promised,"
     yield from (Limit(group, promise, Status.inaccurate, ESTIMATED + promised) for group in SHOWN_GROUPS)

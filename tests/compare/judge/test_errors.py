@@ -180,7 +180,7 @@ def test_samples_at_other_instants_are_noticed(references: References, plug: Plu
     reference = references("turning_law")
     plug(changed(commanded(reference), "time", late))
     outcome = measure(reference, "stub", SAMPLING).run
-    assert outcome.status is Status.crashed
+    assert outcome.status is Status.inconsistent
     assert "instants" in outcome.reason
 
 

@@ -68,7 +68,7 @@ def test_where_nothing_helps_the_first_stays() -> None:
     assert said.endswith("exact ended diverged, exact is not enough; fast ended diverged, fast is not enough")
 
 
-@pytest.mark.parametrize("status", [Status.unsupported, Status.cannot_assemble, Status.crashed, Status.timed_out])
+@pytest.mark.parametrize("status", [Status.cannot_assemble, Status.crashed, Status.timed_out])
 def test_what_accuracy_cannot_help_is_not_tried_again(status: Status) -> None:
     engine = Engine({"balanced": status})
     escalated(engine, offers("x", "balanced"))
