@@ -123,11 +123,14 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         doubt = f"{reference.floor.doubt}: {suspect}"
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [
-        replace(m, run=replace(m.run, status=Status.inaccurate, reason=doubt, found_by="reference"))
-        if m.run.engine == REFERENCE and m.run.status in (Status.ok, Status.inaccurate)
-        else by_themselves.get(id(m), m)
-        for m in measurements
+        _doubted(m, doubt) if m.run.engine == REFERENCE else by_themselves.get(id(m), m) for m in measurements
     ]
+
+
+def _doubted(core: Measurement, doubt: str) -> Measurement:
+    """Return the core's own measurement, not ok."""
+    status = Status.inaccurate if core.run.status is Status.ok else core.run.status
+    return replace(core, run=replace(core.run, status=status, reason=doubt, found_by="reference"))
 
 
 def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:

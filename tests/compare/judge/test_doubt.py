@@ -1,0 +1,97 @@
+"""The core under suspicion: a reference that is wrong is not ok, and no simulator is blamed for it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+import analytic
+import compare
+import scenes
+from compare.engines import registry
+from compare.judge.judgement import Judgement
+from scenes import Motion, Scene
+
+Spoil = Callable[[Motion], Motion]
+
+
+def judged(monkeypatch: pytest.MonkeyPatch, scene: Scene, other: Scene, spoil: Spoil) -> Judgement:
+    """Judge a scene by a core that solves another one, and spoils the motion."""
+    real = analytic.solver
+
+    class Spoilt:
+        def __init__(self, scene: Scene, channels: frozenset[str] | None = None) -> None:
+            self.solver = real(replace(scene, sketch=other.sketch), channels)
+
+        def __call__(self, position: ArrayLike, time: ArrayLike | None = None, *more: object) -> Motion:
+            return spoil(self.solver(position, time, *more))  # type: ignore[arg-type]
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(self.solver, name)
+
+    monkeypatch.setattr("analytic.solver", Spoilt)
+    monkeypatch.setattr("analytic.engine.solver", Spoilt)
+    return compare.check(scene, samples=72)
+
+
+def faster(motion: Motion) -> Motion:
+    return Motion({c: values * (1.0 + 1e-9 * c.endswith(".omega")) for c, values in motion.samples.items()})
+
+
+def upside_down(scene: Scene) -> Scene:
+    """Return the toggle press with its rod upwards: consistent, and another machine."""
+    return replace(scene, sketch=replace(scene.sketch, points={**scene.sketch.points, "P5": (0.0, -0.4)}))
+
+
+def test_a_core_that_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rate that is off by 1e-9 is far below every promise of the simulators, and far above its own."""
+    scene = scenes.load("toggle_press")
+    result = judged(monkeypatch, scene, scene, faster)
+    assert {engine: status for engine, (status, _) in result.verdicts.items()} == {
+        "analytic": "inconsistent",
+        "exudyn": "ok",
+        "pymunk": "ok",
+    }
+    assert not result.ok
+    assert result.verdicts["analytic"][1].startswith("the core contradicts itself: ")
+    assert result.verdicts["analytic"][1].endswith("suspect the core")
+
+
+@pytest.mark.parametrize("oracle", [True, False])
+def test_a_core_that_stands_alone(monkeypatch: pytest.MonkeyPatch, oracle: bool) -> None:
+    """On another branch, all in itself right: against arbitrary precision, or two simulators that agree."""
+    if not oracle:
+        missing = replace(registry.ENTRIES["multiprecision"], package="no_such_package")
+        monkeypatch.setitem(registry.ENTRIES, "multiprecision", missing)
+    scene = scenes.load("toggle_press")
+    result = judged(monkeypatch, scene, upside_down(scene), lambda motion: motion)
+    assert result.verdicts["analytic"][0] == "inaccurate"
+    assert result.verdicts["analytic"][1].endswith("suspect the core")
+    assert {result.verdicts[engine] for engine in ("exudyn", "pymunk")} == {("ok", "")}
+    assert not result.ok
+
+
+def test_a_doubt_stops_though_the_core_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("compare.judge.floor._doubt", lambda *_: "the core and arbitrary precision differ")
+    result = compare.check("four_bar", engines=("exudyn",), samples=72)
+    assert result.verdicts == {"exudyn": ("ok", "")}
+    assert result.missed == [f"analytic: {result.reference.floor.doubt}"]
+    assert result.reference.floor.doubt.startswith("the core and arbitrary precision differ")
+
+
+def test_one_simulator_alone_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the core and arbitrary precision, be it ever so consistent."""
+    scene = scenes.load("four_bar")
+    real = registry.engine("exudyn").build
+
+    def late(other: Scene, *more: object) -> object:
+        return real(replace(other, gravity=None), *more)
+
+    monkeypatch.setattr("sim_models.exudyn.engine.build", late)
+    result = compare.check(scene, samples=72)
+    assert result.verdicts["analytic"] == ("ok", "")
+    assert result.verdicts["exudyn"][0] in ("inaccurate", "inconsistent")
+    assert result.verdicts["pymunk"] == ("ok", "")
+    assert np.isfinite(result.errors["max"]).all()
