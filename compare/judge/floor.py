@@ -57,11 +57,16 @@ def certified(reference: Reference, channels: frozenset[str] | None = None) -> F
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:
-    """Return why the reference is not to be believed, or nothing."""
+    """Return why the reference is not to be believed, with whom to suspect; or nothing.
+
+    The checks are a third opinion. They take the scene's laws and loads as all models but arbitrary precision do.
+    """
     if any(check.check == "drive" and not check.worst <= DRIVE for check in core.checks):  # it is where it was put
-        return f"the scene's drive contradicts itself: {core.run.reason}"
+        return f"the scene's drive contradicts itself, suspect the scene's layer: {core.run.reason}"
     if core.run.status is not Status.ok:
-        return f"the core contradicts itself: {core.run.reason}"
+        return f"the core contradicts itself, suspect the core: {core.run.reason}"
     if oracle.run.status is Status.ok or oracle.run.status in NO_ANSWER:
         return ""
-    return f"the core and arbitrary precision differ: {oracle.run.status.name}, {oracle.run.reason}"
+    if oracle.run.found_by == "checks":
+        return f"arbitrary precision alone differs, suspect the scene's laws, tables and loads: {oracle.run.reason}"
+    return f"the core and arbitrary precision differ, suspect the core: {oracle.run.reason}"

@@ -104,23 +104,16 @@ def judgement(
 def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Reference, list[Measurement]]:
     """Return the reference and the measurements with whoever stands alone named.
 
-    Engines that the reference alone contradicts, and that agree with each other, put the reference in doubt.
+    Engines that the reference alone contradicts, and that agree with each other, put one without a floor in doubt.
     """
-    others = [m for m in measurements if m.run.engine not in (REFERENCE, ORACLE)]
-    against = [m for m in others if m.run.found_by == "reference"]
-    if not reference.floor.doubt:
-        if not any(_agree(reference, *pair) for pair in combinations(against, 2)):
+    against = [m for m in measurements if m.run.found_by == "reference" and m.run.engine not in (REFERENCE, ORACLE)]
+    doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
+    if not doubt:
+        if reference.floor.by_channel or not any(_agree(reference, *pair) for pair in combinations(against, 2)):
             return reference, measurements
         names = " and ".join(m.run.engine for m in against)
-        doubt = f"{names} agree with each other and not with the core: suspect the core"
+        doubt = f"the core alone differs, suspect the core: {names} agree with each other"
         by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
-    else:
-        by_themselves = {}
-        solved = [m for m in others if m.run.status is Status.ok and m.run.settings is not None and len(m.errors)]
-        apart = [m for m in solved if not m.errors["unexplained"].max() <= m.run.settings.promise]  # type: ignore[union-attr]
-        shared = "suspect what all models but it share, the scene's laws, tables and press forces"
-        suspect = "suspect the core" if apart or not solved else f"arbitrary precision stands alone: {shared}"
-        doubt = f"{reference.floor.doubt}: {suspect}"
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [
         _doubted(m, doubt) if m.run.engine == REFERENCE else by_themselves.get(id(m), m) for m in measurements

@@ -55,8 +55,7 @@ def test_a_core_that_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None
         "pymunk": "ok",
     }
     assert not result.ok
-    assert result.verdicts["analytic"][1].startswith("the core contradicts itself: ")
-    assert result.verdicts["analytic"][1].endswith("suspect the core")
+    assert result.verdicts["analytic"][1].startswith("the core contradicts itself, suspect the core: ")
 
 
 @pytest.mark.parametrize("oracle", [True, False])
@@ -68,7 +67,7 @@ def test_a_core_that_stands_alone(monkeypatch: pytest.MonkeyPatch, oracle: bool)
     scene = scenes.load("toggle_press")
     result = judged(monkeypatch, scene, upside_down(scene), lambda motion: motion)
     assert result.verdicts["analytic"][0] == "inaccurate"
-    assert result.verdicts["analytic"][1].endswith("suspect the core")
+    assert "suspect the core" in result.verdicts["analytic"][1]
     assert {result.verdicts[engine] for engine in ("exudyn", "pymunk")} == {("ok", "")}
     assert not result.ok
 
