@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,7 +86,7 @@ def test_one_simulator_alone_is_not_believed(monkeypatch: pytest.MonkeyPatch) ->
     scene = scenes.load("four_bar")
     real = registry.engine("exudyn").build
 
-    def late(other: Scene, *more: object) -> object:
+    def late(other: Scene, *more: Any) -> object:
         return real(replace(other, gravity=None), *more)
 
     monkeypatch.setattr("sim_models.exudyn.engine.build", late)
