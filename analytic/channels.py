@@ -9,7 +9,7 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import Pin
 
-from .decomposition import Dyad, inner_joint, kind
+from .decomposition import Dyad, inner_joint
 from .dyads import Vectors, dot
 from .group_equations import Group
 from .kinematics import Linkage
@@ -64,14 +64,13 @@ def _of_slider(body: str) -> Iterator[Channels]:
 
 
 def _of_group(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
-    """Yield how far a group is from a singular configuration; of two crossing guides that is no length."""
+    """Yield how far a group is from a singular configuration."""
     joint = inner_joint(group)
     if isinstance(group, Group):
         yield (f"{joint}.to_lock",), lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint])
         return
     yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
-    if kind(group) in ("RRR", "RRP", "RPR"):
-        yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]
+    yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]
 
 
 def _transmission(k: Kinematics, joint: str) -> Samples:

@@ -14,7 +14,7 @@ from typing import TypeAlias
 from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
-from .geometry import RigidBody, as_complex, cross, rigid_body, sketched, sketched_attitude
+from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
 from .group_equations import Group, PinJoint, SlideJoint
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -76,6 +76,7 @@ class Decomposition:
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
+    arm: float  # m, the longest
 
 
 def decompose(scene: Scene) -> Decomposition:
@@ -95,7 +96,7 @@ def decompose(scene: Scene) -> Decomposition:
         groups.append(group)
         for body in members(group):
             placed.add(body)
-    return Decomposition(driver, tuple(groups), bodies, placed.carries)
+    return Decomposition(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies))
 
 
 def route(scene: Scene) -> str:

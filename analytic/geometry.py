@@ -70,6 +70,21 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
     return RigidBody(local, sum(corners) / len(corners), mass, inertia)
 
 
+def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> float:
+    """Return the largest distance of two points, or of a point from a guide, on one body or the ground, m.
+
+    Turns of guides count as moves at this arm. Where there is none, as of wedges, it is the way of the drive.
+    """
+    points = {name: list(body.local.values()) for name, body in bodies.items()}
+    points[GROUND] = [as_complex(xy) for xy in scene.ground.values()]
+    arms = [abs(a - b) for own in points.values() for a in own for b in own]
+    for slide in (body.slide for body in scene.bodies.values() if body.slide is not None):
+        t, through = as_complex(slide.along), as_complex(slide.through)
+        arms += [abs(cross(t, point - through)) for point in points[slide.on]]
+    least, most = scene.drive.extent
+    return max(arms, default=0.0) or most - least
+
+
 def _from_lengths(scene: Scene, body: Body) -> dict[str, complex]:
     """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
     assert body.lengths is not None

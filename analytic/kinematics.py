@@ -45,7 +45,7 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
     Raises:
         Failure: a larger group has no branch to follow, see `continuation.follow`.
     """
-    linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, tracks={})
+    linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, whole.arm, tracks={})
     for group in whole.groups:
         if isinstance(group, Group):
             with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
@@ -154,6 +154,7 @@ class _Pass(Placing):
         t1, t2 = self.k.direction(one), self.k.direction(two)
         closure = k.closure[P] = Closure(t1, t2, cross(t1, t2))
         k.reach[P] = dyad.branch * closure.det
+        k.to_lock[P] = self.linkage.arm * k.reach[P]
         k.z[P], k.v[P], k.a[P] = self.crossing(closure, one.on, C1, two.on, C2)
         self.place_on_guide(one, P)
         self.place_on_guide(two, P)
@@ -193,7 +194,9 @@ class _Pass(Placing):
         k, inner = self.k, dyad.guide
         self.place(two.body, two.A, k.u[one.on], self.spin(one.on))
         t1, t2 = self.k.direction(one), self.k.direction(inner)
-        closure = k.closure[inner_joint(dyad)] = Closure(t1, t2, cross(t1, t2))
+        name = inner_joint(dyad)
+        closure = k.closure[name] = Closure(t1, t2, cross(t1, t2))
+        k.to_lock[name] = self.linkage.arm * dyad.branch * closure.det
         C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
         z, v, a = self.crossing(closure, one.on, C1, two.body, C2)
         body = self.linkage.bodies[one.body]

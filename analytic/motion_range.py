@@ -9,7 +9,7 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Dyad, InnerSlide, inner_joint, kind
+from .decomposition import Dyad, Guided, InnerSlide, inner_joint, kind
 from .group_equations import Group
 from .kinematics import Linkage, kinematics
 
@@ -94,7 +94,15 @@ def in_line(group: Dyad | Group) -> str:
     if isinstance(group, Group):
         return f"{', '.join(group.bodies)} in a singular configuration"
     one, two = (leg.body for leg in group.legs)
+    if guides_cross(group):
+        guides = [leg for leg in group.legs if isinstance(leg, Guided)]
+        guides += [group.guide] if isinstance(group, InnerSlide) else []
+        return f"the guides of {' and '.join(guide.slider for guide in guides)} parallel"
     if isinstance(group, InnerSlide):
         return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
-    singular = {"RRR": f"{one} and {two} in line at {group.P}", "RRP": f"{one} square to the guide of {two}"}
-    return singular.get(kind(group), f"the guides of {one} and {two} parallel")
+    return f"{one} and {two} in line at {group.P}" if kind(group) == "RRR" else f"{one} square to the guide of {two}"
+
+
+def guides_cross(group: Dyad | Group) -> bool:
+    """Return whether a group is a dyad that is singular where two guides are parallel."""
+    return kind(group) in ("PRP", "RPP")
