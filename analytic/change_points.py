@@ -1,8 +1,8 @@
-"""Singular configurations on the drive's way, those between samples too: no one motion leads through them.
+"""Singular configurations on the drive's way, between samples too: no one motion leads through them.
 
 At a change point two branches meet, and the drive can go on: a parallelogram stretched out, or a crank as long as its
-rod. Where a bar is a hair too short it does not reach for as long, and where guides pass through parallel their crossing
-is infinitely far away. Each position beside it is solved on its own branch, and all look fine.
+rod. A bar a hair too short does not reach for a hair of the way. Guides that become parallel cross infinitely far away.
+Each position beside it is solved on its own branch, and all look fine.
 """
 
 import numpy as np
@@ -16,7 +16,8 @@ from .group_equations import Group
 from .kinematics import Linkage, kinematics
 from .motion_range import guides_cross, in_line
 from .newton_group import ROUGHLY, to_lock
-from .solve import Solver
+from .placing import Kinematics
+from .solve import Solver, check_reach
 
 SAMPLES = 720  # a cycle, to find where a group is nearest to a singular configuration
 POINTS, ROUNDS = 17, 16  # of each look closer: 8 times closer, down to the last place
@@ -30,19 +31,18 @@ def check_way(solver: Solver) -> None:
         solver: of the scene, and of the channels whose groups are looked at.
 
     Raises:
-        Failure: `cannot_assemble` at a singular configuration that may be between all samples.
+        Failure: `cannot_assemble` at a singular configuration, or where the bodies do not reach.
     """
-    least, most = solver.scene.drive.extent
-    way = np.linspace(least, most, SAMPLES + 1)
-    distances = _to_lock(solver.scene, solver.linkage, way)
-    if not all((distance >= 0).all() for distance in distances.values()):
-        return  # it does not assemble all the way, which is reported where it is solved
-    for group, distance in distances.items():
+    scene, linkage = solver.scene, solver.linkage
+    way = np.linspace(*scene.drive.extent, SAMPLES + 1)
+    k = _poses(scene, linkage, way)
+    check_reach(scene, linkage, k, way)
+    for group, distance in _to_lock(linkage, k, way).items():
         before, after = np.append(np.inf, distance[:-1]), np.append(distance[1:], np.inf)
         steepest = np.fmax(np.where(before < np.inf, before, 0), np.where(after < np.inf, after, 0)) - distance
         lowest = (distance <= before) & (distance <= after) & (distance <= steepest)  # so that it may reach zero
         for i in np.flatnonzero(lowest).tolist():
-            _look_closer(solver.scene, solver.linkage, group, way[max(i - 1, 0) : i + 2])
+            _look_closer(scene, linkage, group, way[max(i - 1, 0) : i + 2])
 
 
 def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Samples) -> None:
@@ -52,31 +52,35 @@ def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Sam
         Failure: one is singular, but for round-off.
     """
     size = max(abs(complex(*place)) for place in scene.sketch.points.values())
+    singular: Dyad | Group | None = None
     for _ in range(ROUNDS):
         way = np.linspace(way[0], way[-1], POINTS)
-        distances = _to_lock(scene, linkage, way)
+        distances = _to_lock(linkage, _poses(scene, linkage, way), way)
         for group, distance in distances.items():
             lost = ROUGHLY * linkage.tracks[group].equations.size if isinstance(group, Group) else MEET * size
-            singular = ~(distance > lost)
-            if singular.any():
-                where = float(way[np.where(singular, distance, np.inf).argmin()])
-                why = "the linkage is singular" if guides_cross(group) else "two ways of assembling the bodies meet"
-                raise Failure(Status.cannot_assemble, f"{why} at {scene.where(where)}: {in_line(group)}")
-        i = int(distances[nearest].argmin())
-        way = way[max(i - 1, 0) : i + 2]
+            if singular is None and not (distance > lost).all():
+                nearest = singular = group
+        i = int(np.where(np.isnan(distances[nearest]), -np.inf, distances[nearest]).argmin())
+        where, way = float(way[i]), way[max(i - 1, 0) : i + 2]
+    if singular is not None:
+        why = "the linkage is singular" if guides_cross(singular) else "two ways of assembling the bodies meet"
+        raise Failure(Status.cannot_assemble, f"{why} at {scene.where(where)}: {in_line(singular)}")
 
 
-def _to_lock(scene: Scene, linkage: Linkage, position: Samples) -> dict[Dyad | Group, Samples]:
-    """Return each group's distance from a singular configuration, m, shape (n,); NaN where it does not reach."""
+def _poses(scene: Scene, linkage: Linkage, way: Samples) -> Kinematics:
     with np.errstate(invalid="ignore", divide="ignore"):
-        k = kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=False)
+        return kinematics(scene, linkage, Driven(way, np.array(1.0), np.array(0.0)), rates=False)
+
+
+def _to_lock(linkage: Linkage, k: Kinematics, way: Samples) -> dict[Dyad | Group, Samples]:
+    """Return each group's distance from a singular configuration, m, shape (n,); NaN where it does not reach."""
     distances: dict[Dyad | Group, Samples] = {}
     for group in linkage.groups:
         if isinstance(group, Group):
             J = k.jacobian[group.P]
             reached = np.flatnonzero(~np.isnan(J).any(axis=(1, 2)))
-            distances[group] = np.full(position.shape, np.nan)
+            distances[group] = np.full(way.shape, np.nan)
             distances[group][reached] = to_lock(linkage.tracks[group].equations, J[reached])
         else:
-            distances[group] = np.broadcast_to(k.to_lock[inner_joint(group)], position.shape)
+            distances[group] = np.broadcast_to(k.to_lock[inner_joint(group)], way.shape)
     return distances

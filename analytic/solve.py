@@ -110,7 +110,7 @@ class Solver:
             for start in range(0, len(position), BLOCK):
                 block = slice(start, start + BLOCK)
                 k = motion_at(scene, linkage, Driven(*(x[block] if x.ndim else x for x in driven)))
-                _check_reach(scene, linkage, k, position[block])
+                check_reach(scene, linkage, k, position[block])
                 on = kinetostatics(scene, linkage, self.stroke_ends, k, wanted) if forces else Reactions()
                 for rows, takes in ((planes, vectors.values()), (lines, scalars.values())):
                     for row, take in zip(rows, takes, strict=True):
@@ -149,9 +149,14 @@ def _needed(whole: Decomposition, wanted: AbstractSet[str] | None, *, forces: bo
     return replace(whole, groups=whole.groups[:count])
 
 
-def _check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples) -> None:
+def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples) -> None:
+    """Raise at the first position where a group does not reach.
+
+    Raises:
+        Failure: `cannot_assemble`.
+    """
     for joint, reach in k.reach.items():  # in solving order: the first that fails is negative, what hangs on it is NaN
         if (reach < 0).any():
-            first = position[int(np.argmax(np.broadcast_to(reach, position.shape) < 0))]
-            why = f"{joint} cannot be reached at {scene.where(float(first))}; {describe(scene, linkage)}"
+            first = float(position[int(np.argmax(np.broadcast_to(reach, position.shape) < 0))])
+            why = f"{joint} cannot be reached at {scene.where(first)}; {describe(scene, linkage, joint, first)}"
             raise Failure(Status.cannot_assemble, why)
