@@ -63,7 +63,8 @@ def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Sam
         i = int(np.where(np.isnan(distances[nearest]), -np.inf, distances[nearest]).argmin())
         where, way = float(way[i]), way[max(i - 1, 0) : i + 2]
     if singular is not None:
-        why = "the linkage is singular" if guides_cross(singular) else "two ways of assembling the bodies meet"
+        meet = not isinstance(singular, Group) and not guides_cross(singular)
+        why = "two ways of assembling the bodies meet" if meet else "the linkage is singular"
         raise Failure(Status.cannot_assemble, f"{why} at {scene.where(where)}: {in_line(singular)}")
 
 

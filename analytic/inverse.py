@@ -11,7 +11,7 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .dead_points import SAMPLES, Displaced, bisected, dead_points, displacement
-from .decomposition import Decomposition, decompose
+from .decomposition import decompose
 from .kinematics import followed
 from .motion_range import describe
 
@@ -55,17 +55,13 @@ def inverse(
     s, v, a = (np.atleast_1d(np.asarray(x, float)) for x in np.broadcast_arrays(position, velocity, acceleration))
     linkage = followed(scene, decompose(scene))
     displaced = displacement(scene, linkage, scene.output)
-    way = displaced(np.linspace(*scene.drive.extent, SAMPLES))[0]
-    if np.isnan(way).any():
-        raise Failure(Status.cannot_assemble, describe(scene, linkage))
-    if not np.ptp(way) > STILL * _longest_arm(linkage):
+    way = np.linspace(*scene.drive.extent, SAMPLES)
+    along = displaced(way)[0]
+    if np.isnan(along).any():
+        raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[np.isnan(along)][0])))
+    if not np.ptp(along) > STILL * linkage.arm:
         raise ValueError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
     return [_stroke(displaced, start, end, s, v, a) for start, end in pairwise(_ends(scene, displaced))]
-
-
-def _longest_arm(linkage: Decomposition) -> float:
-    """Return the largest distance of a body's point from its first one, m."""
-    return max(abs(at - body.first) for body in linkage.bodies.values() for at in body.local.values())
 
 
 def _ends(scene: Scene, displaced: Displaced) -> Samples:

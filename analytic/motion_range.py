@@ -69,11 +69,8 @@ def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> np.ndarray[
     return first
 
 
-def describe(scene: Scene, linkage: Linkage, joint: str, position: float) -> str:
-    """Return in one sentence how far the drive moves, and what is in line where it stops.
-
-    At this position, and at this joint, it does.
-    """
+def describe(scene: Scene, linkage: Linkage, position: float) -> str:
+    """Return in one sentence how far the drive moves, and what is in line where it stops, as it does at a position."""
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
     stops = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
@@ -82,7 +79,8 @@ def describe(scene: Scene, linkage: Linkage, joint: str, position: float) -> str
         if not turns and not least <= position <= most:
             return f"the {body} slides freely all its way, from {least:.6g} m to {most:.6g} m"
         gap = f"{360 / SAMPLES:g} deg" if turns else f"{(most - least) / SAMPLES:.3g} m"
-        return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({stops[joint]})"
+        why = stops[str(_unreached(scene, linkage, np.array([position]))[0])]
+        return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({why})"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
 

@@ -158,5 +158,5 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
     for joint, reach in k.reach.items():  # in solving order: the first that fails is negative, what hangs on it is NaN
         if (reach < 0).any():
             first = float(position[int(np.argmax(np.broadcast_to(reach, position.shape) < 0))])
-            why = f"{joint} cannot be reached at {scene.where(first)}; {describe(scene, linkage, joint, first)}"
+            why = f"{joint} cannot be reached at {scene.where(first)}; {describe(scene, linkage, first)}"
             raise Failure(Status.cannot_assemble, why)

@@ -2,13 +2,14 @@
 
 The constraints f(q) of `rows` are linear in q but for y = S q, the angles and the displacements on moving bodies over
 the linkage's size. So every criterion here is on y alone, which has no unit: a change of y by Δ, a turn by Δ rad or a
-displacement by Δ sizes, is called a turn for short.
+displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
 from math import radians
 
 import numpy as np
 from flint import arb, arb_mat
+from numpy.typing import NDArray
 
 from scenes import Budget, Failure, Status
 
@@ -53,7 +54,7 @@ class Continuation:
             J = rows.jacobian(q)
             rate = self._solve(J, left, q)
             curvature = self._solve(J, rows.centripetal(q, rate), q)
-            turn = self._largest_turn(rate)
+            turn = self._largest_turn(rate, q)
             share = longest / max(longest, turn)
             while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
                 share /= 2
@@ -85,14 +86,17 @@ class Continuation:
     ) -> arb_mat | None:
         """Return the pose a step further, or None where Newton does not contract or J changes too much."""
         h = arb(share)
-        reached = self._newton((q + rate * h + curvature * (h * h / 2)).mid(), goal, share * self._largest_turn(rate))
+        reached = self._newton(
+            (q + rate * h + curvature * (h * h / 2)).mid(), goal, share * self._largest_turn(rate, q)
+        )
         if reached is None:
             return None
         # J and its successor differ by ΔB S, and det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of
-        # S J^-1 ΔB is less than one, no matrix on the line between the two is singular.
+        # S J^-1 ΔB is less than one, no matrix on the line between the two is singular. The least of its norms in any
+        # units of y is the spectral radius of the matrix of its magnitudes (Perron and Frobenius).
         change = self.rows.varying(reached) - self.rows.varying(q)
-        relative = (self.rows.S * J.solve(change, algorithm="approx")).tolist()
-        return reached if np.linalg.norm(np.array(relative, dtype=float), np.inf) <= HOMOTOPY else None
+        relative = np.array((self.rows.S * J.solve(change, algorithm="approx")).tolist(), dtype=float)
+        return reached if np.abs(np.linalg.eigvals(np.abs(relative))).max() <= HOMOTOPY else None
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float) -> arb_mat | None:
         """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
@@ -103,7 +107,7 @@ class Continuation:
             except ZeroDivisionError:
                 return None
             q = (q + correction).mid()
-            last, turn = turn, self._largest_turn(correction)
+            last, turn = turn, self._largest_turn(correction, q)
             if turn <= self.converged:
                 return q
             if not turn <= CONTRACTION * last:
@@ -116,9 +120,16 @@ class Continuation:
         except ZeroDivisionError:
             raise self._singular(q) from None
 
-    def _largest_turn(self, change: arb_mat) -> float:
-        """Return the largest |Δy| of a change of pose."""
-        return float(np.max(np.abs([float(turn) for turn in (self.rows.S * change).entries()])))  # NaN stays NaN
+    def _largest_turn(self, change: arb_mat, q: arb_mat) -> float:
+        """Return the largest |Δy| of a change of pose q, that of a displacement longer than the size over itself."""
+        moves, bodies = self._turns(change), len(self.linkage.index)
+        if len(moves) > bodies:
+            lengths = np.hypot(*self._turns(q)[bodies:].reshape(-1, 2).T)
+            moves[bodies:] /= np.repeat(np.maximum(1.0, lengths), 2)
+        return float(np.max(np.abs(moves)))  # NaN stays NaN
+
+    def _turns(self, q: arb_mat) -> NDArray[np.float64]:
+        return np.array([float(y) for y in (self.rows.S * q).entries()])
 
     def _place(self, q: arb_mat) -> str:
         return self.linkage.scene.where(float(self.linkage.position.value(q)[0, 0]))

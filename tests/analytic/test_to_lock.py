@@ -142,12 +142,48 @@ def test_a_length_changed_by_that_much_locks(case: str) -> None:
     assert left(locks * by * (1 - 1e-9)) == pytest.approx(1e-9 * by, rel=1e-4)  # a difference of lengths, rounded
 
 
-def test_two_crossing_guides_have_no_length_to_a_lock() -> None:
-    """No guide moved along its normal makes them parallel; only the angle tells."""
-    for name, joint in (("slotted_crank", "P"), ("scotch_yoke", "block")):
-        motion = analytic.solve(scene_files.load(name), [1.0])
-        assert f"{joint}.transmission" in motion
-        assert f"{joint}.to_lock" not in motion
+def turned(slider: str, by: float) -> Callable[[Scene], Scene]:
+    """Return a function that turns a guide about its own point."""
+
+    def change(scene: Scene) -> Scene:
+        old = scene.bodies[slider]
+        assert old.slide is not None
+        along = complex(*old.slide.along) * np.exp(1j * by)
+        slide = replace(old.slide, along=(along.real, along.imag))
+        return replace(scene, bodies={**scene.bodies, slider: replace(old, slide=slide)})
+
+    return change
+
+
+# scene, joint, a guide, the linkage's longest arm, m: the crank's O-T; the yoke's Y-T
+CROSSING = {
+    "PRP": ("slotted_crank", "P", "slider", 2.0),
+    "PRP, the other guide": ("slotted_crank", "P", "block", 2.0),
+    "RPP": ("scotch_yoke", "block", "yoke", np.hypot(0.2, 0.01)),
+}
+
+
+@pytest.mark.parametrize("case", CROSSING)
+def test_a_guide_turned_by_that_much_at_the_longest_arm_locks(case: str) -> None:
+    name, joint, slider, arm = CROSSING[case]
+    channel, scene = f"{joint}.to_lock", scene_files.load(name)
+
+    def left(by: float) -> float:
+        return float(analytic.solve(turned(slider, by)(scene), [1.0], channels={channel})[channel][0])
+
+    angle = np.arcsin(left(0.0) / arm)
+    near = min(left(sign * angle * (1 - 1e-9)) for sign in (1, -1))
+    assert near == pytest.approx(arm * angle * 1e-9, rel=1e-5)  # a difference of angles, rounded
+
+
+def test_the_longest_arm_may_be_a_guide_off_a_pin_or_the_way_of_a_drive() -> None:
+    """A crank of one point is turned under a guide 0.3 m away; wedges of one point each have but their way."""
+    radial = {"bodies.crank.points": {"O": [0, 0]}, "bodies.block.slides.through": [0, 0]}
+    slots = scene_files.load("tangent", {**radial, "sketch.T": None})
+    assert decompose(slots).arm == pytest.approx(0.3 / np.hypot(1, 0.1), rel=1e-15)
+    least, most = scene_files.load("wedge_of_points").drive.extent
+    flat = {f"bodies.{body}.slides.through": [0, 0] for body in ("wedge", "block", "follower")}
+    assert decompose(scene_files.load("wedge_of_points", flat)).arm == most - least
 
 
 def test_a_larger_group_has_a_length_alone() -> None:

@@ -1,0 +1,131 @@
+"""Singular poses between all samples are refused by name and place; where a linkage only comes near, it is solved."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import acos, cos, degrees, pi, radians, sin
+
+import numpy as np
+import pytest
+
+import analytic
+from analytic import change_points, engine
+from analytic.decomposition import _Placed, decompose, larger_group, members
+from analytic.solve import Solver, prepared
+from scenes import Failure, Positions, Sampling, Scene, Status
+from scenes.motion import channels
+from scenes.scene import ConstantSpeed
+from tests import scene_files
+from tests.agreement import errors, exact
+
+EPS = 2.0**-52
+START = {"drive.start": 0.0123}  # rad: the poses are half a degree and more off 36 samples, and off any grid
+# Crank 1 and coupler 3.5 in line: B is 4.5 from O. The rocker, 2 long on a frame of 4, is then at its least angle.
+LEAST = pi - acos((4**2 + 2**2 - 4.5**2) / (2 * 4 * 2))
+NEAREST = float(np.angle(4 + 2 * np.exp(1j * LEAST)))  # rad, of the crank
+
+
+def guides(apart: float) -> Scene:
+    """Return a rocker whose slot comes as near to parallel to a guide as this, deg, and turns away again."""
+    along = LEAST - radians(apart)
+    return scene_files.load("rocking_guide", {"bodies.slider.slides.along": [cos(along), sin(along)]})
+
+
+def bars(left: float) -> Scene:
+    """Return a four-bar whose coupler and rocker reach what they have to, 5 m, and this much more, m."""
+    dyad = {"bodies.block": None, "bodies.slider": None, "loads": None, "sketch.P": None, "output": {"point": "B"}}
+    return scene_files.load("rocking_guide", {**dyad, "bodies.coupler.lengths.A-B": 3 + left, "sketch.B": [3, 1.8]})
+
+
+def rod(left: float) -> Scene:
+    """Return a slider-crank whose rod is longer than the crank by this, m."""
+    return scene_files.load("slider_crank", {**START, "bodies.rod.lengths.A-B": 1 + left, "sketch.B": [1.8, 0]})
+
+
+def lever(left: float) -> Scene:
+    """Return a lever whose slot passes its pivot by what the crank's pin is from there at 0 deg, less this, m."""
+    return scene_files.load("slotted_lever", {**START, "bodies.block.slides.through": [0, 0.5 - left]})
+
+
+PARALLEL = f"the linkage is singular at crank angle {degrees(NEAREST):.4f} deg: the guides of block and slider parallel"
+MEET = "two ways of assembling the bodies meet at crank angle "
+SINGULAR = {
+    "PRP": (guides, PARALLEL),
+    "RRR": (bars, f"{MEET}180.0000 deg: coupler and rocker in line at B"),
+    "RRP": (rod, f"{MEET}90.0000 deg: rod square to the guide of slider"),
+    "RPR": (lever, f"{MEET}360.0000 deg: the pins of block and lever square to the guide of block"),
+}
+NEAR = [1e-2, 1e-6, 1e-9]  # deg or m
+BEYOND = [0.0, -1e-12, -1e-6]
+
+
+def run(scene: Scene, count: int = 36) -> None:
+    """Solve as an engine of the comparison does."""
+    built = engine.build(scene, engine.DEFAULT, Sampling(count))
+    built.solve()
+
+
+@pytest.mark.parametrize("dyad", SINGULAR)
+def test_between_samples_each_dyad_is_refused_beyond_and_solved_near_its_singular_pose(dyad: str) -> None:
+    scene, why = SINGULAR[dyad]
+    for near in NEAR:
+        run(scene(near))
+    for beyond in BEYOND:
+        analytic.solve(scene(beyond), np.linspace(0.0123, 0.0123 + 2 * pi, 37))  # no sample is where it does not close
+        with pytest.raises(Failure) as caught:
+            run(scene(beyond))
+        assert caught.value.status is Status.cannot_assemble
+        assert caught.value.reason == why, beyond
+
+
+@pytest.mark.parametrize("dyad", SINGULAR)
+def test_a_gap_that_the_search_meets_but_no_sample(dyad: str) -> None:
+    """Of a degree, between samples 10 degrees apart."""
+    scene, _ = SINGULAR[dyad]
+    with pytest.raises(Failure, match=r"cannot be reached at crank angle .* deg; the crank turns only from"):
+        run(scene(-1e-2 if dyad == "PRP" else -1e-4))
+
+
+def test_parallel_for_less_than_the_grid_of_the_range() -> None:
+    """For 0.025 degrees, half way between two angles of that grid: no end of the range is seen, but what stops it."""
+    scene = guides(-1e-6)
+    off = replace(scene, drive=ConstantSpeed("crank", 3.0, NEAREST - radians(17.45), None))
+    with pytest.raises(Failure, match=r"freely but for gaps narrower than 0\.1 deg \(the guides of block and slider"):
+        analytic.solve(off, [NEAREST])
+
+
+@pytest.mark.parametrize("apart", [1.0, 0.1])
+def test_next_to_parallel_guides_every_channel_is_right(apart: float) -> None:
+    """Against 50 digits. An angle of guides known to eps is so to eps / angle, and forces go with its square."""
+    pytest.importorskip("flint")
+    scene = guides(apart)
+    true = exact(scene, Positions((0.0123, NEAREST - 0.01, NEAREST, NEAREST + 0.1)))
+    motion = analytic.solve(scene, true["crank_angle"], true["time"])
+    found = errors(motion, {channel: true[channel] for channel in channels(scene)})
+    assert max(error.max() for error in found.values()) <= 20 * EPS / radians(apart) ** 2
+
+
+# --- larger groups ----------------------------------------------------------------------------------------------------
+
+
+def by_newton(scene: Scene) -> Solver:
+    """Return a solver that takes the last dyad for a larger group."""
+    by_dyads = decompose(scene)
+    *before, last = by_dyads.groups
+    placed = _Placed(scene, by_dyads.bodies)
+    for body in by_dyads.carries:
+        if body not in members(last):
+            placed.add(body)
+    return prepared(scene, replace(by_dyads, groups=(*before, larger_group(placed, members(last)))))
+
+
+def test_near_the_singular_pose_of_a_larger_group() -> None:
+    change_points.check_way(by_newton(bars(1e-9)))
+
+
+@pytest.mark.parametrize("scene", [guides, bars], ids=["PRP", "RRR"])
+def test_between_samples_a_larger_group_is_refused_too(scene: Callable[[float], Scene]) -> None:
+    beyond = by_newton(scene(-1e-6))
+    beyond(np.linspace(0.0123, 0.0123 + 2 * pi, 37))
+    bodies = ", ".join(members(beyond.linkage.groups[-1]))
+    with pytest.raises(Failure, match=f"the linkage is singular at .* deg: {bodies} in a singular configuration"):
+        change_points.check_way(beyond)
