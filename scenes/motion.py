@@ -18,8 +18,10 @@ Of the analytic core alone, since the other engines know no Assur groups, by the
 | channel | meaning |
 |---|---|
 | `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
-| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group's pose to be singular; of \
-two guides that cross, the sine of their angle times the longest arm of the linkage: of points and guides on one body |
+| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group's pose to be singular |
+
+A guide that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest
+arm, which is the largest distance of two points, or of a point from a guide, on one body or the ground.
 """
 
 from collections.abc import Mapping
