@@ -58,11 +58,11 @@ def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:
 
 def _switched(system: ExudynSystem, load: PressForce, switches: Sequence[float]) -> ForceFunction:
     """Return the force that is off until the first of the instants of a cycle, on until the second, and so on."""
-    pre_roll, cycle, repeats = system.pre_roll, system.scene.drive.cycle, system.scene.drive.repeats
+    drive, cycle, repeats = system.driven_by, system.scene.drive.cycle, system.scene.drive.repeats
     on, off = [*(f / system.force_unit for f in load.force), 0.0], [0.0, 0.0, 0.0]
 
     def force(_mbs: Any, clock: float, _unused: Any) -> list[float]:
-        time = clock - pre_roll + SAME_INSTANT * cycle
+        time = drive.zero + clock + SAME_INSTANT * cycle
         return on if bisect_right(switches, time % cycle if repeats else time) % 2 else off
 
     return force

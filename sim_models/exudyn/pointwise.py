@@ -28,12 +28,8 @@ class PointwiseSimulation(ExudynSimulation):
         self._driven = self.scene.drive.at(self.times)
         self._samples = self._buffer(accelerations=wants_accelerations(self.scene, request))
 
-    def solve(self) -> None:
-        """Follow the pose through the samples, cycle by cycle.
-
-        Raises:
-            Failure: the pose cannot follow the drive.
-        """
+    def _solved(self) -> Array:
+        """Follow the pose through the samples, cycle by cycle."""
         state, before, curved = self._start, self.poses.newton_iterations, self.poses.curvatures
         for turn in range(self.sampling.turns):
             rows = slice(turn * self.sampling.samples, (turn + 1) * self.sampling.samples + 1)
@@ -51,6 +47,4 @@ class PointwiseSimulation(ExudynSimulation):
             "newton_iterations": self.poses.newton_iterations - before,
             "acceleration_solves": self.poses.curvatures - curved,
         }
-
-    def _result(self) -> Array:
         return self._samples

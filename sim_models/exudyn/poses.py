@@ -13,7 +13,7 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Failure, Scene, Status
+from scenes import Budget, Failure, Scene, Status
 
 from .drive import HeldDrive
 from .equations import Equations
@@ -27,6 +27,7 @@ CONVERGED = 1e-9  # the largest last correction, over the size
 ROUND_OFF = 1e-15  # of the size: the error left after it, estimated from the rate of convergence
 LARGEST_CORRECTION = 0.1  # of a predicted pose, over the length of the step to it
 BISECTIONS = 30  # of a step, before it counts as impossible
+SECONDS = 60.0  # of processor time, for the build and for every cycle of the solution
 DIFFERENCE = 1e-5  # of a turn or of the size: of a symmetric difference, near the cube root of round-off
 
 
@@ -64,6 +65,7 @@ class PoseSolver:
         self.system = system = ExudynSystem(scene, drive, si=si)
         self.equations = Equations(system, drive)
         self.newton_iterations = self.curvatures = 0  # found so far
+        self.budget = Budget(SECONDS, "building the system")
         # Corrections are measured with lengths over the linkage's size and angles in rad.
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
@@ -111,10 +113,11 @@ class PoseSolver:
         """Return the state at another position: predicted and corrected, in smaller steps if the correction is large.
 
         Raises:
-            Failure: no pose continues the motion on this branch.
+            Failure: no pose continues the motion on this branch, or the budget is spent.
         """
         if position == state.position:
             return state
+        self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
         reached, found = self._reached(state, np.asarray(position))
         if found:
             return reached

@@ -1,16 +1,21 @@
-"""Time stepping: the whole motion integrated with a constant step."""
+"""Time stepping: the whole motion integrated with a constant step.
 
-from collections.abc import Callable
-from itertools import count
+A law's jerk jumps at its knots, and an integration that passes one oscillates for some twenty steps, by h. So every
+piece of a law is integrated by itself: from steps before its first sample, as if it had always been the law, so that
+the start transient has decayed by then.
+"""
+
+from collections.abc import Callable, Sequence
+from itertools import count, pairwise
 from math import ceil
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from scenes import Failure, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 
-from .drive import RunningDrive
+from .drive import Piece, RunningDrive, pieces
 from .extras import add_extras
 from .loads import add_loads
 from .poses import Configuration, PoseSolver
@@ -23,65 +28,97 @@ from .stroke import press_switches
 from .system import Array, ExudynSystem, engine
 
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
-SINGULAR_SPEED = 2.0  # times the largest of the cycle, at the same rate of the drive: no integration begins there
+SINGULAR_SPEED = 2.0  # times that at the start, at the same rate of the drive: no integration begins there
 TRAPEZOIDAL = "TrapezoidalIndex2"
 ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
+SAME_INSTANT = 1e-9  # of the time between samples: one on a knot begins a piece, whichever way it was rounded
+
+
+class Stretch(NamedTuple):
+    """The samples that one integration gives: those of a piece of the drive, or of all pieces."""
+
+    pieces: Sequence[Piece]
+    rows: slice  # of the samples
+    stride: int  # steps from sample to sample
+    zero: float  # s, when it begins
+    begin: Configuration
 
 
 def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppedSimulation":
-    """Assemble the linkage through a cycle and set up its integration from before zero, see `engine.build`."""
+    """Assemble the linkage and set up its integration from before zero, see `engine.build`."""
     sampling, si = equal_steps(request), isinstance(settings, TextbookTimeStepping)
     poses = PoseSolver(scene, si=si)
     at_start = start(poses)
     switches = press_switches(poses, at_start)
     add_loads(poses.system, switches)
-    one_cycle = slice(sampling.samples if scene.drive.repeats else None)
-    cycle = poses.through(at_start, sampling.commanded(scene)[one_cycle], curved=False)
-    stride, begin = _pre_rolled(poses, at_start, cycle, settings, sampling.samples)
-    step = scene.drive.cycle / (stride * sampling.samples)
-    pre_roll, finest = settings.pre_roll * step, 2 if settings.richardson else 1
-    steps = finest * (settings.pre_roll + stride * (sampling.count - 1))
-    drive = RunningDrive(scene.drive, pre_roll, step / finest, steps)
+    stretches = _stretches(poses, at_start, settings, sampling)
     kind = ReducedSystem if settings.reduced else SpatialSystem if settings.extra is Extra.SPATIAL else ExudynSystem
+    drive = RunningDrive()
     model = kind(scene, drive, si=si)
     add_loads(model, switches)
+    step = scene.drive.cycle / (stretches[0].stride * sampling.samples)
     add_extras(model, settings, step, forces=sampling.wants_forces(scene))
     _configure(model, settings)
-    _set_initial(model, begin, scene)
-    return TimeSteppedSimulation(sampling, poses, settings, model, stride)
+    return TimeSteppedSimulation(sampling, poses, settings, model, drive, stretches, at_start)
+
+
+def _stretches(poses: PoseSolver, at_start: Configuration, settings: TimeStepping, sampling: Sampling) -> list[Stretch]:
+    """Return what to integrate: each piece of the drive that has samples, or in a first script all in one."""
+    scene = poses.system.scene
+    times = sampling.times(scene)
+    parts = pieces(scene.drive, float(times[-1]))
+    if isinstance(settings, TextbookTimeStepping):
+        return [Stretch(parts, slice(len(times)), _stride(settings, sampling), 0.0, at_start)]
+    begins = np.searchsorted(times, [part.begin - SAME_INSTANT * times[1] for part in parts])
+    spans = [
+        (part, slice(first, end))
+        for part, (first, end) in zip(parts, pairwise([*begins.tolist(), len(times)]), strict=True)
+        if first < end
+    ]
+    firsts = poses.through(at_start, sampling.commanded(scene)[[rows.start for _, rows in spans]])
+    return [
+        _pre_rolled(poses, firsts.rows(number), part, rows, settings, sampling)
+        for number, (part, rows) in enumerate(spans)
+    ]
+
+
+def _stride(settings: TimeStepping, sampling: Sampling) -> int:
+    """Return the steps from sample to sample."""
+    stride = ceil(settings.steps / sampling.samples)
+    if settings.solver == TRAPEZOIDAL and settings.richardson:
+        stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
+    return stride
 
 
 def _pre_rolled(
-    poses: PoseSolver, start: Configuration, cycle: Configuration, settings: TimeStepping, samples: int
-) -> tuple[int, Configuration]:
-    """Return the steps from sample to sample, and the state in which the integration begins.
+    poses: PoseSolver, first: Configuration, part: Piece, rows: slice, settings: TimeStepping, sampling: Sampling
+) -> Stretch:
+    """Return the integration of a piece, given the state in its first sample.
 
     Before its start, a drive that does not repeat is outside the scene's range. Where the linkage is singular there, or
     nearly, smaller steps bring the beginning nearer to the start.
     """
-    drive = poses.system.scene.drive
-    stride = ceil(settings.steps / samples)
-    if settings.solver == TRAPEZOIDAL and settings.richardson:
-        stride += stride % 2  # errors of a period of two steps cancel between two even numbers of steps
+    scene, stride = poses.system.scene, _stride(settings, sampling)
+    time = sampling.times(scene)[rows.start]
     for _ in range(PRE_ROLL_HALVINGS + 1):
+        before = time - settings.pre_roll * scene.drive.cycle / (stride * sampling.samples)
         try:
-            return stride, _before(poses, start, cycle, drive.cycle / (stride * samples), settings.pre_roll)
+            return Stretch([part], rows, stride, before, _before(poses, first, part, np.linspace(time, before)))
         except Failure as singular:
             reason = singular.reason
         stride *= 2
     raise Failure(Status.unsupported, f"time steps have to begin a little before the start, but there {reason}")
 
 
-def _before(poses: PoseSolver, start: Configuration, cycle: Configuration, step: float, steps: int) -> Configuration:
-    """Return the state that many steps, s each, before the start."""
+def _before(poses: PoseSolver, first: Configuration, part: Piece, way: Array) -> Configuration:
+    """Return the state at the last of some instants, s, that lead there."""
     scene = poses.system.scene
-    positions = scene.drive.at(-step * np.arange(steps + 1)).position
-    way = poses.through(start, positions, curved=False)
-    fast = ~(poses.speed(way) <= SINGULAR_SPEED * poses.speed(cycle).max())
-    if fast.any() and not scene.drive.repeats:
-        where = scene.where(float(positions[fast.argmax()]))
-        raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {where}")
-    return way.rows(-1)
+    positions = [part.position(time) for time in way.tolist()]
+    farthest = max(positions, key=lambda position: abs(position - first.position))
+    turned = poses.follow(first, farthest)
+    if not scene.drive.repeats and not poses.speed(turned) <= SINGULAR_SPEED * poses.speed(first):
+        raise Failure(Status.cannot_assemble, f"the linkage nears a lock at {scene.where(farthest)}")
+    return poses.follow(turned, positions[-1])
 
 
 def _configure(model: ExudynSystem, options: TimeStepping) -> None:
@@ -99,9 +136,10 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP
 
 
-def _set_initial(model: ExudynSystem, begin: Configuration, scene: Scene) -> None:
+def _set_initial(model: ExudynSystem, stretch: Stretch) -> None:
     """Set the initial coordinates, velocities and accelerations."""
-    _, rate, acceleration = scene.drive.at(-model.pre_roll)
+    first, begin = stretch.pieces[0], stretch.begin
+    rate, acceleration = first.rate(stretch.zero), first.second(stretch.zero)
     values, initial = model.state, engine().ConfigurationType.Initial
     values.SetODE2Coordinates(model.narrowed(begin.q), initial)
     values.SetODE2Coordinates_t(model.narrowed(begin.velocities(rate)), initial)
@@ -109,30 +147,41 @@ def _set_initial(model: ExudynSystem, begin: Configuration, scene: Scene) -> Non
 
 
 class TimeSteppedSimulation(ExudynSimulation):
-    """One integration in time, or two whose results are extrapolated."""
+    """The pieces integrated in time, each once, or twice with results that are extrapolated."""
 
     def __init__(
-        self, sampling: Sampling, poses: PoseSolver, options: TimeStepping, model: ExudynSystem, stride: int
+        self,
+        sampling: Sampling,
+        poses: PoseSolver,
+        options: TimeStepping,
+        model: ExudynSystem,
+        drive: RunningDrive,
+        stretches: Sequence[Stretch],
+        at_start: Configuration,
     ) -> None:
         super().__init__(sampling, poses)
-        self.options, self.model, self.stride = options, model, stride
+        self.options, self.model, self.drive, self.stretches = options, model, drive, stretches
+        self._at_start = at_start
         self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]
 
-    def solve(self) -> None:
-        """Integrate.
-
-        Raises:
-            Failure: a step found no solution, or the run ended early.
-        """
+    def _solved(self) -> Array:
         self.counters = dict.fromkeys(("steps", "newton_iterations", "jacobians"), 0) | self.model.counts()
-        for level, samples in enumerate(self._runs):
-            self._integrate(samples, refinement=2**level)
+        for stretch in self.stretches:
+            self.drive.pieces, self.drive.zero = stretch.pieces, stretch.zero
+            _set_initial(self.model, stretch)
+            for level, samples in enumerate(self._runs):
+                self._integrate(stretch, samples[:, stretch.rows], refinement=2**level)
+        if not self.options.richardson:
+            return self._runs[0]
+        coarse, fine = self._runs
+        return (4 * fine - coarse) / 3  # both methods are of order 2
 
-    def _integrate(self, samples: Array, refinement: int) -> None:
-        before, stride = refinement * self.options.pre_roll, refinement * self.stride
+    def _integrate(self, stretch: Stretch, samples: Array, refinement: int) -> None:
+        before, stride = refinement * self.options.pre_roll, refinement * stretch.stride
+        step = self.scene.drive.cycle / (stride * self.sampling.samples)
+        steps = max(before + stride * (samples.shape[1] - 1), 1)
         integration = self.model.settings.timeIntegration
-        integration.numberOfSteps = before + stride * (self.sampling.count - 1)
-        integration.endTime = self.model.pre_roll + self.times[-1]
+        integration.numberOfSteps, integration.endTime = steps, steps * step
         reduced = self.model if isinstance(self.model, ReducedSystem) else None
         recorded = samples if reduced is None else np.empty((*samples.shape[:2], reduced.unknowns))
         recorded.fill(np.nan)
@@ -141,15 +190,14 @@ class TimeSteppedSimulation(ExudynSimulation):
         try:
             mbs.SolveDynamic(self.model.settings)
         except engine().SolverError:
-            where = self._where(mbs.sys["dynamicSolver"].it.currentTime)
-            raise Failure(Status.diverged, f"Newton's method found no solution for the step at {where}") from None
+            raise self._explained(stretch, mbs.sys["dynamicSolver"].it.currentTime, step) from None
         except engine().ExudynError as error:
             raise failure(error, "integrating") from None
         finally:
             mbs.SetPostStepUserFunction(0)  # else the system and this run keep each other alive
         self._check_end(mbs.sys["dynamicSolver"])
         if reduced is not None:
-            samples[:] = reduced.widened(recorded, self.poses, self.times)
+            samples[:] = reduced.widened(recorded, self.poses, self.times[stretch.rows])
 
     def _recorder(self, samples: Array, before: int, stride: int) -> Callable[[Any, float], bool]:
         """Return the function that Exudyn calls at the start and after every step: it records the samples."""
@@ -168,9 +216,18 @@ class TimeSteppedSimulation(ExudynSimulation):
             if between == 0 and 0 <= sample < samples.shape[1]:
                 for row, (get, chosen) in zip(samples, getters, strict=True):
                     row[sample] = get()[chosen]
+                return self._in_time()
             return True
 
         return record
+
+    def _in_time(self) -> bool:
+        """Return whether the run may go on; an exception would have to pass through Exudyn."""
+        try:
+            self.poses.budget.check("")
+        except Failure:
+            return False
+        return True
 
     def _check_end(self, solver: Any) -> None:
         """Count the work, and refuse a run that ended early, which Exudyn may call a success."""
@@ -178,18 +235,29 @@ class TimeSteppedSimulation(ExudynSimulation):
         self.counters["newton_iterations"] += solver.it.newtonStepsCount
         self.counters["jacobians"] += solver.it.newtonJacobiCount
         where = f"at {self._where(solver.it.currentTime)}"
-        if solver.output.simulationTimeout:
-            raise Failure(Status.timed_out, f"Exudyn's own time limit ended the run {where}")
-        early = solver.it.currentTime < (self.model.pre_roll + self.times[-1]) * (1 - 1e-9)
+        self.poses.budget.check(f"the integration was {where}")
+        early = solver.it.currentTime < self.model.settings.timeIntegration.endTime * (1 - 1e-9)
         if early or solver.output.simulationStoppedByUserFunction:
             raise Failure(Status.diverged, f"the run ended early, {where}")
 
     def _where(self, clock: float) -> str:
-        return self.scene.where(float(self.scene.drive.at(clock - self.model.pre_roll).position))
+        return self.scene.where(self.drive.position(clock))
 
-    def _result(self) -> Array:
-        samples = self._runs[-1]
-        if self.options.richardson:
-            coarse, fine = self._runs
-            samples = (4 * fine - coarse) / 3  # both methods are of order 2
-        return samples
+    def _explained(self, stretch: Stretch, clock: float, step: float) -> Failure:
+        """Return why a step found no solution: poses, followed step by step from the beginning, may not either."""
+        ends = float(self.times[stretch.rows][-1]) - stretch.zero
+        way = [self.drive.position(min(number * step, ends)) for number in range(round(clock / step) + 2)]
+        try:
+            self.poses.through(stretch.begin, np.array(way), curved=False)
+        except Failure as singular:
+            return singular
+        return Failure(Status.diverged, f"Newton's method found no solution for the step at {self._where(clock)}")
+
+    def _check_branch(self) -> None:
+        start, branch = self._at_start, self.poses.branch(self.poses.equations.jacobian(self._q))
+        other = branch * start.branch < 0
+        if other.any():
+            positions = self.positions[: int(other.argmax()) + 1]
+            self.poses.through(start, positions, curved=False)  # it raises where it meets the singular pose
+            where = self.scene.where(float(positions[-1]))
+            raise Failure(Status.wrong_branch, f"the bodies are assembled the other way round at {where}", self._motion)

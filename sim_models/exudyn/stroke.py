@@ -5,20 +5,20 @@ from poses.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache
-from itertools import chain, pairwise
-from typing import TypeAlias
+from itertools import pairwise
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from scenes.scene import PressForce
 
 from .poses import Configuration, PoseSolver
+from .system import Array
 
 Switches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
 
 GRID = 180  # instants of a cycle between which a slider reverses once at most
-BISECTIONS = 36  # of the time between two of them: to 1e-13 of a cycle, far within loads.SAME_INSTANT
+ACCURACY = 1e-13  # of a cycle, far within loads.SAME_INSTANT
 
 
 def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
@@ -33,37 +33,38 @@ def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
 
 def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> list[float]:
     system, drive = poses.system, poses.system.scene.drive
-    grid = np.linspace(0, drive.cycle, GRID + 1)
-    states = poses.through(start, drive.at(grid).position)
+    times = np.linspace(0, drive.cycle, GRID + 1)
+    states = poses.through(start, drive.at(times).position, curved=False)
 
-    @cache
-    def slider(time: float) -> tuple[float, float]:
-        """Return the slider's displacement, m, and velocity, m/s."""
-        position, rate, _ = map(float, drive.at(time))
-        state = poses.follow(states.rows(round(time / drive.cycle * GRID)), position)
+    def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
+        """Return displacement, m, and velocity, m/s."""
         com, tangent = (system.com(load.body, q) for q in (state.q, state.tangent))
         return system.displaced(load.body, com), (system.along(load.body).conjugate() * tangent).real * rate
 
-    def closes(time: float) -> bool:
-        return slider(time)[1] * load.closing > 0
+    def at(time: float) -> tuple[float, float]:
+        position, rate, _ = map(float, drive.at(time))
+        near = round(time / drive.cycle * GRID)
+        return slider(poses.follow(poses.state(states.q[near], states.position[near]), position), rate)
 
-    def acts(time: float) -> bool:
-        return bool(load.acts(*slider(time), end))
+    x, v = slider(states, drive.at(times).rate)
+    dead = list(_zeros(lambda time: at(time)[1], times, v))
+    x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)
+    order = times.argsort()
+    end = load.closing * (x * load.closing).max()
+    meets = end - load.closing * load.last
+    met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
+    parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
+    acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
+    switches = [begin for (begin, _), (was, becomes) in zip(parts[1:], pairwise(acts), strict=True) if was != becomes]
+    return [0.0, *switches] if acts[0] else switches
 
-    times: list[float] = grid.tolist()
-    times = sorted({*times, *chain.from_iterable(_changes(closes, times))})  # with the dead points
-    end = max(slider(time)[0] * load.closing for time in times) * load.closing
-    switches = [after for _, after in _changes(acts, times)]
-    return [0.0, *switches] if acts(0.0) else switches
 
+def _zeros(function: Callable[[float], float], times: Array, values: Array) -> Iterator[float]:
+    """Yield the instants at which a function is zero that has these values, of either sign or zero, at some others."""
+    from scipy.optimize import brentq  # late: few scenes need it, and it is slow to import
 
-def _changes(holds: Callable[[float], bool], times: Sequence[float]) -> Iterator[tuple[float, float]]:
-    """Yield the instants just before and after which a statement changes its truth, found by bisection."""
-    held = [holds(time) for time in times]
-    for (before, after), (was, becomes) in zip(pairwise(times), pairwise(held), strict=True):
-        if was == becomes:
-            continue
-        for _ in range(BISECTIONS):
-            middle = (before + after) / 2
-            before, after = (middle, after) if holds(middle) == was else (before, middle)
-        yield before, after
+    known = dict(zip(times.tolist(), values.tolist(), strict=True))  # a sign there is round-off's at times
+    yield from (time for time, value in known.items() if value == 0)
+    for before, after in pairwise(known):
+        if known[before] * known[after] < 0:
+            yield brentq(lambda t: known[t] if t in known else function(t), before, after, xtol=ACCURACY * times[-1])

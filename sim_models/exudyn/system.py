@@ -40,7 +40,7 @@ class ExudynSystem:
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         """Build the system with a drive, in a unit of force of its own, or in SI."""
-        self.scene, self.pre_roll = scene, drive.pre_roll
+        self.scene, self.driven_by = scene, drive
         exudyn = engine()
         self._items: Any = exudyn.itemInterface
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
@@ -97,10 +97,10 @@ class ExudynSystem:
             "sensors": int(self.mbs.systemData.NumberOfSensors()),
         }
 
-    def com(self, body: str, q: NDArray[np.float64]) -> complex:
-        """Return a body's centre of mass from coordinates, or its rate from theirs, of shape (3 bodies,)."""
+    def com(self, body: str, q: NDArray[np.float64]) -> Any:
+        """Return a body's centre of mass from coordinates, or its rate from theirs, of shape (..., 3 bodies)."""
         number = 3 * list(self.bodies).index(body)
-        return complex(q[number], q[number + 1])
+        return q[..., number] + 1j * q[..., number + 1]
 
     def slide(self, body: str) -> Slide:
         """Return the guide of a body that slides."""

@@ -2,7 +2,9 @@
 
 import pytest
 
-from scenes import Failure, Scene, Status
+from scenes import Failure, Sampling, Scene, Status
+from sim_models.exudyn import engine, poses
+from sim_models.exudyn import simulation as simulation_module
 from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.settings import ExudynSettings
 from tests import scene_files
@@ -41,6 +43,17 @@ def test_a_lock_that_is_soon_over_is_a_lock(settings: ExudynSettings) -> None:
     failed = failure(with_rod(248.9), settings)
     assert failed.status is Status.cannot_assemble
     assert "209.92" in failed.reason
+
+
+@BOTH_ROUTES
+def test_a_run_that_does_not_end(settings: ExudynSettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = engine.build(scene_files.load("four_bar"), settings, Sampling(72))
+    monkeypatch.setattr(simulation_module, "SECONDS", 0.0)
+    with pytest.raises(Failure, match="0 s of processor time were not enough for the solution: ") as raised:
+        simulation.solve()
+    assert raised.value.status is Status.timed_out
+    monkeypatch.setattr(poses, "SECONDS", 0.0)
+    assert failure(scene_files.load("four_bar"), settings).status is Status.timed_out
 
 
 @BOTH_ROUTES

@@ -8,7 +8,6 @@ import pytest
 import scenes
 from scenes import Sampling
 from scenes.motion import channels
-from scenes.scene import MotionLaw
 from sim_models.exudyn.drive import HeldDrive
 from sim_models.exudyn.engine import DEFAULT, build
 from sim_models.exudyn.equations import Equations
@@ -16,7 +15,7 @@ from sim_models.exudyn.reduced import ReducedSystem
 from tests import scene_files
 
 from .helpers import NAMES, by_level, check, referred, run
-from .test_joints import KNOTTED, SMOOTH
+from .test_joints import SMOOTH
 
 IN_PAIRS = replace(DEFAULT, reduced=True)
 
@@ -32,7 +31,7 @@ def test_mechanism(name: str) -> None:
     scene, reference = referred(name)
     motion = run(scene, IN_PAIRS, samples=60)
     assert set(motion.samples) == set(channels(scene))
-    check(by_level(motion, reference), KNOTTED if isinstance(scene.drive, MotionLaw) else SMOOTH)
+    check(by_level(motion, reference), SMOOTH)
 
 
 def test_bodies_that_share_a_pivot() -> None:

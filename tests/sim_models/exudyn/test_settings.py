@@ -259,7 +259,7 @@ def test_settings_hold_what_they_promise() -> None:
 
 
 def without_steps(settings: Settings) -> dict[str, Any]:
-    return {name: value for name, value in asdict(settings).items() if name not in ("steps", "label")}
+    return {name: value for name, value in asdict(settings).items() if name not in ("steps", "label", "promise")}
 
 
 # --- poses -----------------------------------------------------------------------------------------------------------
