@@ -14,11 +14,11 @@ import scenes
 from scenes import Sampling
 from scenes.motion import channels
 from sim_models.exudyn import engine as model
-from sim_models.exudyn.engine import DEFAULT, EXACT, FAST
+from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from tests import scene_files
 
-from .helpers import BOTH_ROUTES, by_level, dot, force, point, run
+from .helpers import BOTH_ROUTES, CHEAP, by_level, dot, force, point, run
 
 # --- the toggle press ------------------------------------------------------------------------------------------------
 
@@ -115,13 +115,13 @@ WILD: dict[str, scene_files.Changes] = {
 
 
 @pytest.mark.parametrize("name", WILD)
-@pytest.mark.parametrize("settings", [DEFAULT, FAST], ids=lambda settings: settings.label)
+@pytest.mark.parametrize("settings", [DEFAULT, CHEAP], ids=lambda settings: settings.label)
 def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings) -> None:
     """By Exudyn's own measures they would be: in newtons and metres Newton's method does not end, or ends too early."""
     scene = scene_files.load("toggle_press", WILD[name])
     exact = run(scene, EXACT).samples
     found = by_level(run(scene, settings), {name: exact[name] for name in channels(scene) if name != "time"})
-    assert max(found.values()) <= (1e-6 if settings is DEFAULT else 1e-2)  # what they promise; measured 1e-7 and 1e-3
+    assert max(found.values()) <= (1e-6 if settings is DEFAULT else 1e-2)  # measured 1e-7 and 1e-3, as at 60 rpm
 
 
 # --- small scenes ----------------------------------------------------------------------------------------------------
