@@ -3,8 +3,8 @@
 The three stages are apart so that a clock can wrap `solve` alone:
 
     simulation = engine.build(scene, settings, request)    # model, start pose, buffers
-    simulation.solve()                                     # the work itself
-    motion = simulation.read()                             # channels, in the sign rules of `motion.py`
+    simulation.solve()                                     # all the work from there to the channels
+    motion = simulation.read()                             # they are handed over, after the engine's own checks
 
 Any stage may raise `Failure`.
 """
@@ -53,7 +53,8 @@ class Settings:
     """Base of every engine's settings."""
 
     label: str  # the name in tables and figures, of no other settings of the engine
-    promise: float = field(default=0.1, kw_only=True)  # the largest error of an ok run, relative, of any channel
+    # The largest error of an ok run, relative, of any channel; it changes nothing in what is computed.
+    promise: float = field(default=0.1, kw_only=True, compare=False)
     drive_promise: float = field(default=1e-9, kw_only=True)  # of the drive's position, by 1 rad or the slider's travel
     family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
     order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
@@ -75,14 +76,16 @@ class Simulation(Protocol):
     """One prepared run."""
 
     def solve(self) -> None:
-        """Do the work; this alone is timed as the solve.
+        """Do all the work that it takes to get the channels from a built model; this alone is timed as the solve.
 
         Raises:
             Failure: the engine gave up, or does not believe its own result.
         """
 
     def read(self) -> Motion:
-        """Return the channels asked for: each of shape (n,), float64, SI; or unsupported, with a reason.
+        """Hand over the channels asked for, after the engine's own checks; it computes nothing that they need.
+
+        Each is of shape (n,), float64, SI, in the sign rules of `motion.py`; or unsupported, with a reason.
 
         Raises:
             Failure: as of `solve`.
