@@ -1,13 +1,15 @@
 """Position and rate of the drive by Exudyn's clock, the input of its constraint: held, or running in time."""
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from scenes.scene import ConstantSpeed, Drive
+
+Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 
 SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
 
@@ -72,23 +74,25 @@ class RunningDrive:
     The first piece also tells what is before it, and the last one what is after it.
     """
 
-    def __init__(self) -> None:
-        self.zero = 0.0  # s, of the scene's time when Exudyn's clock is zero
-        self.pieces: Sequence[Piece] = ()
+    zero = 0.0  # s, of the scene's time when Exudyn's clock is zero
+    position: Function  # rad or m
+    rate: Function
 
-    def position(self, clock: float) -> float:
-        """Return the position, rad or m."""
-        return self._piece(self.zero + clock).position(self.zero + clock)
+    def run(self, parts: Sequence[Piece], zero: float) -> None:
+        """Begin at an instant, s."""
+        self.zero = zero
+        if len(parts) > 1:
+            self.position = lambda clock: _at(parts, zero + clock).position(zero + clock)
+            self.rate = lambda clock: _at(parts, zero + clock).rate(zero + clock)
+            return
+        (part,) = parts  # Exudyn asks seven times a step
+        start, speed, half, sixth = part.position(zero), part.rate(zero), part.second(zero) / 2, part.jerk / 6
+        self.position = lambda t: start + t * (speed + t * (half + t * sixth))
+        self.rate = lambda t: speed + t * (2 * half + t * 3 * sixth)
 
-    def rate(self, clock: float) -> float:
-        """Return its first derivative."""
-        return self._piece(self.zero + clock).rate(self.zero + clock)
 
-    def _piece(self, time: float) -> Piece:
-        first = self.pieces[0]
-        if len(self.pieces) == 1:
-            return first
-        return self.pieces[max(bisect_right(self.pieces, time, key=lambda piece: piece.begin), 1) - 1]
+def _at(parts: Sequence[Piece], time: float) -> Piece:
+    return parts[max(bisect_right(parts, time, key=lambda part: part.begin), 1) - 1]
 
 
 ExudynDrive: TypeAlias = HeldDrive | RunningDrive

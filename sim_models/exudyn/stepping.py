@@ -167,7 +167,7 @@ class TimeSteppedSimulation(ExudynSimulation):
     def _solved(self) -> Array:
         self.counters = dict.fromkeys(("steps", "newton_iterations", "jacobians"), 0) | self.model.counts()
         for stretch in self.stretches:
-            self.drive.pieces, self.drive.zero = stretch.pieces, stretch.zero
+            self.drive.run(stretch.pieces, stretch.zero)
             _set_initial(self.model, stretch)
             for level, samples in enumerate(self._runs):
                 self._integrate(stretch, samples[:, stretch.rows], refinement=2**level)

@@ -213,7 +213,7 @@ class ExudynSystem:
 
     def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
         """Hold factor * (position - the drive's) at zero; return constraint and factor."""
-        name, position, rate = self.scene.drive.body, drive.position, drive.rate
+        name = self.scene.drive.body
         factor, first, second, ratio = self._drive_markers()
         zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
@@ -221,8 +221,8 @@ class ExudynSystem:
             self._items.CoordinateConstraint(
                 markerNumbers=[first, second],
                 factor1=ratio,
-                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (position(clock) - zero),
-                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * rate(clock),
+                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (drive.position(clock) - zero),
+                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * drive.rate(clock),
             )
         )
         return constraint, factor

@@ -129,12 +129,16 @@ def test_pieces_are_the_law(name: str) -> None:
     drive = referred(name)[0].drive
     end = (2.5 if drive.repeats else 1.0) * drive.cycle
     running = RunningDrive()
-    running.pieces, running.zero = pieces(drive, end), 0.05
+    parts = pieces(drive, end)
+    running.run(parts, 0.05)
     for clock in np.linspace(0, end - 0.05, 57):
         position, rate, acceleration = map(float, drive.at(clock + 0.05))
         assert running.position(clock) == pytest.approx(position, abs=1e-13)
         assert running.rate(clock) == pytest.approx(rate, abs=1e-12)
-        last = next(piece for piece in reversed(running.pieces) if piece.begin <= clock + 0.05)
+        alone = RunningDrive()
+        last = next(piece for piece in reversed(parts) if piece.begin <= clock + 0.05)
+        alone.run([last], 0.05)
+        assert (alone.position(clock), alone.rate(clock)) == pytest.approx((position, rate), abs=1e-12)
         assert last.second(clock + 0.05) == pytest.approx(acceleration, abs=1e-10)
 
 
