@@ -98,7 +98,8 @@ REDUCED: Options = {"reduced": True}
 
 # Of 78 scenes, shipped, of tests and drawn at random, no integration keeps a per cent for less: one of 144 trapezoidal
 # steps takes as long at 72 samples, and was off by more than a per cent in 10 and by 2 at worst; of 288, in 4.
-EXACT = Pointwise("pointwise", family="pointwise", promise=1e-8)
+# It was off by 8e-9 at worst in 286 drawn at random and shipped: a difference over 1e-5 of a turn, nearly singular.
+EXACT = Pointwise("pointwise", family="pointwise", promise=1e-7)
 FAST = replace(EXACT, promise=1e-2)
 # Independent of the poses found by Newton's method; on the same scenes good to 1e-4.
 (DEFAULT,) = _pairs("generalised-alpha 0.5", 3, 720, promise=1e-3)
