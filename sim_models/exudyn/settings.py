@@ -97,7 +97,7 @@ LITTLE_DAMPED: Options = {"spectral_radius": 0.8, "pre_roll": 80}
 REDUCED: Options = {"reduced": True}
 
 # Of 78 scenes, shipped, of tests and drawn at random, no integration keeps a per cent for less: one of 144 trapezoidal
-# steps takes as long at 72 samples, and was off by more than a per cent in 10 and by 2 at worst; of 288, in 4.
+# steps takes as long at 72 samples, and was off by more than a per cent in 8 and by 2 at worst; of 288, in 3.
 # It was off by 8e-9 at worst in 286 drawn at random and shipped: a difference over 1e-5 of a turn, nearly singular.
 EXACT = Pointwise("pointwise", family="pointwise", promise=1e-7)
 FAST = replace(EXACT, promise=1e-2)

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 import scenes
 from scenes import Failure, Motion, Sampling, Scene, Settings
+from scenes.motion import channels
+from sim_models.exudyn import channels as exudyn_channels
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
 from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
@@ -28,7 +30,6 @@ from sim_models.exudyn.settings import (
     TextbookTimeStepping,
     TimeStepping,
 )
-from sim_models.exudyn.start import start
 from sim_models.exudyn.stepping import TimeSteppedSimulation
 from sim_models.exudyn.system import engine
 from tests import scene_files
@@ -241,6 +242,21 @@ def test_no_multiplier_is_found_where_no_force_is_asked_for(
     assert len(buffer) == 3
 
 
+@pytest.mark.parametrize("settings", [EXACT, DEFAULT], ids=lambda settings: settings.label)
+def test_the_solution_is_all_that_the_channels_need(settings: ExudynSettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    simulation = built(settings)
+    simulation.solve()
+    for function in ("kinematics", "forces"):
+        monkeypatch.setattr(exudyn_channels, function, None)
+    assert set(simulation.read().samples) == set(channels(simulation.scene))
+
+
+@pytest.mark.parametrize("settings", [EXACT, DEFAULT], ids=lambda settings: settings.label)
+def test_a_build_finds_no_pose_of_a_sample(settings: ExudynSettings) -> None:
+    few, many = (model.build(scenes.load("servo_press"), settings, Sampling(samples)) for samples in (36, 720))
+    assert many.poses.newton_iterations <= 1.2 * few.poses.newton_iterations  # other firsts of pieces
+
+
 def test_kinematics_alone_cost_less() -> None:
     asked = (frozenset({"P5.y"}), None)
     position, everything = fastest(25, *(built(EXACT, of) for of in asked))
@@ -269,33 +285,6 @@ def test_settings_hold_what_they_promise() -> None:
 
 def without_steps(settings: Settings) -> dict[str, Any]:
     return {name: value for name, value in asdict(settings).items() if name not in ("steps", "label", "promise")}
-
-
-# --- poses -----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("knots", [exudyn_poses.KNOTS, 1])
-def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """From a single knot they are too far to be guessed, and each has to be followed."""
-    monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
-    poses = PoseSolver(scene_files.load("loaded_four_bar"))
-    first = start(poses)
-    there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
-    positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
-    together, state = poses.through(first, positions), first
-    assert (together.position == positions).all()
-    for row, position in enumerate(positions):
-        state = poses.follow(state, float(position))
-        assert np.abs(together.q[row] - state.q).max() <= 1e-13
-        assert np.abs(together.tangent[row] - state.tangent).max() <= 1e-13
-        assert np.abs(together.curvature[row] - state.curvature).max() <= 1e-9  # round-off over its difference of 1e-5
-
-
-def test_curvature_is_the_change_of_the_tangent() -> None:
-    poses = PoseSolver(scene_files.load("loaded_four_bar"))
-    state, h = start(poses), 1e-4
-    after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
-    assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
 
 
 def test_extrapolated_trapezoidal_runs_have_an_even_number_of_steps_a_sample() -> None:
