@@ -71,7 +71,7 @@ def pieces(drive: Drive, end: float) -> list[Piece]:
 class RunningDrive:
     """The drive in time, by some of its pieces; Exudyn's clock, which cannot be negative, begins at an instant of it.
 
-    The first piece also tells what is before it, and the last one what is after it.
+    The first piece also holds before it begins, and the last one after it ends.
     """
 
     zero = 0.0  # s, of the scene's time when Exudyn's clock is zero
