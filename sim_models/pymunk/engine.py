@@ -5,12 +5,13 @@ every step (`error_bias` = 0; the default leaves an error of first order, enough
 
     p_k = p_{k-1} + dt v_{k-1},    M (v_k - v_{k-1}) / dt = F + J(p_k)^T lambda_k,    J(p_k) v_k = -C(p_k) / dt
 
-The rates v_k belong to t_k + dt/2. Hence at t_k the velocity is (v_{k-1} + v_k) / 2, the acceleration
-(v_k - v_{k-1}) / dt and the reaction lambda_k, with errors in dt^2, dt^3 and so on, which Richardson extrapolation over
-dt, dt/2, dt/4 and dt/8 removes one after the other. Only where a motion law has a knot, the acceleration a kink, its
-mean over a step is off by the first order. The accuracy of the last equation depends on the number of Gauss-Seidel
-sweeps, `iterations`: with too few the linkage flips to another branch, whatever dt. The masses determine how many are
-enough.
+The rates v_k belong to t_k + dt/2. Hence at t_k the velocity is (v_{k-1} + v_k) / 2, the acceleration (v_k - v_{k-1}) /
+dt and the reaction lambda_k, with errors in dt^2, dt^3 and so on, which Richardson extrapolation over dt, dt/2, dt/4
+and dt/8 removes one after the other. Where a motion law has a knot, the acceleration a kink, its mean over a step is
+off by the first order, which `drive` corrects. Loads, springs and reactions belong to the extrapolated motion: the
+kinks of a force table and the switch of a press force are where that has them. The accuracy of the last equation
+depends on the number of Gauss-Seidel sweeps, `iterations`: with too few the linkage flips to another branch, whatever
+dt. The masses determine how many are enough.
 """
 
 from scenes import Request, Scene

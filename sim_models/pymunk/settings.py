@@ -17,6 +17,7 @@ EXTRAS: Mapping[Extra, str] = {
 }
 
 ERROR_BIAS = (1 - 0.1) ** 60  # pymunk's default: the part of a joint's error left after a second
+SECONDS = 600.0  # of processor time for a run's steps; the slowest setting takes 5 for a cycle of a shipped scene
 LEVELS = 4  # at most; a fifth would take more than half of all steps to remove what is round-off in most scenes
 
 

@@ -1,43 +1,39 @@
 """The runs of all levels, and their extrapolation."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import replace
+from itertools import chain, pairwise
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Failure, Motion, Request, Sampling, Scene
+from scenes import Budget, Failure, Motion, Request, Sampling, Scene
 from scenes.engine import equal_steps
-from scenes.motion import Samples, force_channels
+from scenes.motion import Samples
+from scenes.scene import MotionLaw
 
 from . import stepping
-from .channels import found_channels, joint_forces
+from .channels import found_channels, joint_forces, reaction_channels
 from .checks import check_finite, check_impulses, check_path
 from .constraints import LinkageConstraints, Poses, branch, planes, with_ground
+from .drive import with_rates_of_law
 from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
-from .settings import PymunkSettings
-from .start import start
+from .settings import SECONDS, PymunkSettings
+from .start import assembles, check_way, start
 from .stepping import Integration
 from .stroke import stroke_ends
 
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
 
-@dataclass(frozen=True)
-class Level:
-    """A run's poses, rates and accelerations at the n samples, and its channels.
+class Motions(NamedTuple):
+    """Poses, rates and accelerations at the n samples, shape (n, bodies, 3)."""
 
-    These are the ones requested, and where there are forces among them, all forces.
-    """
-
-    run: Integration
     q: Poses
     v: Poses
     a: Poses
-    active: Active  # (n, press forces)
-    samples: Mapping[str, Samples]
 
 
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
@@ -68,7 +64,7 @@ def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSi
     ends = stroke_ends(linkage, pose)
     strides = [ceil(settings.steps / sampling.samples) * 2**level for level in range(settings.levels)]
     runs = [stepping.build(linkage, pose, ends, sampling, n, settings, loaded=with_forces) for n in strides]
-    return PymunkSimulation(sampling, linkage, runs, ends, branch(linkage.jacobian(pose)))
+    return PymunkSimulation(sampling, linkage, runs, ends, pose)
 
 
 class PymunkSimulation:
@@ -80,11 +76,13 @@ class PymunkSimulation:
         linkage: LinkageConstraints,
         runs: Sequence[Integration],
         stroke_ends: Sequence[float],
-        branch: Samples,
+        start: Poses,
     ) -> None:
         self._scene, self._sampling, self._linkage, self._runs = linkage.scene, sampling, linkage, runs
-        self._stroke_ends, self._branch = stroke_ends, branch
+        self._stroke_ends, self._start, self._branch = stroke_ends, start, branch(linkage.jacobian(start))
         self._wanted = frozenset(sampling.wanted(linkage.scene))
+        self._q: Poses = start
+        self._channels: Mapping[str, Samples] = {}
         self.residuals: dict[str, float] = {}
 
     @property
@@ -96,57 +94,64 @@ class PymunkSimulation:
         }
 
     def solve(self) -> None:
-        """Step through the whole time, once for each level."""
+        """Step through the whole time, once for each level, and find the channels in the limit of the levels.
+
+        Raises:
+            Failure: timed_out.
+        """
+        budget = Budget(SECONDS, "")
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows ends as `nonfinite` in `read`
             for run in self._runs:
-                run.advance()
+                budget.task = f"the run of {run.steps.count} steps and those before"
+                run.advance(budget)
+            levels = zip(*(_at_samples(run) for run in self._runs), strict=True)
+            q, v, a = (_richardson(values) for values in levels)
+            self._q = q
+            if isinstance(self._scene.drive, MotionLaw):
+                v, a = with_rates_of_law(self._linkage, self._sampling.times(self._scene), q, v, a)
+            self._channels = found_channels(self._linkage, self._wanted, q, v, a, self._active(q, v))
 
     def read(self) -> Motion:
-        """Return the extrapolated channels, having checked each run.
+        """Return the channels, having checked each run.
 
         Raises:
             Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
                 and with the motion.
         """
-        with np.errstate(over="ignore", invalid="ignore"):
-            levels = [self._level(run) for run in self._runs]
-            samples = self._extrapolated(levels)
-            motion = Motion({"time": self._sampling.times(self._scene)} | samples)
-            try:
-                of_levels = [self._checked(level) for level in levels]
-            except Failure as failure:
-                raise Failure(failure.status, failure.reason, motion) from None
-        self.residuals = {name: max(found[name] for found in of_levels) for name in of_levels[0]}
+        wanted = [name for name in self._sampling.wanted(self._scene) if name in self._channels]
+        samples = {"time": self._sampling.times(self._scene)} | {name: self._channels[name] for name in wanted}
+        motion = Motion(samples)
+        try:
+            self.residuals = self._checked(samples)
+        except Failure as failure:
+            raise Failure(failure.status, failure.reason, motion) from None
         return motion
 
-    def _level(self, run: Integration) -> Level:
-        before, after = run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
-        q, a = after[..., :3], (after[..., 3:] - before[..., 3:]) / run.steps.size
-        v = after[..., 3:] - run.steps.size / 2 * a
-        active = run.active if run.forces else self._active(q, v)
-        return Level(run, q, v, a, active, found_channels(self._linkage, self._wanted, q, v, a, active))
+    @np.errstate(over="ignore", invalid="ignore")
+    def _checked(self, samples: Mapping[str, Samples]) -> dict[str, float]:
+        """Return the largest residual of each check of the runs.
 
-    def _extrapolated(self, levels: Sequence[Level]) -> dict[str, Samples]:
-        wanted = [name for name in self._sampling.wanted(self._scene) if name in levels[0].samples]
-        samples = {name: _richardson([level.samples[name] for level in levels]) for name in wanted}
-        # Where the levels differ in a press force that is on or off, they have no limit.
-        finest = levels[-1]
-        switched = np.any([level.active != finest.active for level in levels], axis=(0, 2))
-        for name in force_channels(self._scene):
-            if name in samples:
-                samples[name][switched] = finest.samples[name][switched]
-        return samples
+        Where the bodies cannot be put together, pymunk opens joints, flips the linkage, or steps over it.
+        """
+        linkage, runs = self._linkage, self._runs
+        try:
+            found = [check_path(linkage, run.record[1:], run.positions, self._branch) for run in runs]
+            check_finite(self._scene, samples)
+            found += [self._confirmed(run) for run in runs if run.joints]
+        except Failure:
+            check_way(linkage, self._start)
+            raise
+        if not assembles(linkage, self._q, self._sampling.commanded(self._scene)):
+            check_way(linkage, self._start)
+        names = dict.fromkeys(chain(*found))
+        return {name: max(residuals[name] for residuals in found if name in residuals) for name in names}
 
-    def _checked(self, level: Level) -> dict[str, float]:
-        """Return the residuals of all checks of a run."""
-        linkage, run = self._linkage, level.run
-        residuals = check_path(linkage, run.record[1:], run.positions, self._branch)
-        check_finite(self._scene, level.samples)
-        if run.joints:
-            expected = joint_forces(linkage, level.q, level.v, level.a, level.samples, run.joints)
-            found = run.impulses / run.steps.size
-            residuals |= check_impulses(linkage, run.positions[:: run.steps.stride], expected, found)
-        return residuals
+    def _confirmed(self, run: Integration) -> dict[str, float]:
+        """Return the residual of the forces that follow from a run's motion, against the engine's own."""
+        linkage, (q, v, a) = self._linkage, _at_samples(run)
+        reactions = reaction_channels(linkage, q, v, a, run.active)
+        expected = joint_forces(linkage, q, v, a, reactions, run.joints)
+        return check_impulses(linkage, run.positions[:: run.steps.stride], expected, run.impulses / run.steps.size)
 
     def _active(self, q: Poses, v: Poses) -> Active:
         """Return, for the n samples, which press forces act, shape (n, press forces)."""
@@ -155,7 +160,13 @@ class PymunkSimulation:
         return np.array(found, dtype=np.bool_).reshape(len(found), len(q)).T
 
 
-def _richardson(values: Sequence[Samples]) -> Samples:
+def _at_samples(run: Integration) -> Motions:
+    before, after = run.record[: -1 : run.steps.stride], run.record[1 :: run.steps.stride]
+    a = (after[..., 3:] - before[..., 3:]) / run.steps.size
+    return Motions(after[..., :3], after[..., 3:] - run.steps.size / 2 * a, a)
+
+
+def _richardson(values: Sequence[Poses]) -> Poses:
     """Return the limit dt -> 0 of up to four arrays with errors in dt^2, dt^3 and dt^4, at dt, dt/2, dt/4 and dt/8."""
     for factor in (4, 8, 16)[: len(values) - 1]:
         values = [(factor * fine - coarse) / (factor - 1) for coarse, fine in pairwise(values)]

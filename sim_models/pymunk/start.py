@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Status
+from scenes import Budget, Failure, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
@@ -22,6 +22,7 @@ LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
 SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
 PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
+SECONDS = 20.0  # of processor time on one path; those of the shipped scenes take 0.03
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
@@ -109,6 +110,27 @@ def _angle(known: Iterable[Samples]) -> float:
     return float(np.angle(sum(fits)))
 
 
+def check_way(linkage: LinkageConstraints, q: Poses) -> None:
+    """Move the pose q at the drive's start through the drive's whole range.
+
+    Raises:
+        Failure: cannot_assemble, or nearly singular not_converged, somewhere on the way, with the drive's position.
+    """
+    for end in linkage.scene.drive.extent:
+        move(linkage, q, linkage.scene.drive.start, end)
+
+
+def assembles(linkage: LinkageConstraints, q: Poses, positions: Samples) -> bool:
+    """Return whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there.
+
+    `positions` are the drive's, rad or m, shape (n,).
+    """
+    ends = np.array(linkage.scene.drive.extent)
+    nearest = np.abs(positions[:, None] - ends).argmin(axis=0)
+    q, positions = np.concatenate([q, q[nearest]]), np.concatenate([positions, ends])
+    return _newton(linkage, q, positions, np.zeros(3 * q.shape[1])) is not None
+
+
 # --- continuation ----------------------------------------------------------------------------------------------------
 
 
@@ -126,11 +148,13 @@ def _follow(
 ) -> Iterator[Place]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
     here = branch(linkage.jacobian(q))
+    budget = Budget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
     s, step = 0.0, largest
     while s < 1:
         ahead = min(1.0, s + step)
         position, gaps = path(ahead)
-        found = _newton(linkage, q, position, gaps)
+        budget.check(f"{s:.2%} of it is done, in steps of {step:.1e} of it")
+        found = _newton(linkage, q, np.array([position]), gaps)
         if found is not None and branch(linkage.jacobian(found)) == here:
             q, s, step = found, ahead, min(largest, 2 * step)
             yield position, q
@@ -143,21 +167,21 @@ def _follow(
 def _stuck(linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples) -> Failure:
     """Return why there is no next place: none exists, or two are too close together."""
     where = linkage.scene.where(position)
-    if _newton(linkage, q, position, gaps, PATIENT_NEWTON_STEPS) is None:
+    if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}")
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
 def _newton(
-    linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples, steps: int = NEWTON_STEPS
+    linkage: LinkageConstraints, q: Poses, positions: Samples, gaps: Samples, steps: int = NEWTON_STEPS
 ) -> Poses | None:
-    """Return the solution of C(q) = gaps near q, or None."""
+    """Return the solutions of C(q) = gaps near n poses q, shape (n, bodies, 3), or None if any has none."""
     for _ in range(steps):
-        excess = linkage.gaps(q, np.array([position])) - gaps
+        excess = linkage.gaps(q, positions) - gaps
         if np.abs(excess).max() <= CLOSED * linkage.size:
             return q
         try:
-            q = q - np.linalg.solve(linkage.jacobian(q)[0], excess.ravel()).reshape(q.shape)
+            q = q - np.linalg.solve(linkage.jacobian(q), excess[..., None]).reshape(q.shape)
         except np.linalg.LinAlgError:
             return None
     return None

@@ -6,7 +6,7 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Failure, Sampling
+from scenes import Budget, Failure, Sampling
 from scenes.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
@@ -20,7 +20,8 @@ from .start import move, rates
 
 # Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The error of the rates
 # decays within four steps, if the sweeps converge and each step corrects the whole error; that of the impulses with the
-# sweeps, of which the first step has more. Where the linkage does not assemble that far back, fewer steps leave the
+# sweeps, of which the first step has more. Steps that correct little need more, but never more than a cycle: what takes
+# longer to decay outlasts the run as well. Where the linkage does not assemble that far back, fewer steps leave the
 # first acceleration less exact.
 PRE_ROLL, LEAST_PRE_ROLL = 5, 3
 FIRST_SWEEPS = 10  # times those of a later step
@@ -53,7 +54,8 @@ def build(
     """
     scene = linkage.scene
     dt, count = float(sampling.times(scene)[1]) / stride, stride * sampling.samples * sampling.turns
-    pre_roll, pose = _before(linkage, start, dt, ceil(PRE_ROLL / settings.corrected(dt)))
+    wanted = min(ceil(PRE_ROLL / settings.corrected(dt)), max(PRE_ROLL, stride * sampling.samples))
+    pre_roll, pose = _before(linkage, start, dt, wanted)
     # The last rate follows from the position one step after the end.
     driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
     model = Model(linkage, pose, rates(linkage, pose, float(driven.rate[0])), settings.error_bias(dt), settings.extra)
@@ -99,14 +101,20 @@ class Integration:
         sweeps = self._settings.iterations * (FIRST_SWEEPS - 1 + steps)
         return {"steps": steps, "constraint_iterations": sweeps * found["constraints"]} | found
 
-    def advance(self) -> None:
-        """Step from before t = 0 to the end."""
+    def advance(self, budget: Budget) -> None:
+        """Step from before t = 0 to the end.
+
+        Raises:
+            Failure: timed_out.
+        """
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self.forces
         follows_law = not isinstance(self._linkage.scene.drive, ConstantSpeed)
         joints = [*self.joints.values()]
         recorder.append()
         space.iterations = FIRST_SWEEPS * self._settings.iterations
         for k in range(1 - steps.pre_roll, steps.count + 1):
+            if k % steps.stride == 0:
+                budget.check(f"step {k} of {steps.count}")
             if forces:
                 forces.apply()
             if follows_law:

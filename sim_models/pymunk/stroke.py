@@ -12,18 +12,17 @@ HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-of
 
 
 def stroke_ends(linkage: LinkageConstraints, q: Poses) -> list[float]:
-    """Return where the closing strokes of the press forces end, m, having moved the pose q through the drive's range.
+    """Return where the closing strokes of the press forces end, m; for them the pose q moves through the drive's range.
 
     Raises:
         Failure: cannot_assemble somewhere on the way, with the drive's position.
     """
     drive = linkage.scene.drive
+    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
+    if not presses:
+        return []
     paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
-    return [
-        load.closing * max(_furthest(linkage, load, path) for path in paths)
-        for load in linkage.scene.loads
-        if isinstance(load, PressForce)
-    ]
+    return [load.closing * max(_furthest(linkage, load, path) for path in paths) for load in presses]
 
 
 def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Place]) -> float:

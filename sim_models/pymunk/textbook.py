@@ -11,7 +11,7 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Failure, Motion, Request, Sampling, Scene, Status
+from scenes import Budget, Failure, Motion, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 from scenes.motion import Samples
 from scenes.scene import Force
@@ -21,7 +21,7 @@ from .checks import check_path
 from .constraints import LinkageConstraints, branch
 from .masses import own_masses
 from .recorders import PropertyRecorder
-from .settings import ERROR_BIAS, TextbookSettings
+from .settings import ERROR_BIAS, SECONDS, TextbookSettings
 from .space import Model, pair
 from .start import move, rates, start
 from .stepping import Steps
@@ -64,6 +64,7 @@ class TextbookSimulation:
         self._wanted = frozenset(sampling.wanted(linkage.scene))
         bodies = model.bodies.values()
         self._before, self._after = PropertyRecorder(bodies), PropertyRecorder(bodies)
+        self._channels: Mapping[str, Samples] = {}
         self.residuals: dict[str, float] = {}
 
     @property
@@ -74,19 +75,28 @@ class TextbookSimulation:
         return {"steps": steps, "constraint_iterations": sweeps * found["constraints"]} | found
 
     def solve(self) -> None:
-        """Step from before t = 0 to the end."""
+        """Step from before t = 0 to the end, and find the channels.
+
+        Raises:
+            Failure: timed_out.
+        """
         bodies, steps, linkage = self._model.bodies, self._steps, self._linkage
+        budget = Budget(SECONDS, f"{steps.count} steps")
         constant = [load for load in self._scene.loads if isinstance(load, Force)]
         loads = [(bodies[at.body], at.force, pair(linkage.arm(at.body, at.at))) for at in constant]
         for k in range(1 - steps.pre_roll, steps.count + 1):
             sampled = k >= 0 and k % steps.stride == 0
             if sampled:
+                budget.check(f"{k} of them are done")
                 self._before.append()
             for body, force, arm in loads:
                 body.apply_force_at_world_point(force, body.local_to_world(arm))
             self._model.space.step(steps.size)
             if sampled:
                 self._after.append()
+        before, after = self._before.rows(), self._after.rows()
+        q, v, a = after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / steps.size
+        self._channels = found_channels(linkage, self._wanted, q, v, a, np.zeros((len(q), 0), dtype=np.bool_))
 
     def read(self) -> Motion:
         """Return the channels requested.
@@ -95,14 +105,11 @@ class TextbookSimulation:
             Failure: nonfinite, wrong_branch or diverged, with the drive's position where it happened; and with the
                 motion.
         """
-        linkage, before, after = self._linkage, self._before.rows(), self._after.rows()
-        q, v, a = after[..., :3], after[..., 3:], (after[..., 3:] - before[..., 3:]) / self._steps.size
-        active = np.zeros((len(q), 0), dtype=np.bool_)
-        found = found_channels(linkage, self._wanted, q, v, a, active)
+        found, path = self._channels, self._after.rows()
         samples = {name: found[name] for name in self._sampling.wanted(self._scene) if name in found}
         motion = Motion({"time": self._sampling.times(self._scene)} | samples)
         try:
-            self.residuals = check_path(linkage, after, self._sampling.commanded(self._scene), self._branch)
+            self.residuals = check_path(self._linkage, path, self._sampling.commanded(self._scene), self._branch)
         except Failure as failure:
             raise Failure(failure.status, failure.reason, motion) from None
         return motion

@@ -4,6 +4,7 @@ import pytest
 
 import scenes
 from scenes import Sampling
+from scenes.scene import PressForce
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import simulation as pymunk_simulation
 from sim_models.pymunk.engine import DEFAULT, FAST
@@ -42,3 +43,31 @@ def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> N
     simulation.read()
     # Masses that are free to choose do with a tenth of the sweeps.
     assert simulation.counters["constraint_iterations"] == whole["constraint_iterations"] / 10
+
+
+def test_a_build_looks_for_ends_of_strokes_only_for_press_forces(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unwanted(*_: object) -> None:
+        raise AssertionError("the drive's whole range is walked")
+
+    monkeypatch.setattr("sim_models.pymunk.stroke.way", unwanted)
+    for name in ("toggle_press", "crank_press"):
+        scene = scenes.load(name)
+        if any(isinstance(load, PressForce) for load in scene.loads):
+            with pytest.raises(AssertionError):
+                pymunk_model.build(scene, FAST, SAMPLING)
+        else:
+            pymunk_model.build(scene, FAST, SAMPLING)
+
+
+@pytest.mark.parametrize("settings", [FAST, TextbookSettings("", 4608)])
+def test_reading_computes_no_channel(settings: AnySettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is timed as the solve is all that the channels take."""
+
+    def late(*_: object) -> None:
+        raise AssertionError("a channel is worked out outside the clock")
+
+    simulation = pymunk_model.build(scenes.load("toggle_press"), settings, SAMPLING)
+    simulation.solve()
+    for module in ("simulation", "textbook"):
+        monkeypatch.setattr(f"sim_models.pymunk.{module}.found_channels", late)
+    assert simulation.read()["P5.y"].shape == (73,)

@@ -1,17 +1,19 @@
 """What must not pass in the pymunk model, and what it refuses."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import scenes
-from scenes import Failure, Sampling, Scene, Status
+from scenes import Budget, Failure, Sampling, Scene, Status, hard
 from scenes.motion import channels
 from scenes.scene import ConstantSpeed
+from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.checks import check_path
 from sim_models.pymunk.constraints import LinkageConstraints, branch, solved
-from sim_models.pymunk.engine import DEFAULT
+from sim_models.pymunk.engine import DEFAULT, FAST
 from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import start
@@ -47,7 +49,7 @@ def test_every_step_is_checked(press: Scene) -> None:
     pose = start(linkage)
     start_branch = branch(linkage.jacobian(pose))
     run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
-    run.advance()
+    run.advance(Budget(60.0, "a test"))
     check_path(linkage, run.record[1:], run.positions, start_branch)
     good = run.record.copy()
     crank, rod, slider = 0, 3, 4
@@ -144,3 +146,35 @@ def test_a_singular_matrix_gives_no_numbers_and_leaves_the_others_alone() -> Non
     found = solved(J, np.ones((3, 3)))
     assert np.isnan(found[1]).all()
     assert found[[0, 2], 0, 0].tolist() == [1.0, 0.5]
+
+
+@pytest.mark.parametrize("label", ["0", "-1e-6"])
+def test_a_dead_centre_between_two_samples_is_not_stepped_over(label: str) -> None:
+    """The run itself comes as near to the dead centre as it may; the slider is to go on to it, or past it."""
+    rung = next(rung for rung in hard.ladder("dead_centre_driven").rungs if rung.label == label)
+    assert failure_of(rung.scene(), FAST).status in (Status.cannot_assemble, Status.not_converged)
+
+
+@pytest.mark.parametrize("settings", [FAST, TextbookSettings("", 60)])
+def test_a_run_that_takes_too_long_names_its_steps(settings: AnySettings, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("simulation", "textbook"):
+        monkeypatch.setattr(f"sim_models.pymunk.{module}.SECONDS", 0.0)
+    failure = failure_of(scenes.load("toggle_press"), settings)
+    assert failure.status is Status.timed_out
+    assert re.search("of processor time were not enough for .*steps", failure.reason)
+
+
+def test_a_continuation_that_takes_too_long_names_where_it_leads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sim_models.pymunk.start.SECONDS", 0.0)
+    failure = failure_of(scenes.load("toggle_press"))
+    assert failure.status is Status.timed_out
+    assert "not enough for the way to crank angle" in failure.reason
+
+
+def test_the_run_up_is_no_longer_than_a_cycle() -> None:
+    """In a millisecond pymunk corrects 0.6 % of a joint's error: what then is left of it, no run-up takes away."""
+    press = scenes.load("toggle_press")
+    assert isinstance(press.drive, ConstantSpeed)
+    quick = replace(press, drive=replace(press.drive, speed=1000 * press.drive.speed))
+    settings = PymunkSettings("", 72, 1, 100, correction=None)
+    assert pymunk_model.build(quick, settings, Sampling(72)).counters["steps"] == 2 * 72
