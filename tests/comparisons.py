@@ -35,8 +35,8 @@ def only_few_settings() -> Iterator[None]:
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
 
-    def once(builds: Sequence[Callable[[], Simulation]], _: Budget, progress: Callable[[str], None]) -> list[Times]:
-        return take_turns(builds, Budget(1, 0.0), progress)
+    def once(builds: Sequence[Callable[[], Simulation]], _: Budget, *others: Any) -> list[Times]:
+        return take_turns(builds, Budget(1, 0.0), *others)
 
     with pytest.MonkeyPatch.context() as patch:
         for module in ("speed.speed_table", "study"):

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 
@@ -50,13 +50,13 @@ def run(name: str, scene: Scene, request: Request, settings: Settings | None = N
         engine = registry.engine(name)
         settings = settings or engine.DEFAULT
         failed = replace(failed, settings=settings, version=engine.version())  # imports what no clock shall time
-        started = perf_counter()
+        started = process_time()
         simulation = engine.build(scene, settings, request)
-        built = perf_counter()
+        built = process_time()
         simulation.solve()
-        solved = perf_counter()
+        solved = process_time()
         motion = simulation.read()
-        read = perf_counter()
+        read = process_time()
     except Failure as failure:
         return replace(failed, status=failure.status, reason=failure.reason, motion=_finite(failure.motion))
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on

@@ -20,6 +20,7 @@ from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
 from ..judge.round_off import explain
 from .timing import NO_CLOCK, Budget, Times, take_turns
+from .work_precision import contests, in_doubt
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
 
@@ -46,9 +47,9 @@ def speed_table(
 ) -> pd.DataFrame:
     """Return one row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
-    The error run comes first and warms everything up. Then all settings take turns under the clock; those that failed,
-    and those that take longer than the budget has for one, keep the times of their error run. A stop leaves what is
-    done.
+    The error run comes first and warms everything up. Then all settings take turns under the clock, those longest that
+    decide which is the cheapest for some error; those that failed, and those that take longer than the budget has for
+    one, keep the times of their error run. A stop leaves what is done.
     """
     sampling = replace(SAMPLING, channels=channels)
     at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling))
@@ -58,7 +59,9 @@ def speed_table(
     timed = [] if budget == NO_CLOCK else list(able)
     scene = reference.scene
     builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
-    times = dict(zip(map(id, timed), take_turns(builds, budget, progress), strict=True))
+    compared = contests(pd.DataFrame([_row(point, None) for point in timed]))
+    turns = take_turns(builds, budget, progress, partial(in_doubt, compared))
+    times = dict(zip(map(id, timed), turns, strict=True))
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
 
 

@@ -2,26 +2,34 @@
 
 Settings with a note, such as an engine's own defaults or fictitious masses, compete apart: they have their own rows in
 every comparison and are never the cheapest, since nobody should take them, or since they are no independent check.
+
+A setting is the cheapest only where no other is as fast but for what another program on the same core may change. Else
+they are level, and what is named of them is found without a clock: the smallest error, then the fewest steps.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from scenes import Settings, Status
 from scenes.motion import Samples
 
+from ..engines.registry import REFERENCE
 from ..engines.settings import WORK_PRECISION, settings_of
 from ..judge.errors import SHOWN_GROUPS
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
-TIE = 0.1  # of the time: what two runs of one setting may differ by on a busy machine
+# Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
+# the processor time, pymunk's 1.35 times: a ratio of up to 1.3 between two settings may be the neighbour's.
+TIE = 0.5
+DOUBT = 1.25  # ratio of the limit of a tie to a time, below which more rounds might move it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
 LEAST_POINTS = 3  # of a fit, so that it has a residual
 STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as this
+LAST, SETTLED = 2, 0.25  # local orders, as far apart: two whole orders, one apart, are four times as far
 
 
 def groups(speed: pd.DataFrame) -> list[str]:
@@ -43,44 +51,92 @@ def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
 # --- the cheapest setting for an error -------------------------------------------------------------------------------
 
 
-def cheapest(points: pd.DataFrame, error: str, level: float) -> "pd.Series[Any] | None":
-    """Return the fastest of the settings whose error is at most `level`; of those as fast, the most accurate."""
+def as_fast(points: pd.DataFrame, error: str, limit: float, tie: float = TIE) -> pd.DataFrame:
+    """Return the settings that are as fast as the fastest of those whose error is at most `limit`, the best first.
+
+    The best has the smallest error; of equal ones, the fewest steps; of these, the first of the table.
+    """
     times, errors = points["solve_min_s"].to_numpy(float), points[error].to_numpy(float)
-    good = errors <= level
-    if not good.any():
-        return None
-    as_fast = good & (times <= (1 + TIE) * times[good].min())
-    return points.iloc[int(np.where(as_fast, errors, np.inf).argmin())]
+    good = errors <= limit
+    fast = np.flatnonzero(good & (times <= (1 + tie) * times[good].min(initial=np.inf)))
+    steps = points["steps_made"].fillna(0).to_numpy(float)
+    return points.take(fast[np.lexsort((steps[fast], errors[fast]))])
 
 
-def front(points: pd.DataFrame, error: str) -> pd.DataFrame:
-    """Return the Pareto front, fastest first: every setting without a note that is the cheapest for some error."""
+def front(points: pd.DataFrame, error: str, tie: float = TIE) -> pd.DataFrame:
+    """Return every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
     plain = points[points["note"] == ""]
-    best = [found.name for level in plain[error] if (found := cheapest(plain, error, level)) is not None]
+    best = [as_fast(plain, error, limit, tie).index[0] for limit in plain[error].dropna()]
     return plain.loc[list(dict.fromkeys(best))].sort_values("solve_min_s", kind="stable")
 
 
 def choices(speed: pd.DataFrame) -> pd.DataFrame:
     """Return the cheapest setting by channel group, engine and note, and level of the largest error.
 
-    `ratio` is its time over that of the cheapest setting without a note, of any engine.
+    `level_with` are the engine's settings that are level with it, `ratio` is its time over that of the fastest setting
+    without a note, of any engine. `standing` is among the engines besides the reference, of settings without a note:
+    cheapest, level, or dearer.
     """
     points = solved(speed)
     plain = points[points["note"] == ""] if len(points) else points
+    levels = list(product(groups(speed), LEVELS))
+    standings = {(group, name): standing(points, f"{group}_max", LEVELS[name]) for group, name in levels}
     rows = []
-    for group, (engine, note, settings), level in product(groups(speed), list(contenders(points)), LEVELS):
-        row: dict[str, object] = {"group": group, "level": level, "engine": engine, "note": note, "setting": ""}
-        best, least = (cheapest(compared, f"{group}_max", LEVELS[level]) for compared in (settings, plain))
-        if best is not None:
-            time, shortest = best["solve_min_s"], np.nan if least is None else least["solve_min_s"]
+    for group, (engine, note, settings), name in product(groups(speed), list(contenders(points)), LEVELS):
+        row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note, "setting": ""}
+        error, limit = f"{group}_max", LEVELS[name]
+        if len(found := as_fast(settings, error, limit)):
+            best, *others = found.to_dict("records")
             row |= {
                 "setting": best["setting"],
-                "solve_s": time,
-                "error": best[f"{group}_max"],
-                "ratio": time / shortest,
+                "level_with": "; ".join(sorted(other["setting"] for other in others)),
+                "solve_s": best["solve_min_s"],
+                "error": best[error],
+                "ratio": best["solve_min_s"] / plain["solve_min_s"][plain[error] <= limit].min(),
+                "standing": standings[group, name].get(engine, "") if not note else "",
             }
         rows.append(row)
     return pd.DataFrame(rows)
+
+
+def standing(points: pd.DataFrame, error: str, limit: float) -> dict[str, str]:
+    """Return by engine how its fastest setting without a note stands, among the engines besides the reference."""
+    able = points[(points["note"] == "") & (points["engine"] != REFERENCE) & (points[error] <= limit)]
+    fastest = able.groupby("engine", sort=False)["solve_min_s"].min()
+    near = fastest <= (1 + TIE) * fastest.min()
+    first = "cheapest" if near.sum() == 1 else "level"
+    return {str(engine): first if is_near else "dearer" for engine, is_near in near.items()}
+
+
+def contests(speed: pd.DataFrame) -> list[NDArray[np.intp]]:
+    """Return the sets of settings, by their places in the table, of which the fastest is asked for.
+
+    One for every group, level and contender, and one for all engines besides the reference.
+    """
+    points = solved(speed.reset_index(drop=True))
+    if points.empty:
+        return []
+    plain = points[(points["note"] == "") & (points["engine"] != REFERENCE)]
+    sets = [rows for _, _, rows in contenders(points)] + [plain]
+    found = (
+        tuple(rows.index[rows[f"{group}_max"] <= limit])
+        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
+    )
+    return [np.array(places) for places in dict.fromkeys(found) if len(places) > 1]
+
+
+def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
+    """Return the settings whose times, s, more rounds should make sure of, by their places.
+
+    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
+    """
+    doubtful: set[int] = set()
+    for places in contests:
+        ratio = np.array(times)[places] / min(times[place] for place in places)
+        near = np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)
+        if near.any():
+            doubtful |= {int(place) for place in places[near | (ratio == 1)]}
+    return sorted(doubtful)
 
 
 def within(engine: str, accuracy: float, speed: pd.DataFrame) -> list[Settings]:
@@ -109,19 +165,22 @@ def families(speed: pd.DataFrame, steps: str) -> Iterator[tuple[dict[str, object
 
 
 def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:
-    """Return every family's order of convergence by channel group, NaN where too few of its errors are above a floor.
+    """Return every family's order of convergence by channel group, NaN where it has not settled or few errors count.
 
     The order is the slope of log(largest error) against log(steps per cycle) by least squares, `residual` the root mean
     square of what that leaves, in decades. The longest straight run of settings counts: theory is not about the
-    coarsest, and the finest may feel a floor. `floors` are the reference's.
+    coarsest, and the finest may feel a floor. `local_orders` are the slopes from each of its settings to the next; the
+    order has settled where the last ones agree with each other and with it. `floors` are the reference's.
     """
     rows = []
     for named, points in families(speed, "steps"):
         for group in groups(speed):
             steps, errors = points["steps"].to_numpy(float), points[f"{group}_max"].to_numpy(float)
             above = above_floor(steps, errors, floors.get(group, 0.0))
-            order, residual, used = _order(np.log10(steps[:above]), np.log10(errors[:above]))
-            rows.append(named | {"group": group, "order": order, "residual": residual, "points": used})
+            order, residual, local = _order(np.log10(steps[:above]), np.log10(errors[:above]))
+            settled = local and np.ptp([order, *local[-LAST:]]) <= SETTLED
+            rows.append(named | {"group": group, "order": order if settled else np.nan, "residual": residual})
+            rows[-1] |= {"local_orders": local, "points": len(local) + 1 if local else 0}
     return pd.DataFrame(rows)
 
 
@@ -139,12 +198,15 @@ def above_floor(steps: Samples, errors: Samples, floor: float) -> int:
     return len(above) if above.all() else int(above.argmin())
 
 
-def _order(x: Samples, y: Samples) -> tuple[float, float, int]:
-    """Return order, residual and length of the longest run of settings that is straight, or else of the straightest."""
+def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
+    """Return order, residual and local orders of the longest straight run of settings, or else of all."""
     runs = [slice(i, j) for i in range(len(x)) for j in range(i + LEAST_POINTS, len(x) + 1)]
-    fits = [(*_line(x[run], y[run]), run.stop - run.start) for run in runs]
-    best = (np.nan, np.nan, 0)
-    return min(fits, key=lambda fit: (-fit[2] if fit[1] <= STRAIGHT else 0, fit[1]), default=best)
+    if not runs:
+        return np.nan, np.nan, []
+    residuals = [_line(x[run], y[run])[1] for run in runs]
+    straight = [run for run, residual in zip(runs, residuals, strict=True) if residual <= STRAIGHT]
+    best = max(straight or [slice(0, len(x))], key=lambda run: run.stop - run.start)
+    return *_line(x[best], y[best]), [float(slope) for slope in -np.diff(y[best]) / np.diff(x[best])]
 
 
 def _line(x: Samples, y: Samples) -> tuple[float, float]:

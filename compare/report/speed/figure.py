@@ -73,7 +73,7 @@ def _panels(study: Study, found: Sequence[str], kind: str) -> go.Figure:
 
 def _front(points: pd.DataFrame, error: str) -> tuple[Samples, Samples]:
     """Return the front as steps: for every time, ms, the least error that can be had, from the first setting on."""
-    best = front(points, error)
+    best = front(points, error, tie=0)
     times, errors = best["ms"].to_numpy(), best[error].to_numpy()
     if len(best):
         times = np.concatenate([times[:1], times, [points["ms"].max()]])

@@ -1,6 +1,7 @@
 """Speed against error as a reader wants it: one sentence, and tables of text."""
 
 import re
+from collections.abc import Hashable, Mapping
 from typing import Any
 
 import pandas as pd
@@ -10,7 +11,7 @@ from ...engines.registry import REFERENCE
 from ...engines.settings import ABLATION
 from ...judge.errors import group_floors
 from ...speed import work_precision
-from ...speed.work_precision import LEVELS, cheapest, contenders, groups, solved
+from ...speed.work_precision import LEVELS, as_fast, contenders, groups, solved, standing
 from ...study import Study
 
 LEVEL = "0.1 %"  # of the sentence
@@ -30,22 +31,27 @@ def main_group(study: Study) -> str | None:
 
 
 def verdict(study: Study) -> str:
-    """Return which setting is the cheapest for what matters most, in one sentence."""
+    """Return which setting is the cheapest for what matters most, in one sentence; several where they are level."""
     group, points = main_group(study), solved(study.speed)
     if group is None or points.empty:
         return ""
-    points, error, level = points[points["note"] == ""], f"{group}_max", LEVELS[LEVEL]
-    best = cheapest(points, error, level)
-    named = [] if best is None else [_setting(study, best)]
-    if best is not None and best["engine"] == REFERENCE:
-        other = cheapest(points[points["engine"] != REFERENCE], error, level)
-        named += [] if other is None else [f"besides the reference: {_setting(study, other)}"]
-    settings = "; ".join(named) or "none that was tried"
-    return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {settings}."
+    points, error, limit = points[points["note"] == ""], f"{group}_max", LEVELS[LEVEL]
+    best = {engine: as_fast(rows, error, limit) for engine, rows in points.groupby("engine", sort=False)}
+    reference = REFERENCE in set(as_fast(points, error, limit)["engine"])
+    named = [_setting(study, best[REFERENCE])] if reference else []
+    others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
+    if others:
+        level = " (level)" if len(others) > 1 else ""
+        settings = " and ".join(_setting(study, best[engine]) for engine in others) + level
+        named.append(f"besides the reference: {settings}" if reference else settings)
+    found = "; ".join(named) or "none that was tried"
+    return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {found}."
 
 
-def _setting(study: Study, row: "pd.Series[Any]") -> str:
-    return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms per {cycle_name(study.scene)}"
+def _setting(study: Study, level: pd.DataFrame) -> str:
+    row, others = level.iloc[0], len(level) - 1
+    also = f", level with {others} more" if others else ""
+    return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms per {cycle_name(study.scene)}{also}"
 
 
 def notes(study: Study) -> list[str]:
@@ -59,26 +65,37 @@ def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
     tables: dict[str, dict[str, dict[str, str]]] = {}  # by group, name of the engine with its note, level
     for row in work_precision.choices(study.speed).to_dict("records"):
         rows = tables.setdefault(row["group"], {})
-        text = f"{row['setting']}, {1e3 * row['solve_s']:.3g} ms (×{row['ratio']:.3g})" if row["setting"] else "–"
-        rows.setdefault(contender(row["engine"], row["note"]), {}).setdefault(row["level"], text)
+        rows.setdefault(contender(row["engine"], row["note"]), {}).setdefault(row["level"], _choice(row))
     return {
         group: pd.DataFrame([{"engine": name} | row for name, row in rows.items()]) for group, rows in tables.items()
     }
+
+
+def _choice(row: Mapping[Hashable, Any]) -> str:
+    """Return a setting with its time, that over the fastest of all, and what is level with it."""
+    if not row["setting"]:
+        return "–"
+    others = len(row["level_with"].split("; ")) if row["level_with"] else 0
+    level = [f"×{row['ratio']:.3g}", f"level with {others} more" if others else ""]
+    level.append({"cheapest": "cheapest engine", "level": "engines level"}.get(row["standing"], ""))
+    return f"{row['setting']}, {1e3 * row['solve_s']:.3g} ms ({', '.join(filter(None, level))})"
 
 
 def orders(study: Study) -> pd.DataFrame:
     """Return the orders of convergence, a column per channel group, a row per family that has three good settings."""
     rows: dict[tuple[str, str], dict[str, str]] = {}
     for row in work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"):
-        family = {"engine": row["engine"], "family": row["family"], "expected": _order(row["expected_order"], "g")}
-        text = _order(row["order"], ".2f", f" ({row['residual']:.1g}, {row['points']})")
+        family = {"engine": row["engine"], "family": row["family"], "expected": _expected(row["expected_order"])}
+        local = ", ".join(f"{order:.2f}" for order in row["local_orders"])
+        fit = f"{row['order']:.2f}" if row["order"] == row["order"] else "not settled"
+        text = f"{fit} ({local}; {row['residual']:.1g})" if local else "–"
         rows.setdefault((row["engine"], row["family"]), family)[row["group"]] = text
     known = set(groups(study.speed))
     return pd.DataFrame([row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())])
 
 
-def _order(order: float, form: str, quality: str = "") -> str:
-    return "–" if order != order else f"{order:{form}}{quality}"
+def _expected(order: float) -> str:
+    return "–" if order != order else f"{order:g}"
 
 
 def step_costs(study: Study) -> pd.DataFrame:

@@ -36,7 +36,7 @@ def table(*rows: tuple[str, str, float, float], **columns: Any) -> pd.DataFrame:
     """Return a speed table of engine, setting, seconds and largest reaction error."""
     known = pd.DataFrame(rows, columns=["engine", "setting", "solve_min_s", "reaction_max"])
     rest: dict[str, Any] = {"note": "", "role": "work-precision", "status": "ok", "family": "", "expected_order": nan}
-    return known.assign(**(rest | columns))
+    return known.assign(**(rest | {"steps_made": nan} | columns))
 
 
 def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> pd.DataFrame:

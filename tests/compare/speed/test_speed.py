@@ -32,7 +32,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     engine = StubEngine(reference, clock)
     monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
-    monkeypatch.setattr("compare.engines.runner.perf_counter", clock)
+    monkeypatch.setattr("compare.engines.runner.process_time", clock)
     monkeypatch.setattr("compare.speed.speed_table.take_turns", partial(take_turns, clock=clock, wall=clock))
     return engine
 
@@ -178,6 +178,11 @@ def test_the_sentence(reference: Reference) -> None:
         "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms per turn;"
         " besides the reference: exudyn, pointwise, 7 ms per turn."
     )
+    level = pd.concat([speed, table(("pymunk", "y", 5e-3, 1e-3), ("pymunk", "z", 6e-3, 1e-4))], ignore_index=True)
+    assert speed_tables.verdict(study_of(reference, level)).endswith(
+        "besides the reference: exudyn, pointwise, 7 ms per turn"
+        " and pymunk, z, 6 ms per turn, level with 1 more (level)."
+    )
     said = speed_tables.verdict(study_of(reference, speed.iloc[1:]))
     assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms per turn."
     assert "none that was tried" in speed_tables.verdict(study_of(reference, speed.iloc[2:]))
@@ -189,13 +194,14 @@ def test_tables_of_text(reference: Reference) -> None:
     found = speed_tables.cheapest_settings(result)
     own, noted = found["reaction"].to_dict("records")
     assert list(own.values()) == [
-        "a", *["72 steps, 1.72 ms (×1)"] * 3, "144 steps, 2.44 ms (×1)", "1440 steps, 15.4 ms (×1)", "–",
+        "a", *["144 steps, 2.44 ms (×1.42, level with 1 more, cheapest engine)"] * 3,
+        "144 steps, 2.44 ms (×1, cheapest engine)", "1440 steps, 15.4 ms (×1, cheapest engine)", "–",
     ]  # fmt: skip
     assert list(own) == ["engine", "10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"]
     assert list(noted.values()) == ["b: slow", *["noted, 1e+03 ms (×581)"] * 3, "–", "–", "–"]
     (row,) = speed_tables.orders(result).to_dict("records")
     assert row == {"engine": "a", "family": "f", "expected": "2", "reaction": row["reaction"]}
-    assert row["reaction"].startswith("2.00 (")
+    assert row["reaction"].startswith("2.00 (2.00, 2.00, 2.00, 2.00, 2.00; ")
 
 
 def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
