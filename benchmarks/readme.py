@@ -1,0 +1,59 @@
+"""The README's tables of figures, each between `<!-- name -->` and `<!-- end -->`; tests/test_readme.py reads them."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from compare.engines.registry import REFERENCE
+from compare.judge.errors import SHOWN_GROUPS
+from compare.report.hard.tables import counts
+from compare.report.speed.tables import contender
+from compare.report.tables import overview
+from compare.speed.work_precision import choices
+from compare.study import Study
+
+README = Path(__file__).parents[1] / "README.md"
+LEVELS = ("1 %", "0.1 %", "1e-4", "1e-6")  # of the joint reactions
+OUTCOMES = ["engine", "attempts", "right", "refused", "silent", "false alarm"]
+
+
+def tables(study: Study, hard: pd.DataFrame) -> dict[str, str]:
+    """Return the tables by name, as Markdown."""
+    return {"errors": errors(study), "times": times(study.speed), "hard": markdown(counts(hard)[OUTCOMES])}
+
+
+def errors(study: Study) -> str:
+    """Return the largest error of every engine by channel group, to two digits."""
+    groups = overview(study).set_index("engine")[list(SHOWN_GROUPS)]
+    return markdown(groups.drop(REFERENCE).map(lambda error: f"{error:.1e}").reset_index())
+
+
+def times(speed: pd.DataFrame) -> str:
+    """Return the time of the cheapest setting for errors of the reactions, a row for every contender but the reference.
+
+    Where two engines are level, both are marked.
+    """
+    rows: dict[str, dict[str, str]] = {}
+    for row in choices(speed).query("group == 'reaction'").to_dict("records"):
+        if row["engine"] != REFERENCE and row["level"] in LEVELS:
+            name = contender(row["engine"], row["note"])
+            level = " (level)" if row["standing"] == "level" else ""
+            text = f"{1e3 * row['solve_s']:.3g} ms{level}" if row["setting"] else "never"
+            rows.setdefault(name, {"engine": name})[row["level"]] = text
+    return markdown(pd.DataFrame(rows.values()))
+
+
+def markdown(table: pd.DataFrame) -> str:
+    """Return a table as Markdown."""
+    lines = [table.columns, ["---"] * len(table.columns), *table.to_numpy(str)]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+
+
+def fill(found: dict[str, str]) -> None:
+    """Put the tables into the README, in place of those there."""
+    text = README.read_text(encoding="utf-8")
+    for name, table in found.items():
+        before, rest = text.split(f"<!-- {name} -->\n\n")
+        _, after = rest.split("\n\n<!-- end -->", maxsplit=1)
+        text = f"{before}<!-- {name} -->\n\n{table}\n\n<!-- end -->{after}"
+    README.write_text(text, encoding="utf-8")

@@ -1,0 +1,84 @@
+"""The README's figures: errors against a fresh run, times and counts against the published summary."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import compare
+from compare.engines.registry import DEFAULT_ENGINES, REFERENCE
+from compare.engines.settings import settings_of
+from compare.judge.errors import SHOWN_GROUPS, group_floors
+from compare.judge.judgement import Judgement
+from compare.speed.speed_table import speed_table
+from compare.speed.timing import Budget
+from compare.speed.work_precision import choices
+from tests.comparisons import SLOW
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PUBLISHED = (ROOT / "results" / "published" / "README.md").read_text(encoding="utf-8")
+DIGITS = 0.06  # of a figure: half of the last of two digits is 0.05 of 1.0, the rest is for other libraries
+ROUND_OFF = 1e-12  # below, an error is a few roundings, which other libraries may do in another order: within a factor
+FACTOR = 3.0  # also of a ratio of times: 1.3 for a busy core, 1.5 for the choice among level settings, both ways
+
+
+def table(text: str, start: str) -> list[dict[str, str]]:
+    """Return the rows of the first table after `start`, by column."""
+    lines = re.search(r"(\|.*\n)+", text[text.index(start) :])
+    assert lines is not None
+    header, _, *rows = ([cell.strip() for cell in line.strip("| ").split("|")] for line in lines[0].splitlines())
+    return [dict(zip(header, row, strict=True)) for row in rows]
+
+
+def holds(printed: str, fresh: float) -> bool:
+    figure = float(printed)
+    if figure < ROUND_OFF:
+        return figure / FACTOR <= fresh <= figure * FACTOR
+    return abs(figure - fresh) <= DIGITS * fresh
+
+
+@pytest.fixture(scope="module")
+def fresh() -> Judgement:
+    return compare.check("toggle_press")
+
+
+def test_errors(fresh: Judgement) -> None:
+    found = fresh.errors.groupby(["engine", "group"])["max"].max()
+    rows = table(README, "<!-- errors -->")
+    assert [row["engine"] for row in rows] == [engine for engine in DEFAULT_ENGINES if engine != REFERENCE]
+    for row in rows:
+        assert list(row)[1:] == list(SHOWN_GROUPS)
+        for group in SHOWN_GROUPS:
+            assert holds(row[group], float(found[row["engine"], group])), (row["engine"], group)
+
+
+def test_what_the_reference_is_good_to(fresh: Judgement) -> None:
+    (printed,) = re.findall(r"the reference itself is good to (\S+),", README)
+    floor = max(group_floors(fresh.reference).values())
+    assert floor <= float(printed) <= FACTOR * floor
+
+
+@pytest.mark.parametrize(("name", "title"), [("times", "## Cheapest settings"), ("hard", "## Hard cases")])
+def test_what_is_published(name: str, title: str) -> None:
+    published = {row["engine"]: row for row in table(PUBLISHED, title)}
+    rows = table(README, f"<!-- {name} -->")
+    assert len(rows) == len(published)
+    for row in rows:
+        assert row.items() <= published[row["engine"]].items()
+
+
+def test_how_many_settings() -> None:
+    (printed,) = re.findall(r"`--full` measures (\d+) settings", README)
+    assert int(printed) == sum(len(settings_of(engine, full=True)) for engine in DEFAULT_ENGINES)
+
+
+@SLOW
+def test_ratios_of_times(fresh: Judgement) -> None:
+    speed = speed_table(fresh.reference, ("exudyn", "pymunk"), Budget(3, 0.0), lambda _: None)
+    found = choices(speed).query("group == 'reaction' and note == ''").set_index(["engine", "level"])["solve_s"]
+    rows = {row["engine"]: row for row in table(README, "<!-- times -->")}
+    for level in ("1 %", "0.1 %", "1e-4", "1e-6"):
+        exudyn, pymunk = (float(rows[engine][level].split()[0]) for engine in ("exudyn", "pymunk"))
+        ratio = exudyn / pymunk / (found["exudyn", level] / found["pymunk", level])
+        assert 1 / FACTOR <= ratio <= FACTOR, level
