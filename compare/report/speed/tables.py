@@ -41,16 +41,16 @@ def verdict(study: Study) -> str:
     named = [_setting(study, best[REFERENCE])] if reference else []
     others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
     if others:
-        level = " (level)" if len(others) > 1 else ""
-        settings = " and ".join(_setting(study, best[engine]) for engine in others) + level
-        named.append(f"besides the reference: {settings}" if reference else settings)
+        where = ["besides the reference"] * reference + ["level"] * (len(others) > 1)
+        settings = " and ".join(_setting(study, best[engine]) for engine in others)
+        named.append(": ".join(filter(None, (", ".join(where), settings))))
     found = "; ".join(named) or "none that was tried"
     return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {found}."
 
 
 def _setting(study: Study, level: pd.DataFrame) -> str:
     row, others = level.iloc[0], len(level) - 1
-    also = f", level with {others} more" if others else ""
+    also = f" (level with {others} more of its settings)" if others else ""
     return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms per {cycle_name(study.scene)}{also}"
 
 

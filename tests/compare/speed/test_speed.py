@@ -180,8 +180,8 @@ def test_the_sentence(reference: Reference) -> None:
     )
     level = pd.concat([speed, table(("pymunk", "y", 5e-3, 1e-3), ("pymunk", "z", 6e-3, 1e-4))], ignore_index=True)
     assert speed_tables.verdict(study_of(reference, level)).endswith(
-        "besides the reference: exudyn, pointwise, 7 ms per turn"
-        " and pymunk, z, 6 ms per turn, level with 1 more (level)."
+        "besides the reference, level: exudyn, pointwise, 7 ms per turn"
+        " and pymunk, z, 6 ms per turn (level with 1 more of its settings)."
     )
     said = speed_tables.verdict(study_of(reference, speed.iloc[1:]))
     assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms per turn."
