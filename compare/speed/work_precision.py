@@ -25,7 +25,7 @@ LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4":
 # Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
 # the processor time, pymunk's 1.35 times: a ratio of up to 1.3 between two settings may be the neighbour's.
 TIE = 0.5
-DOUBT = 1.25  # ratio of the limit of a tie to a time, below which more rounds might move it across
+DOUBT = 1.15  # ratio of the limit of a tie to a time, below which more rounds might move it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
 LEAST_POINTS = 3  # of a fit, so that it has a residual
 STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as this
@@ -78,22 +78,26 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
     cheapest, level, or dearer.
     """
     points = solved(speed)
-    plain = points[points["note"] == ""] if len(points) else points
-    levels = list(product(groups(speed), LEVELS))
-    standings = {(group, name): standing(points, f"{group}_max", LEVELS[name]) for group, name in levels}
+    errors = [f"{group}_max" for group in groups(speed)]
+    points = points[["engine", "note", "setting", "solve_min_s", "steps_made", *errors]] if len(points) else points
+    standings, fastest = {}, {}
+    for error, name in product(errors, LEVELS):
+        standings[error, name] = standing(points, error, LEVELS[name])
+        able = (points["note"] == "") & (points[error] <= LEVELS[name])
+        fastest[error, name] = points["solve_min_s"][able].min()
     rows = []
-    for group, (engine, note, settings), name in product(groups(speed), list(contenders(points)), LEVELS):
-        row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note, "setting": ""}
-        error, limit = f"{group}_max", LEVELS[name]
-        if len(found := as_fast(settings, error, limit)):
-            best, *others = found.to_dict("records")
+    for error, (engine, note, settings), name in product(errors, list(contenders(points)), LEVELS):
+        found = as_fast(settings, error, LEVELS[name])
+        best, *others = found["setting"] if len(found) else [""]
+        row = {"group": error.removesuffix("_max"), "level": name, "engine": engine, "note": note, "setting": best}
+        if best:
+            time = found["solve_min_s"].iloc[0]
             row |= {
-                "setting": best["setting"],
-                "level_with": "; ".join(sorted(other["setting"] for other in others)),
-                "solve_s": best["solve_min_s"],
-                "error": best[error],
-                "ratio": best["solve_min_s"] / plain["solve_min_s"][plain[error] <= limit].min(),
-                "standing": standings[group, name].get(engine, "") if not note else "",
+                "level_with": "; ".join(sorted(others)),
+                "solve_s": time,
+                "error": found[error].iloc[0],
+                "ratio": time / fastest[error, name],
+                "standing": standings[error, name].get(engine, "") if not note else "",
             }
         rows.append(row)
     return pd.DataFrame(rows)
@@ -102,10 +106,12 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
 def standing(points: pd.DataFrame, error: str, limit: float) -> dict[str, str]:
     """Return by engine how its fastest setting without a note stands, among the engines besides the reference."""
     able = points[(points["note"] == "") & (points["engine"] != REFERENCE) & (points[error] <= limit)]
-    fastest = able.groupby("engine", sort=False)["solve_min_s"].min()
-    near = fastest <= (1 + TIE) * fastest.min()
-    first = "cheapest" if near.sum() == 1 else "level"
-    return {str(engine): first if is_near else "dearer" for engine, is_near in near.items()}
+    fastest: dict[str, float] = {}
+    for engine, time in zip(able["engine"], able["solve_min_s"], strict=True):
+        fastest[engine] = min(time, fastest.get(engine, np.inf))
+    near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
+    first = "cheapest" if sum(near.values()) == 1 else "level"
+    return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
 
 
 def contests(speed: pd.DataFrame) -> list[NDArray[np.intp]]:
