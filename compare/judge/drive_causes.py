@@ -1,0 +1,121 @@
+"""Causes in the drive: elsewhere than asked for, at another speed, along another curve through a law's table."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from scenes import Failure, Scene
+from scenes.drive import Driven
+from scenes.motion import Samples
+from scenes.scene import ConstantSpeed, MotionLaw
+
+from ..engines import registry
+from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
+from .geometry_causes import solved
+
+
+def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield what would have been with the drive where it is, at another speed, or along another curve."""
+    scene = evidence.reference.scene
+    asked, there = evidence.true[scene.drive_channel], evidence.given[scene.drive_channel]
+    off = there - asked
+    actual = _solved(evidence, scene, there)
+    if actual and np.ptp(off) <= 1e-3 * np.abs(off).max() and isinstance(scene.drive, ConstantSpeed):
+        actual = {}  # it is late, by one time
+    if actual and off.any():
+        size = float(off[np.abs(off).argmax()])
+        unit = "deg" if scene.driven_slide is None else "mm"
+        amount = f"{(np.degrees(size) if unit == 'deg' else 1e3 * size):.3g} {unit}"
+        constant = "" if np.ptp(off) <= 1e-2 * abs(size) else "up to "
+        yield Hypothesis(Kind.drive, "drive", amount, f"the drive is off by {constant}{amount}", actual, 1)
+    yield from _offset(evidence, scene)
+    if isinstance(scene.drive, ConstantSpeed):
+        yield from _speeds(evidence, scene, scene.drive)
+    else:
+        yield from _curves(evidence, scene, scene.drive)
+
+
+def _solved(evidence: Evidence, scene: Scene, position: Samples) -> Channels:
+    """Return the motion of a scene with the drive at positions, or nothing where there is none."""
+    try:
+        found = registry.reference(scene)(position, evidence.true["time"])
+    except Failure:
+        return {}
+    return {channel: found[channel] for channel in evidence.names}
+
+
+def _offset(evidence: Evidence, scene: Scene) -> Iterator[Hypothesis]:
+    """Yield the drive off by a constant, and its channel not: at a constant speed that is a lag."""
+    if isinstance(scene.drive, ConstantSpeed):
+        return
+    asked = evidence.true[scene.drive_channel]
+
+    def predict(x: Samples) -> Channels:
+        return _solved(evidence, scene, asked + x[0])
+
+    (by,), predicted = fitted(evidence, predict, np.full(1, 1e-5 * np.ptp(scene.drive.extent)), 3)
+    yield Hypothesis(Kind.drive, "drive", f"{by:.4g}", f"the drive is off by a constant, {by:.4g}", predicted, 1)
+
+
+def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[Hypothesis]:
+    """Another speed: with the poses of that speed, or with those asked for and rates that are too large."""
+    time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
+    there = evidence.given[scene.drive_channel] - drive.start
+    rates = {float(there @ time / (time @ time)), -drive.speed}
+    if scene.driven_slide is None and f"{drive.body}.omega" in evidence.names:
+        rates.add(float(np.median(evidence.given[f"{drive.body}.omega"])))
+    for rate in rates:
+        if not rate or abs(rate - drive.speed) <= 1e-9 * abs(drive.speed):
+            continue
+        other = replace(scene, drive=replace(drive, speed=rate))
+        share = rate / drive.speed
+        how = "backwards" if abs(share + 1) < 1e-3 else f"{100 * (share - 1):+.3g} %"
+        for position, what in (
+            (drive.start + rate * time, "runs at another speed"),
+            (asked, "has rates of another speed"),
+        ):
+            predicted = _solved(evidence, other, position)
+            yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", predicted, 1)
+
+
+@dataclass(frozen=True)
+class Straight:
+    """A law's table with straight lines between its entries."""
+
+    law: MotionLaw
+
+    def at(self, time: ArrayLike) -> Driven:
+        """Return positions, rates and accelerations."""
+        law, time = self.law, np.asarray(time, np.float64)
+        knots, positions = np.array(law.times), np.array(law.positions)
+        k = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(knots) - 2)
+        rates = np.diff(positions) / np.diff(knots)
+        return Driven(positions[k] + rates[k] * (time - knots[k]), rates[k], np.zeros_like(time))
+
+
+def _curves(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
+    """Yield a law along straight lines; one entry of its table that is another."""
+    straight = Straight(law)
+    time = evidence.true["time"] % law.cycle
+    other = replace(scene, drive=straight)  # type: ignore[arg-type]
+    near = replace(
+        evidence.true, samples={**evidence.true.samples, "time": time, scene.drive_channel: straight.at(time).position}
+    )
+    predicted = solved(other, near, 4).samples
+    sentence = "the drive follows its law along straight lines"
+    yield Hypothesis(Kind.drive, "drive", "straight lines", sentence, predicted)
+    for number in range(len(law.positions)):
+
+        def predict(x: Samples, number: int = number) -> Channels:
+            moved = list(law.positions)
+            moved[number] += float(x[0])
+            if law.periodic and number in (0, len(moved) - 1):
+                moved[-1 - number] += float(x[0]) if len(moved) > 1 else 0.0
+            drive = replace(law, positions=tuple(moved))
+            return _solved(evidence, replace(scene, drive=drive), drive.at(time).position)
+
+        (by,), predicted = fitted(evidence, predict, np.full(1, 1e-5 * np.ptp(law.extent)), 1)
+        sentence = f"entry {number + 1} of the drive's law is off by {by:.3g}"
+        yield Hypothesis(Kind.drive, "drive", f"entry {number + 1}", sentence, predicted, 1)

@@ -1,0 +1,237 @@
+"""What a disagreement is explained from: a motion, what it should be, and how much of the distance a cause leaves over.
+
+A cause predicts what its motion would be. What it leaves over, the distance of the motion from that prediction over its
+distance from what it should be, is 0 for a cause that explains all and 1 for one that explains nothing.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, Motion, Sampling
+from scenes.motion import Samples, quantity
+
+from ..engines.reference import Reference, magnitude
+
+ROWS = 240  # samples, evenly spread, that causes are told apart by: enough for any cause but a spoilt row
+EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
+
+Channels = Mapping[str, Samples]
+
+
+class Kind(StrEnum):
+    """Causes of a disagreement."""
+
+    unknown = "unknown"
+    sign = "opposite sign"
+    unit = "factor"
+    offset = "offset"
+    frame = "another frame"
+    swap = "channels swapped"
+    copy = "another's channel"
+    pair = "another pair of bodies at the pin"
+    moment = "moment about another point"
+    term = "a term of the acceleration"
+    lag = "late"
+    drive = "drive"
+    mass = "mass"
+    inertia = "moment of inertia"
+    com = "centre of mass"
+    length = "length"
+    place = "place on the ground"
+    guide = "guide"
+    load = "load"
+    spring = "spring"
+    gravity = "gravity"
+    friction = "friction"
+    missing = "missing"
+    nonfinite = "not finite"
+    held = "rows held"
+    constant = "constant"
+    spike = "spoilt sample"
+    rows = "rows out of order"
+    noise = "noise"
+    differences = "differences of samples"
+    branch = "another branch"
+    solver = "discretisation"
+
+
+class Hypothesis(NamedTuple):
+    """A cause, and the channels of the motion that it would give, at the rows of the evidence; all others stand."""
+
+    kind: Kind
+    place: str  # a body, joint, channel, "drive" or "all"
+    amount: str
+    sentence: str
+    predicted: Channels
+    freedom: int = 0  # numbers that were fitted
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """A motion and what it should be, at some rows of it."""
+
+    reference: Reference
+    motion: Motion  # as the engine returned it
+    true: Motion  # at the rows
+    rows: NDArray[np.intp]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """The channels that are compared."""
+        return tuple(c for c in self.motion.samples if c != "time" and c in self.reference.scale and c in self.true)
+
+    @cached_property
+    def given(self) -> Motion:
+        """The motion at the rows."""
+        return Motion({channel: samples[self.rows] for channel, samples in self.motion.samples.items()})
+
+    @cached_property
+    def scale(self) -> dict[str, Samples]:
+        """What the deviation of each channel is divided by: its scale, or its magnitude where that is larger."""
+        scale = self.reference.scale
+        return {c: np.fmax(scale[c], magnitude(self.true, c) if quantity(c) not in POSES else 0.0) for c in self.names}
+
+    @cached_property
+    def off(self) -> dict[str, float]:
+        """The square of each channel's deviation, summed over the rows."""
+        return {c: self._square(c, self.true[c]) for c in self.names}
+
+    @cached_property
+    def total(self) -> float:
+        """The square of the whole deviation."""
+        return sum(self.off.values())
+
+    @cached_property
+    def moved(self) -> float:
+        """The part of the deviation that the kinematic channels have."""
+        return self.outside(c for c in self.names if quantity(c) in FORCES)
+
+    def difference(self, channel: str, other: Samples) -> Samples:
+        """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
+        difference = self.given[channel] - other
+        if quantity(channel) in ("angle", "crank_angle"):
+            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
+        return difference / self.scale[channel]
+
+    def _square(self, channel: str, other: Samples) -> float:
+        return float(np.sum(self.difference(channel, other) ** 2))
+
+    def outside(self, channels: Iterable[str]) -> float:
+        """Return what a cause leaves over that explains all of these channels and no other."""
+        own = sum(self.off[channel] for channel in channels)
+        return float(np.sqrt(max(self.total - own, 0.0) / self.total))
+
+    def left(self, predicted: Channels) -> float:
+        """Return what a prediction leaves over."""
+        change = sum(self._square(c, predicted[c]) - self.off[c] for c in predicted if c in self.off)
+        left = float(np.sqrt(max(self.total + change, 0.0) / self.total))
+        return left if np.isfinite(left) else np.inf
+
+    def late(self, by: float) -> Channels:
+        """Return what the motion would be if all were late by a time, s; nothing where the drive was not yet."""
+        if by not in self._late:
+            time = self.true["time"] - by
+            try:
+                late = self.reference.at(self.reference.scene.drive.at(time).position, time)
+                self._late[by] = {channel: late[channel] for channel in self.names}
+            except Failure:
+                self._late[by] = {}
+        return self._late[by]
+
+    @cached_property
+    def _late(self) -> dict[float, Channels]:
+        return {}
+
+    @cached_property
+    def parts(self) -> list[tuple[str, tuple[str, ...]]]:
+        """Channels that a read-out treats alike, with what they are called: a channel, a vector, all of a body, ..."""
+        found: dict[frozenset[str], str] = {}
+        for name, of in _NAMES:
+            grouped: dict[str, list[str]] = {}
+            for channel in self.names:
+                if key := of(channel):
+                    grouped.setdefault(key, []).append(channel)
+            for key, channels in grouped.items():
+                found.setdefault(frozenset(channels), name.format(key))
+        drive = self.reference.scene.drive_channel
+        found.setdefault(frozenset(self.names), "all")
+        found.setdefault(frozenset(self.names) - {drive}, "all but the drive")
+        return [(name, tuple(c for c in self.names if c in channels)) for channels, name in found.items()]
+
+
+POSES = ("x", "y", "angle", "crank_angle", "displacement")
+VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity", "ax": "acceleration"}
+VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}
+GENERAL = VECTORS | {"angle": "position", "omega": "velocity", "alpha": "acceleration"}
+GENERAL |= dict.fromkeys(("guide_force", "guide_moment", "torque", "force"), "force")
+FORCES = ("fx", "fy", "guide_force", "guide_moment", "torque", "force")
+PLURAL = {"position": "poses", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
+
+
+def stem(channel: str) -> str:
+    """Return whose channel it is: a point, a joint, a body, or the drive."""
+    return channel.rpartition(".")[0] or "drive"
+
+
+def _vector(channel: str) -> str:
+    kind = VECTORS.get(quantity(channel), "")
+    return kind and f"{stem(channel)}'s {kind}"
+
+
+_NAMES = (
+    ("{}", lambda channel: channel),
+    ("{}", _vector),
+    ("{}", stem),
+    ("all {}", quantity),
+    ("all {}s of points", lambda channel: VECTORS.get(quantity(channel), "").replace("velocity", "velocitie")),
+    ("all {}", lambda channel: PLURAL.get(GENERAL.get(quantity(channel), ""), "")),
+    ("all {}", lambda channel: "rates" if GENERAL.get(quantity(channel)) in ("velocity", "acceleration") else ""),
+    ("all {}", lambda channel: "reactions" if quantity(channel) in FORCES[:4] else ""),
+    ("all along {}", lambda channel: quantity(channel)[-1] if quantity(channel) in VECTORS else ""),
+    ("all of the {}", lambda channel: "" if quantity(channel) in FORCES else "motion"),
+)
+
+
+def evidence(reference: Reference, sampling: Sampling, motion: Motion) -> Evidence:
+    """Return a motion beside what the drive commands, at rows evenly spread."""
+    scene = reference.scene
+    rows = np.unique(np.linspace(0, sampling.count - 1, min(sampling.count, ROWS)).astype(np.intp))
+    return Evidence(reference, motion, reference.at(sampling.commanded(scene)[rows], sampling.times(scene)[rows]), rows)
+
+
+def fitted(
+    evidence: Evidence, predict: Callable[[Samples], Channels], steps: Samples, rounds: int = 1
+) -> tuple[Samples, Channels]:
+    """Return the numbers for which a prediction leaves least over, and that prediction, by Gauss and Newton from zero.
+
+    One round is exact for what is linear. `steps` are what the numbers are varied by, shape (k,).
+    """
+    x, now = np.zeros(len(steps)), predict(np.zeros(len(steps)))
+    for _ in range(rounds):
+        channels = [c for c in now if c in evidence.names]
+        ways = [predict(x + step) for step in np.diag(steps)]
+        slopes = [_together(evidence, {c: way[c] - now[c] for c in channels}) for way in ways]
+        off = np.concatenate([evidence.difference(c, now[c]) for c in channels])
+        size = np.array([np.linalg.norm(slope) for slope in slopes])
+        if not (np.isfinite(size).all() and np.isfinite(off).all()):
+            return x, {}
+        size[size == 0] = np.inf
+        change = np.linalg.lstsq(np.array(slopes).T / size, off, rcond=1e-6)[0] / size * steps
+        for shorter in (1.0, 0.5, 0.2, 0.05):
+            then = predict(x + shorter * change)
+            if then and (rounds == 1 or evidence.left(then) <= evidence.left(now)):
+                x, now = x + shorter * change, then
+                break
+        else:
+            break
+    return x, now
+
+
+def _together(evidence: Evidence, change: Channels) -> Samples:
+    return np.concatenate([change[c] / evidence.scale[c] for c in change])

@@ -1,0 +1,221 @@
+"""Causes in what loads a right motion: masses, centres of mass, gravity, loads, springs, friction.
+
+None of them moves anything. What a cause adds to m a and I alpha, or takes from it, the reactions carry:
+
+    J^T λ = M q'' - Q
+
+with the Jacobian of the motion as it should be.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.motion import Samples, force_channels
+from scenes.scene import GROUND, Body, PressForce
+
+from ..engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
+from .constraints import Constraints
+from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
+
+Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
+Wrenches = Mapping[str, Wrench]  # by body; on the ground none
+STANDARD_GRAVITY = -9.81j  # m/s^2
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What a body's inertia is: kg, m from the first point in the body's frame, kg m^2."""
+
+    mass: float
+    com: complex
+    inertia: float
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What the reactions of a motion carry."""
+
+    evidence: Evidence
+
+    @property
+    def scene(self) -> Scene:
+        """The linkage."""
+        return self.evidence.reference.scene
+
+    @cached_property
+    def state(self) -> MotionVectors:
+        """The motion as it should be."""
+        ends = self.evidence.reference.stroke_ends
+        state = MotionVectors(self.scene, self.evidence.true)
+        presses = [load for load in self.scene.loads if isinstance(load, PressForce)]
+        acting = [share(state, load, end) for load, end in zip(presses, ends, strict=True)]
+        return MotionVectors(self.scene, self.evidence.true, acting)
+
+    @cached_property
+    def _solved(self) -> NDArray[np.float64]:
+        """The force channels that each coordinate's share of M q'' - Q gives, shape (n, channels, coordinates)."""
+        constraints = Constraints(self.scene)
+        inverse = np.linalg.inv(constraints.jacobian(constraints.poses(self.evidence.true)))
+        scaled = inverse.swapaxes(1, 2) / constraints.units[:, np.newaxis]
+        size = np.tile([constraints.size, constraints.size, 1.0], len(self.scene.bodies))
+        return np.asarray(scaled * size)
+
+    def changed(self, added: Wrenches) -> Channels:
+        """Return the force channels where the bodies need this much more."""
+        n = len(self.evidence.rows)
+        needed = np.zeros((n, len(self.scene.bodies), 3))
+        for number, name in enumerate(self.scene.bodies):
+            if name in added:
+                force, moment = added[name]
+                needed[:, number, 0], needed[:, number, 1], needed[:, number, 2] = force.real, force.imag, moment
+        found = np.einsum("ncm,nm->nc", self._solved, needed.reshape(n, -1))
+        true = self.evidence.true
+        return {c: true[c] + more for c, more in zip(force_channels(self.scene), found.T, strict=True)}
+
+    def weights(self, body: Body) -> Weights:
+        """Return a body's own."""
+        placed = arms(self.scene, body)
+        com = sum(placed.values()) / len(placed) if body.com is None else complex(*body.com) - first_point(body)
+        return Weights(body.mass or 0.0, com, inertia(body))
+
+    def needed(self, body: Body, weights: Weights, gravity: complex | None = None) -> Wrench:
+        """Return what a body of such weights needs to move as it does."""
+        if gravity is None:
+            gravity = complex(*self.scene.gravity) if self.scene.gravity is not None else 0j
+        _, _, a = self.state.point(body.points[0])
+        angle, omega, alpha = self.state.turning(body.name)
+        r = np.exp(1j * angle) * weights.com
+        force = weights.mass * (a + (1j * alpha - omega**2) * r - gravity)
+        return force, weights.inertia * alpha + _cross(r, force)
+
+    def push(self, name: str, force: Vectors, at: Vectors) -> Wrenches:
+        """Return what a force on a body takes from what its joints carry; nothing on the ground."""
+        if name == GROUND:
+            return {}
+        first = self.state.place(self.scene.bodies[name].points[0])
+        return {name: (-force, -_cross(at - first, force))}
+
+
+def share(state: MotionVectors, load: PressForce, end: float) -> NDArray[np.bool_]:
+    """Return where a press force acts."""
+    x, v, _ = state.displacement(state.scene.bodies[load.body])
+    return load.acts(x, v, end)
+
+
+def _cross(arm: Vectors, force: Vectors) -> Samples:
+    cross: Samples = np.imag(np.conj(arm) * force)
+    return cross
+
+
+def both(*wrenches: Wrenches) -> Wrenches:
+    """Return the sum of wrenches."""
+    found: dict[str, Wrench] = {}
+    for wrench in wrenches:
+        for name, (force, moment) in wrench.items():
+            f, m = found.get(name, (0j, 0.0))
+            found[name] = (force + f, moment + m)
+    return found
+
+
+def less(one: Wrench, other: Wrench) -> Wrench:
+    """Return by how much a wrench is more than another."""
+    return one[0] - other[0], one[1] - other[1]
+
+
+def percent(share: float) -> str:
+    """Return by how much something is off, in words."""
+    if abs(share + 1) < 5e-3:
+        return "missing"
+    if abs(share + 2) < 1e-2:
+        return "of the opposite sign"
+    if share > 2:
+        return f"{share + 1:.4g} times too large"
+    return f"{abs(100 * share):.3g} % too {'large' if share > 0 else 'small'}"
+
+
+def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield another mass, moment of inertia or centre of mass of a body, or of all; two bodies' swapped."""
+    scene = carried.scene
+    own = {name: carried.weights(body) for name, body in scene.bodies.items()}
+
+    def changed(to: Mapping[str, Weights]) -> Channels:
+        return carried.changed(
+            {
+                n: less(carried.needed(scene.bodies[n], w), carried.needed(scene.bodies[n], own[n]))
+                for n, w in to.items()
+            }
+        )
+
+    def by_factor(names: Sequence[str], mass: bool, inertia: bool) -> tuple[float, Channels]:
+        """Return by what share masses, or moments of inertia, or both, are larger."""
+
+        def predict(x: Samples) -> Channels:
+            more = 1 + x[0]
+            w = {name: own[name] for name in names}
+            return changed({n: Weights(more**mass * v.mass, v.com, more**inertia * v.inertia) for n, v in w.items()})
+
+        (amount,), predicted = fitted(evidence, predict, np.ones(1))
+        return float(amount), predicted
+
+    turning = [name for name in scene.turning if own[name].inertia]
+    for name, body in scene.bodies.items():
+        uniform = body.inertia is None and name in turning
+        for with_inertia in dict.fromkeys((uniform, False)):
+            amount, predicted = by_factor([name], True, with_inertia)
+            yield Hypothesis(Kind.mass, name, percent(amount), f"{name}'s mass is {percent(amount)}", predicted, 1)
+        if name in turning:
+            amount, predicted = by_factor([name], False, True)
+            how = _inertia_of(body, amount)
+            yield Hypothesis(Kind.inertia, name, how, f"{name}'s moment of inertia is {how}", predicted, 1)
+        if name in scene.turning and own[name].mass:
+            yield _com(evidence, carried, body, own[name], changed)
+    for kind, names in ((Kind.mass, list(scene.bodies)), (Kind.inertia, turning)):
+        if len(names) > 1:
+            amount, predicted = by_factor(names, kind is Kind.mass, True)
+            yield Hypothesis(kind, "all", percent(amount), f"each body's {kind} is {percent(amount)}", predicted, 1)
+    for one, two in combinations(own, 2):
+        a, b = own[one], own[two]
+        scaled = [
+            v.inertia * m / v.mass if scene.bodies[n].inertia is None and v.mass else v.inertia
+            for n, v, m in ((one, a, b.mass), (two, b, a.mass))
+        ]
+        ways = {Kind.mass: (Weights(b.mass, a.com, scaled[0]), Weights(a.mass, b.com, scaled[1]))}
+        ways[Kind.inertia] = (Weights(a.mass, a.com, b.inertia), Weights(b.mass, b.com, a.inertia))
+        for kind, (first, second) in ways.items():
+            sentence = f"{kind} of {one} and {two} are swapped"
+            yield Hypothesis(kind, one, f"swapped with {two}'s", sentence, changed({one: first, two: second}))
+
+
+def _com(
+    evidence: Evidence, carried: Carried, body: Body, w: Weights, changed: Callable[[Mapping[str, Weights]], Channels]
+) -> Hypothesis:
+    """Return another centre of mass; its moment has the square of the distance in it."""
+    corners = arms(carried.scene, body)
+    length = max(map(abs, corners.values())) or evidence.reference.stroke
+
+    def predict(x: Samples) -> Channels:
+        return changed({body.name: Weights(w.mass, w.com + complex(*x), w.inertia)})
+
+    shift, predicted = fitted(evidence, predict, np.full(2, 1e-3 * length), 3)
+    com = w.com + complex(*shift)
+    known = {f"at {point}": at for point, at in corners.items()}
+    known |= {"mirrored": w.com.conjugate(), "on the opposite side": -w.com}
+    where = next(
+        (n for n, at in known.items() if abs(com - at) < 5e-3 * length), f"{1e3 * abs(complex(*shift)):.3g} mm off"
+    )
+    return Hypothesis(Kind.com, body.name, where, f"{body.name}'s centre of mass is {where}", predicted, 2)
+
+
+def _inertia_of(body: Body, amount: float) -> str:
+    """Return by how much a moment of inertia is off, or what it is that of."""
+    known = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
+    for share, what in known.get(len(body.points), {}).items():
+        if body.inertia is None and abs(amount - share) < 2e-2:
+            return what
+    return percent(amount)

@@ -1,0 +1,132 @@
+"""Causes in the places, lengths and guides of a scene, and in its drive: they move all that hangs on them."""
+
+from collections.abc import Callable, Iterator
+from heapq import nsmallest
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.loads import Vector
+from scenes.motion import Samples
+
+from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted
+from .perturbation import Input, Path, inputs, put
+from .projection import projected
+
+HAIR = 1e-6  # of the stroke, or rad: what an input is varied by, for a slope
+CLOSER = 4  # inputs that are fitted, of all whose slopes were
+ROUNDS = 4
+
+
+class Change(NamedTuple):
+    """One input of a scene, and the scene that differs in it by k numbers."""
+
+    kind: Kind
+    place: str
+    what: str
+    scene: Callable[[Samples], Scene]
+    steps: Samples  # shape (k,)
+    amount: Callable[[Samples], str]
+
+
+def geometry_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield other inputs of the geometry: those whose slopes explain most, fitted, until one explains all."""
+    first = []
+    for number, change in enumerate(_changes(evidence)):
+        predicted = _along_slopes(evidence, change)
+        first.append((evidence.left(predicted) if predicted else np.inf, number, change))
+    for _, _, change in nsmallest(CLOSER, first):
+        x, predicted = _fitted(evidence, change)
+        if predicted:
+            amount = change.amount(x)
+            yield Hypothesis(change.kind, change.place, amount, f"{change.what} is {amount}", predicted, len(x))
+            if evidence.left(predicted) <= EXACT:
+                return
+
+
+def _along_slopes(evidence: Evidence, change: Change) -> Channels:
+    true = evidence.true
+    slopes = [solved(change.scene(step), true, 1) for step in np.diag(change.steps)]
+
+    def along(x: Samples) -> Channels:
+        by = list(zip(x / change.steps, slopes, strict=True))
+        return {c: true[c] + sum(b * (slope[c] - true[c]) for b, slope in by) for c in evidence.names}
+
+    return fitted(evidence, along, change.steps)[1]
+
+
+def _fitted(evidence: Evidence, change: Change) -> tuple[Samples, Channels]:
+    """Return the numbers by which an input is off, and the motion then, each found from the one before."""
+    near = evidence.true
+
+    def predict(x: Samples) -> Channels:
+        nonlocal near
+        close = np.abs(x - last).max(initial=0.0) <= change.steps.max()
+        found = solved(change.scene(x), near, 1 if close else 3)
+        if not close and np.isfinite([*found.samples.values()]).all():
+            near, last[:] = found, x
+        return found.samples
+
+    last = np.zeros(len(change.steps))
+    return fitted(evidence, predict, change.steps, ROUNDS)
+
+
+def solved(scene: Scene, near: Motion, times: int) -> Motion:
+    """Return the motion of a scene with the drive where it is, from another that is near, by steps of Newton."""
+    with np.errstate(all="ignore"):
+        for _ in range(times):
+            near = projected(scene, near).ways[0]
+    return near
+
+
+def _changes(evidence: Evidence) -> Iterator[Change]:
+    scene, hair = evidence.reference.scene, HAIR * evidence.reference.stroke
+    for found in inputs(scene):
+        if found.geometry and found.path[0] in ("ground", "bodies") and found.path[-1] != "com":
+            yield _moved(scene, found, hair)
+        elif found.direction:
+            yield _tilted(scene, found)
+
+
+def _moved(scene: Scene, found: Input, hair: float) -> Change:
+    path, value = found.path, found.value
+    *_, where, last = path
+    if isinstance(value, tuple):
+        a, b = value
+
+        def moved(x: Samples) -> Scene:
+            return _with(scene, path, (a + float(x[0]), b + float(x[1])))
+
+        on_ground = path[0] == "ground"
+        kind = Kind.place if on_ground else Kind.guide if where == "slide" else Kind.length
+        place = str(last if on_ground else path[1])
+        what = str(last) if on_ground else f"{place}'s guide" if where == "slide" else f"{place}'s point {last}"
+        return Change(kind, place, what, moved, np.full(2, hair), lambda x: f"{1e3 * np.hypot(*x):.3g} mm off")
+    assert isinstance(last, frozenset)
+
+    def longer(x: Samples) -> Scene:
+        return _with(scene, path, value + float(x[0]))
+
+    name = "-".join(point for point in scene.bodies[str(path[1])].points if point in last)
+    what = f"{path[1]}'s length {name}"
+    how = lambda x: f"{1e3 * abs(x[0]):.3g} mm too {'long' if x[0] > 0 else 'short'}"  # noqa: E731
+    return Change(Kind.length, str(path[1]), what, longer, np.full(1, hair), how)
+
+
+def _tilted(scene: Scene, found: Input) -> Change:
+    assert isinstance(found.value, tuple)
+    along = complex(*found.value)
+
+    def tilted(x: Samples) -> Scene:
+        turned = along * np.exp(1j * x[0])
+        return _with(scene, found.path, (float(turned.real), float(turned.imag)))
+
+    how = lambda x: f"turned by {np.degrees(x[0]):.3g} deg"  # noqa: E731
+    name = str(found.path[1])
+    return Change(Kind.guide, name, f"{name}'s guide", tilted, np.full(1, HAIR), how)
+
+
+def _with(scene: Scene, path: Path, value: float | Vector) -> Scene:
+    other: Scene = put(scene, path, value)
+    return other

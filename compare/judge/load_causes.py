@@ -1,0 +1,197 @@
+"""Causes in the forces that act on a right motion from without: loads, springs, gravity, friction."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from scenes.motion import Samples
+from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
+
+from ..engines.motion_vectors import AppliedForce, Vectors
+from .evidence import Evidence, Hypothesis, Kind, fitted
+from .force_causes import Carried, Wrenches, both, percent
+
+STANDARD_GRAVITY = -9.81j  # m/s^2
+
+
+def load_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield another load, spring, gravity, or a friction that should not be there."""
+    yield from _loads(evidence, carried)
+    yield from _switches(evidence, carried)
+    yield from _springs(evidence, carried)
+    yield from _gravity(evidence, carried)
+    yield from _friction(evidence, carried)
+    yield from _added(evidence, carried)
+
+
+def _along(evidence: Evidence, carried: Carried, ways: Sequence[Wrenches]) -> tuple[Samples, dict[str, Samples]]:
+    """Return the amounts of wrenches that leave least over, and the channels then."""
+
+    def predict(x: Samples) -> dict[str, Samples]:
+        return dict(carried.changed(both(*(_times(a, way) for a, way in zip(x, ways, strict=True)))))
+
+    amounts, predicted = fitted(evidence, predict, np.ones(len(ways)))
+    return amounts, dict(predicted)
+
+
+def _times(amount: float, wrenches: Wrenches) -> Wrenches:
+    return {name: (amount * force, amount * moment) for name, (force, moment) in wrenches.items()}
+
+
+def _loads(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield loads that are another, missing, at another point, on another body, or turning with their body."""
+    scene, state = carried.scene, carried.state
+    for load in scene.loads:
+        force = _force(carried, load.body, load)
+        at, name = state.place(load.at), f"the load at {load.at}"
+        own = carried.push(load.body, force, at)
+        (amount,), predicted = _along(evidence, carried, [own])
+        yield Hypothesis(Kind.load, load.at, percent(amount), f"{name} is {percent(amount)}", predicted, 1)
+        if isinstance(load, Force):
+            (amount, across), predicted = _along(evidence, carried, [own, carried.push(load.body, 1j * force, at)])
+            other = (1 + amount + 1j * across) * complex(*load.force)
+            how = f"{abs(other):.4g} N at {np.degrees(np.angle(other)):.3g} deg"
+            yield Hypothesis(Kind.load, load.at, how, f"{name} is {how}", predicted, 2)
+            turning = force * np.exp(1j * state.angle(load.body))
+            moved = both(carried.push(load.body, turning, at), _times(-1, own))
+            sentence = f"{name} turns with {load.body}"
+            yield Hypothesis(Kind.load, load.at, "in the body's frame", sentence, carried.changed(moved))
+        for point, owners in scene.owners.items():
+            for owner in owners:
+                if owner != GROUND and (owner, point) != (load.body, load.at):
+                    moved = both(carried.push(owner, force, state.place(point)), _times(-1, own))
+                    sentence = f"{name} acts at {point} of {owner}"
+                    yield Hypothesis(Kind.load, load.at, f"at {point}", sentence, carried.changed(moved))
+        com = state.com(scene.bodies[load.body])[0]
+        moved = both(carried.push(load.body, force, com), _times(-1, own))
+        sentence = f"{name} acts at {load.body}'s centre of mass"
+        yield Hypothesis(Kind.load, load.at, "at the centre of mass", sentence, carried.changed(moved))
+
+
+def _force(carried: Carried, name: str, load: Force | PressForce | ForceTable) -> Vectors:
+    """Return the force of one load."""
+    scene = replace(carried.scene, loads=(load,), springs=(), gravity=None)
+    presses = [one for one in carried.scene.loads if isinstance(one, PressForce)]
+    acting = [a for a, one in zip(carried.state.acting, presses, strict=True) if one is load]
+    (push,) = replace(carried.state, scene=scene, acting=acting).applied(scene.bodies[name])
+    return push.force
+
+
+def _switches(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Press forces that act where they should not, or do not act where they should."""
+    presses = [load for load in carried.scene.loads if isinstance(load, PressForce)]
+    ends = evidence.reference.stroke_ends
+    for load, acts, end in zip(presses, carried.state.acting, ends, strict=True):
+        x, v, _ = carried.state.displacement(carried.scene.bodies[load.body])
+        before_end = (end - x) * load.closing
+        at, name = carried.state.place(load.at), f"the press force at {load.at}"
+        ways = {
+            "always": np.ones_like(acts),
+            "all of the closing stroke": v * load.closing > 0,
+            "on the way back too": before_end <= load.last,
+            "on the way back": (before_end <= load.last) & (v * load.closing < 0),
+        }
+        limits = np.unique(before_end[v * load.closing > 0])
+        for last in (limits[1:] + limits[:-1]) / 2:
+            ways[f"in the last {1e3 * last:.3g} mm"] = (before_end <= last) & (v * load.closing > 0)
+        for how, acting in ways.items():
+            more = (acting.astype(float) - acts) * complex(*load.force)
+            predicted = carried.changed(carried.push(load.body, more, at))
+            free = int(how.startswith("in the last"))
+            yield Hypothesis(Kind.load, load.at, how, f"{name} acts {how}", predicted, free)
+
+
+def _springs(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    for spring in carried.scene.springs:
+        (one, p), (other, q) = spring.first, spring.second
+        towards = carried.state.place(q) - carried.state.place(p)
+        distance = np.abs(towards)
+        unit = towards / np.where(distance > 0, distance, 1.0)
+        name = f"the spring {p}-{q}"
+        for what, size in (("stiffness", distance - spring.length), ("length", -np.full_like(distance, spring.length))):
+            pull = spring.stiffness * size * unit
+            pair = both(
+                carried.push(one, pull, carried.state.place(p)), carried.push(other, -pull, carried.state.place(q))
+            )
+            (amount,), predicted = _along(evidence, carried, [pair])
+            how = percent(amount)
+            sentence = f"{name} is missing" if how == "missing" and what == "stiffness" else f"{name}'s {what} is {how}"
+            yield Hypothesis(Kind.spring, f"{p}-{q}", f"{what} {how}", sentence, predicted, 1)
+
+
+def _gravity(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Gravity that is another, or not on one of the bodies."""
+    own = complex(*carried.scene.gravity) if carried.scene.gravity is not None else 0j
+    pulls = {}
+    for name, body in carried.scene.bodies.items():
+        com = carried.state.com(body)[0]
+        weight = np.full(com.shape, (body.mass or 0.0) * (own or STANDARD_GRAVITY))
+        pulls[name] = carried.push(name, weight, com), carried.push(name, 1j * weight, com)
+    down, across = (both(*pulls_of) for pulls_of in zip(*pulls.values(), strict=True))
+    (amount,), predicted = _along(evidence, carried, [down])
+    how = percent(amount) if own else f"{amount * 9.81:.4g} m/s^2"
+    yield Hypothesis(Kind.gravity, "all", how, f"gravity is {how}", predicted, 1)
+    (amount, turned), predicted = _along(evidence, carried, [down, across])
+    other = own + (amount + 1j * turned) * (own or STANDARD_GRAVITY)
+    how = f"({other.real:.3g}, {other.imag:.3g}) m/s^2"
+    yield Hypothesis(Kind.gravity, "all", how, f"gravity is {how}", predicted, 2)
+    if own:
+        for name, (pull, _) in pulls.items():
+            (amount,), predicted = _along(evidence, carried, [pull])
+            how = percent(amount)
+            yield Hypothesis(Kind.gravity, name, how, f"gravity on {name} is {how}", predicted, 1)
+
+
+def _friction(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Friction in guides and pins: by the load, constant, or viscous."""
+    scene, state = carried.scene, carried.state
+    for body in scene.bodies.values():
+        if body.slide is None:
+            continue
+        rate, along = _sliding(carried, body)
+        given = f"{body.name}.guide_force"
+        load = np.abs(evidence.given[given]) if given in evidence.names else np.zeros_like(rate)
+        at = state.place(body.points[0])
+        for how, size in (("Coulomb", load * np.sign(rate)), ("constant", np.sign(rate)), ("viscous", rate)):
+            force = -size * along
+            pair = both(carried.push(body.name, force, at), carried.push(body.slide.on, -force, at))
+            (amount,), predicted = _along(evidence, carried, [pair])
+            how = f"{how}, {amount:.3g}"
+            yield Hypothesis(Kind.friction, body.name, how, f"{body.name}'s guide has friction ({how})", predicted, 1)
+    for pin in scene.pins:
+        rate = state.turning(pin.second)[1] - state.turning(pin.first)[1]
+        load = np.abs(state.vector(f"{pin.channel}.", "fx", "fy"))
+        for how, size in (("Coulomb", load * np.sign(rate)), ("constant", np.sign(rate)), ("viscous", rate)):
+            sides = ((pin.second, 1.0), (pin.first, -1.0))
+            pair = {name: (np.zeros(rate.shape, complex), sign * size) for name, sign in sides if name != GROUND}
+            (amount,), predicted = _along(evidence, carried, [pair])
+            how = f"{how}, {amount:.3g}"
+            sentence = f"the pin {pin.channel} has friction ({how})"
+            yield Hypothesis(Kind.friction, pin.channel, how, sentence, predicted, 1)
+
+
+def _sliding(carried: Carried, body: Body) -> tuple[Samples, Vectors]:
+    """Return how fast a body slides along its guide, m/s, and the guide's direction."""
+    assert body.slide is not None
+    z, v, _ = carried.state.point(body.points[0])
+    along = np.exp(1j * carried.state.angle(body.slide.on)) * complex(*body.slide.along)
+    if body.slide.on != GROUND:
+        carrier = carried.scene.bodies[body.slide.on]
+        first, rate, _ = carried.state.point(carrier.points[0])
+        v = v - rate - 1j * carried.state.turning(carrier.name)[1] * (z - first)
+    return (along.conj() * v).real, along
+
+
+def _added(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield a constant force on a body's centre of mass, or one against its velocity."""
+    for name, body in carried.scene.bodies.items():
+        push = AppliedForce(*carried.state.com(body))  # of its place and velocity alone
+        z, v = push.force, push.at
+        ones = np.ones_like(z)
+        amounts, predicted = _along(evidence, carried, [carried.push(name, ones, z), carried.push(name, 1j * ones, z)])
+        how = f"({amounts[0]:.3g}, {amounts[1]:.3g}) N"
+        yield Hypothesis(Kind.load, name, how, f"a force of {how} acts on {name}", predicted, 2)
+        (amount,), predicted = _along(evidence, carried, [carried.push(name, -v, z)])
+        how = f"{amount:.3g} N s/m"
+        yield Hypothesis(Kind.friction, name, how, f"a drag of {how} acts on {name}", predicted, 1)

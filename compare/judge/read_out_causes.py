@@ -1,0 +1,287 @@
+"""Causes in what is read from a right motion: signs, factors, frames, channels swapped, late or spoilt samples."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from math import pi
+
+import numpy as np
+
+from scenes.motion import Samples, quantity
+from scenes.scene import GROUND
+
+from ..engines.motion_vectors import MotionVectors, Vectors
+from .evidence import FORCES, Channels, Evidence, Hypothesis, Kind, stem
+
+EXPLAINED = 0.3  # the most that a cause worth a look leaves over
+NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
+FACTORS = {
+    0.0: "zero",
+    1e3: "mm in place of m",
+    1e-3: "m in place of mm",
+    180 / pi: "degrees in place of radians",
+    pi / 180: "radians in place of degrees",
+    30 / pi: "rpm in place of rad/s",
+    pi / 30: "rad/s in place of rpm",
+    2 * pi: "2 pi",
+    0.5 / pi: "1 / (2 pi)",
+    2.0: "double",
+    0.5: "half",
+    9.80665: "N in place of kgf",
+    1 / 9.80665: "kgf in place of N",
+}
+SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
+Part = tuple[str, tuple[str, ...]]
+
+
+def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield what a wrong read-out would have given, for all channels that hold nearly all of the deviation."""
+    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= EXPLAINED]
+    for part in parts:
+        for cause in (_scaled, _shifted, _turned, _copied, _late, _differences):
+            yield from cause(evidence, part)
+    yield from _swapped(evidence)
+    yield from _terms(evidence, parts)
+    yield from _moments(evidence)
+
+
+def place_of(part: Part) -> str:
+    """Return the body, joint or channel that a part is of, or what all of it is."""
+    name, channels = part
+    stems = {stem(channel) for channel in channels}
+    return channels[0] if len(channels) == 1 else stems.pop() if len(stems) == 1 else name
+
+
+def _fitted(evidence: Evidence, channels: tuple[str, ...], basis: Channels) -> float:
+    """Return the factor of a basis that is nearest to the motion's channels."""
+    pairs = [(basis[c] / evidence.scale[c], evidence.given[c] / evidence.scale[c]) for c in channels]
+    return sum(float(b @ m) for b, m in pairs) / (sum(float(b @ b) for b, _ in pairs) or 1.0)
+
+
+def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    (name, channels), true = part, evidence.true
+    place = place_of(part)
+    if all(np.ptp(evidence.motion[c]) == 0 < np.ptp(true[c]) for c in channels):
+        held = {c: evidence.given[c] for c in channels}
+        zero = all((held[c] == 0).all() for c in channels)
+        yield Hypothesis(Kind.constant, place, "zero" * zero, f"{name} is {'zero' if zero else 'constant'}", held)
+        return
+    yield Hypothesis(Kind.sign, place, "", f"{name} has the opposite sign", {c: -true[c] for c in channels})
+    factor = _fitted(evidence, channels, true.samples)
+    known = next((n for n in FACTORS if abs(abs(factor) - n) <= NEAR * n), None)
+    amount = f"{factor:.4g}" if known is None else ("" if factor >= 0 else "-") + FACTORS[known]
+    predicted = {c: factor * true[c] for c in channels}
+    yield Hypothesis(Kind.unit, place, amount, f"{name} is {factor:.4g} times what it should be", predicted, 1)
+
+
+def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield an offset of one channel, of a vector, or of one quantity of all; and a drift."""
+    (name, channels), place = part, place_of(part)
+    quantities = {quantity(channel) for channel in channels}
+    if len(quantities) > 2 or not (len(channels) <= 2 or len(quantities) == 1):
+        return
+    time = evidence.true["time"] - evidence.true["time"][0]
+    off = {c: evidence.difference(c, evidence.true[c]) * evidence.scale[c] for c in channels}
+    by = {q: float(np.mean([off[c] for c in channels if quantity(c) == q])) for q in quantities}
+    predicted = {c: evidence.true[c] + by[quantity(c)] for c in channels}
+    amount = ", ".join(f"{value:.3g}" for value in by.values())
+    yield Hypothesis(Kind.offset, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
+    rate = {c: float(off[c] @ time / (time @ time)) for c in channels}
+    predicted = {c: evidence.true[c] + rate[c] * time for c in channels}
+    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", predicted, len(rate))
+
+
+def _vectors(channels: tuple[str, ...]) -> list[tuple[str, str]]:
+    """Return the pairs of components, or none where some channel is no component or its other one is missing."""
+    pairs = [(c, c[:-1] + "y") for c in channels if c[-1] == "x"]
+    return pairs if 2 * len(pairs) == len(channels) and all(y in channels for _, y in pairs) else []
+
+
+def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Vectors in a body's frame, turned by a constant angle, or with their components swapped."""
+    (name, channels), true, place = part, evidence.true, place_of(part)
+    pairs = _vectors(channels)
+    if not pairs:
+        return
+    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
+    vectors = {x: true[x] + 1j * true[y] for x, y in pairs}
+    given = {x: evidence.given[x] + 1j * evidence.given[y] for x, y in pairs}
+
+    def turned(by: Callable[[str], Vectors]) -> Channels:
+        found = {x: vectors[x] * by(x) for x in vectors}
+        return {x: v.real for x, v in found.items()} | {f"{x[:-1]}y": v.imag for x, v in found.items()}
+
+    for body in scene.turning:
+        for sign, whose in ((-1, f"the frame of {body}"), (1, f"the frame of {body}, turned the wrong way")):
+            frame = np.exp(sign * 1j * state.angle(body))
+            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(partial(_same, frame)))
+    if len(pairs) > 1:
+        pins = {pin.channel: (pin.first, pin.second) for pin in scene.pins}
+        for end, which in ((0, "first"), (-1, "last")):
+            owner = {x: pins.get(stem(x), scene.owners.get(stem(x), (GROUND,)))[end] for x in vectors}
+            whose = f"the frames of the {which} bodies at the joints"
+            frames = {x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}
+            by_own = turned(frames.__getitem__)
+            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", by_own)
+    weight = {x: evidence.scale[x] ** -2 for x in vectors}
+    angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
+    amount = f"{np.degrees(angle):.4g} deg"
+    by_angle = turned(lambda _: np.exp(1j * np.array(angle)))
+    yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, 1)
+    swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
+    yield Hypothesis(Kind.swap, place, "components", f"{name} has its components swapped", swapped)
+
+
+def _same(vectors: Vectors, _: str) -> Vectors:
+    return vectors
+
+
+def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Another joint's, point's or body's channels in place of these, or added to them, or taken from them."""
+    (name, channels), true, place = part, evidence.true, place_of(part)
+    own = {stem(channel) for channel in channels}
+    if len(own) > 1:
+        return
+    (one,) = own
+    for other in dict.fromkeys(stem(channel) for channel in evidence.names):
+        theirs = {c: c.replace(one, other, 1) if one != "drive" else f"{other}.{quantity(c)}" for c in channels}
+        if other == one or not all(t in true for t in theirs.values()):
+            continue
+        at_one_pin = other.split("/")[0] == one.split("/")[0]
+        for sign, a, b in ((1, 0, 1), (-1, 0, -1), (1, 1, 1), (-1, 1, -1)):
+            predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
+            relative = a == 1 and quantity(channels[0]) in ("angle", "omega", "alpha")
+            kind = Kind.pair if at_one_pin else Kind.frame if relative and sign < 0 else Kind.copy
+            what = {(0, 1): "is that of", (0, -1): "is the opposite of that of"}.get((a, b))
+            what = what or ("has added to it that of" if b > 0 else "is relative to that of")
+            yield Hypothesis(kind, place, other, f"{name} {what} {other}", predicted)
+    if len(channels) == 1:
+        alike = [c for c in evidence.names if stem(c) == one and c != channels[0]]
+        for channel in alike:
+            sentence = f"{name} is a copy of {channel}"
+            yield Hypothesis(Kind.copy, place, channel, sentence, {channels[0]: true[channel]})
+
+
+def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Two joints', points' or bodies' channels in place of each other."""
+    stems: dict[str, dict[str, str]] = {}
+    for channel in evidence.names:
+        stems.setdefault(stem(channel), {})[quantity(channel)] = channel
+    names = [name for name in stems if name != "drive"]
+    for number, one in enumerate(names):
+        for other in names[number + 1 :]:
+            shared = stems[one].keys() & stems[other].keys()
+            for order in (shared, *_ORDERS):
+                both = [(stems[one][q], stems[other][q]) for q in order if q in shared]
+                if not both or evidence.outside([c for pair in both for c in pair]) > EXPLAINED:
+                    continue
+                predicted = {a: evidence.true[b] for a, b in both} | {b: evidence.true[a] for a, b in both}
+                kind = Kind.pair if one.split("/")[0] == other.split("/")[0] else Kind.swap
+                yield Hypothesis(kind, one, other, f"{one} and {other} are swapped", predicted)
+
+
+_ORDERS = ({"x", "y"}, {"vx", "vy"}, {"ax", "ay"}, {"fx", "fy"}, {"angle"}, {"omega"}, {"alpha"}, {"guide_force"})
+
+
+def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """All of a part late by one time, s, found by Gauss and Newton from several starts."""
+    (name, channels), place = part, place_of(part)
+    time = evidence.motion["time"]
+    step = float(time[1] - time[0])
+    best = min(
+        (s * k * step for k in (0.0, *SAMPLES_LATE) for s in (1, -1)), key=lambda by: _left(evidence, by, channels)
+    )
+    hair = 1e-4 * step
+    for _ in range(4):
+        now, then = evidence.late(best), evidence.late(best + hair)
+        if not now or not then:
+            return
+        slope = {c: (then[c] - now[c]) / hair for c in channels}
+        off = {c: evidence.difference(c, now[c]) for c in channels}
+        size = sum(float(np.sum((slope[c] / evidence.scale[c]) ** 2)) for c in channels)
+        best += sum(float(off[c] @ (slope[c] / evidence.scale[c])) for c in channels) / (size or np.inf)
+    late = evidence.late(best)
+    if late:
+        amount = f"{1e3 * abs(best):.3g} ms {'late' if best > 0 else 'early'}"
+        samples = f" ({abs(best) / step:.3g} samples)"
+        sentence = f"{name} is {amount}{samples}"
+        yield Hypothesis(Kind.lag, place, amount, sentence, {c: late[c] for c in channels}, 1)
+
+
+def _left(evidence: Evidence, by: float, channels: tuple[str, ...]) -> float:
+    late = evidence.late(by)
+    return evidence.left({c: late[c] for c in channels}) if late else np.inf
+
+
+def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Rates that are differences of the motion's own poses or rates over its samples."""
+    name, channels = part
+    below = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
+    sources = {c: f"{stem(c)}.{below.get(quantity(c))}" for c in channels}
+    if not all(source in evidence.motion for source in sources.values()):
+        return
+    time = evidence.motion["time"]
+    values = {
+        c: np.unwrap(evidence.motion[s]) if s.endswith("angle") else evidence.motion[s] for c, s in sources.items()
+    }
+    for how, difference in _DIFFERENCES.items():
+        predicted = {c: difference(values[c], time)[evidence.rows] for c in channels}
+        yield Hypothesis(Kind.differences, place_of(part), how, f"{name} is {how} differences of samples", predicted)
+
+
+def _backward(values: Samples, time: Samples) -> Samples:
+    steps = np.diff(values) / np.diff(time)
+    return np.append(steps[:1], steps)
+
+
+_DIFFERENCES: dict[str, Callable[[Samples, Samples], Samples]] = {"central": np.gradient, "backward": _backward}
+
+
+def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:
+    """Accelerations of points without, or with the opposite sign of, what a body's turning adds to them."""
+    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
+    for part in parts:
+        name, channels = part
+        pairs = _vectors(channels)
+        if not pairs or {quantity(c) for c in channels} != {"ax", "ay"}:
+            continue
+        for end in (0, -1):
+            for base in (0, -1):
+                for term, of in (("centripetal", lambda w, _: -(w**2)), ("tangential", lambda _, alpha: 1j * alpha)):
+                    added = {}
+                    for x, _ in pairs:
+                        body = scene.owners[stem(x)][end]
+                        _, omega, alpha = state.turning(body)
+                        other = scene.bodies[body].points[base] if body != GROUND else stem(x)
+                        added[x] = of(omega, alpha) * (state.place(stem(x)) - state.place(other))
+                    for times, how in ((1, "lacks its"), (2, "has the opposite sign of its")):
+                        vectors = {x: state.vector(x[:-1], "x", "y") - times * added[x] for x, _ in pairs}
+                        predicted = {x: v.real for x, v in vectors.items()}
+                        predicted |= {f"{x[:-1]}y": v.imag for x, v in vectors.items()}
+                        yield Hypothesis(Kind.term, place_of(part), term, f"{name} {how} {term} term", predicted)
+
+
+def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Moments of guides about another point than the slider's first."""
+    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
+    for body in scene.bodies.values():
+        channel, force = f"{body.name}.guide_moment", f"{body.name}.guide_force"
+        if channel not in evidence.names or evidence.outside([channel]) > EXPLAINED:
+            continue
+        arms = {"another point of the slider": np.ones_like(evidence.true[force])}
+        arms["the guide's `through`"] = state.on_guide(body).real
+        for about, arm in arms.items():
+            basis = {channel: arm * evidence.true[force]}
+            lever = _fitted_change(evidence, channel, basis[channel])
+            predicted = {channel: evidence.true[channel] + lever * basis[channel]}
+            sentence = f"{body.name}'s guide moment is about {about}, {1e3 * lever:.3g} mm away"
+            if about != "another point of the slider":
+                sentence = f"{body.name}'s guide moment is about {about}"
+            yield Hypothesis(Kind.moment, body.name, f"{lever:.4g}", sentence, predicted, 1)
+
+
+def _fitted_change(evidence: Evidence, channel: str, basis: Samples) -> float:
+    weighted = basis / evidence.scale[channel]
+    return float(weighted @ evidence.difference(channel, evidence.true[channel]) / ((weighted @ weighted) or 1.0))
+
+
+__all__ = ["EXPLAINED", "FORCES", "place_of", "read_out_causes"]

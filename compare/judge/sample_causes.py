@@ -1,0 +1,118 @@
+"""Causes that need no model: channels missing or not finite, samples held, spoilt or out of order."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Sampling
+from scenes.motion import Samples, quantity
+
+from ..engines.reference import Reference
+from .evidence import Evidence, Hypothesis, Kind, stem
+
+FEW = 0.1  # of the samples
+NEXT_TO_NOTHING = 1e-3  # of a sample's deviation, that its neighbours have or a moved row leaves
+
+
+def incomplete(reference: Reference, sampling: Sampling, motion: Motion) -> tuple[Kind, str, str] | None:
+    """Return kind, place and sentence of what is not there to be compared."""
+    wanted = sampling.wanted(reference.scene)
+    missing = [c for c in wanted if c not in motion and c not in motion.unsupported]
+    missing = missing or [c for c in wanted if c not in motion]
+    if missing:
+        more = f" and {len(missing) - 1} more are" if len(missing) > 1 else " is"
+        return Kind.missing, _common(missing), f"{missing[0]}{more} missing"
+    short = [c for c in wanted if motion[c].shape != (sampling.count,)]
+    if short:
+        return Kind.missing, _common(short), f"{short[0]} has {len(motion[short[0]])} samples of {sampling.count}"
+    bad = [c for c in wanted if not np.isfinite(motion[c]).all()]
+    if bad:
+        return Kind.nonfinite, _common(bad), f"{bad[0]} is not finite"
+    return None
+
+
+def _common(channels: list[str]) -> str:
+    stems = {stem(channel) for channel in channels}
+    return channels[0] if len(channels) == 1 else stems.pop() if len(stems) == 1 else "all"
+
+
+def sample_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield samples that are held, out of order or spoilt, of all channels or of some."""
+    yield from _held(evidence)
+    yield from _out_of_order(evidence)
+    yield from _spoilt(evidence)
+
+
+def _held(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield samples that repeat the one before, of all channels, of all of one stem, or of one channel."""
+    stay = {}
+    for channel in evidence.names:
+        given, true = evidence.given[channel], evidence.true[channel]
+        stay[channel] = np.append(False, (np.diff(given) == 0) & (np.abs(np.diff(true)) > 0))
+    moving = [c for c in evidence.names if np.ptp(evidence.true[c]) > 1e-9 * evidence.reference.scale[c]]
+    if not moving:
+        return
+    some = [c for c in moving if stay[c].any() and np.ptp(evidence.given[c]) > 0]
+    together = np.all([stay[c] for c in moving], axis=0)
+    if together.any():
+        rows = _last_fresh(together)
+        yield _of_rows(evidence, Kind.held, "all", list(evidence.names), rows, "repeats a row")
+    elif some and len(some) <= 6:
+        predicted = {c: evidence.true[c][_last_fresh(stay[c])] for c in some}
+        place = _common(some)
+        yield Hypothesis(Kind.held, place, "", f"{place} repeats a sample", predicted)
+
+
+def _last_fresh(stay: NDArray[np.bool_]) -> NDArray[np.intp]:
+    return np.maximum.accumulate(np.where(stay, 0, np.arange(len(stay))))
+
+
+def _of_rows(
+    evidence: Evidence, kind: Kind, place: str, channels: list[str], rows: NDArray[np.intp], what: str
+) -> Hypothesis:
+    moved = np.flatnonzero(rows != np.arange(len(rows)))
+    where = evidence.reference.scene.where(float(evidence.true[evidence.reference.scene.drive_channel][moved[0]]))
+    many = f"{len(moved)} rows" if len(moved) > 1 else "one row"
+    predicted = {c: evidence.true[c][rows] for c in channels}
+    return Hypothesis(kind, place, many, f"{place} {what}, first at {where}", predicted)
+
+
+def _out_of_order(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Rows that are those of other instants."""
+    channels = list(evidence.names)
+    true = np.array([evidence.true[c] / evidence.scale[c] for c in channels]).T
+    given = np.array([evidence.given[c] / evidence.scale[c] for c in channels]).T
+    off = np.sum((given - true) ** 2, axis=1)
+    bad = np.flatnonzero(off > NEXT_TO_NOTHING * off.max())
+    distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
+    nearest = distance.argmin(axis=1)
+    if len(bad) and (distance.min(axis=1) <= NEXT_TO_NOTHING * off[bad]).all():
+        rows = np.arange(len(true))
+        rows[bad] = nearest
+        shifts = rows[bad] - bad
+        if np.mean(shifts == np.median(shifts)) > 0.8 and len(bad) > 5:
+            by = -int(np.median(shifts))
+            late = f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
+            yield Hypothesis(Kind.lag, "all", late, f"all is {late}", {c: evidence.true[c][rows] for c in channels})
+        else:
+            yield _of_rows(evidence, Kind.rows, "all", channels, rows, "has rows of other instants")
+
+
+def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield a few samples that are off, whose neighbours are not."""
+    off = np.array([evidence.difference(c, evidence.true[c]) ** 2 for c in evidence.names])
+    by_row = off.sum(axis=0)
+    bad = by_row > NEXT_TO_NOTHING * by_row.max()
+    alone = bad & ~np.append(bad[1:], False) & ~np.append(False, bad[:-1])
+    if not bad.any() or not alone[bad].all() or bad.sum() > max(1, FEW * len(bad)):
+        return
+    of = [c for c, own in zip(evidence.names, off, strict=True) if own[bad].sum() > NEXT_TO_NOTHING * off.sum()]
+    predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in of}
+    place = _common(of)
+    first = float(evidence.true[evidence.reference.scene.drive_channel][bad.argmax()])
+    sentence = f"{place} is spoilt at {evidence.reference.scene.where(first)}, its neighbours are not"
+    yield Hypothesis(Kind.spike, place, f"{bad.sum()} sample{'s' * (bad.sum() > 1)}", sentence, predicted)
+
+
+__all__ = ["Samples", "incomplete", "quantity", "sample_causes"]

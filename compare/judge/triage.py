@@ -1,0 +1,97 @@
+"""The likely cause of a disagreement, in one sentence: the simplest that explains nearly all of it, or none."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from scenes import Motion, Sampling
+
+from ..engines.reference import Reference
+from .drive_causes import drive_causes
+from .evidence import EXACT, Evidence, Hypothesis, Kind, evidence
+from .force_causes import Carried, weight_causes
+from .geometry_causes import geometry_causes
+from .load_causes import load_causes
+from .read_out_causes import read_out_causes
+from .sample_causes import incomplete, sample_causes
+
+NEARLY_ALL = 0.15  # of the deviation: what a cause may leave over
+STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere
+PRICE = 0.25  # of what is left over, for each number that was fitted
+CLEARER = 1.5  # times what another kind of cause, or the same at another place, has to leave over
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What is likely wrong, where, and by how much."""
+
+    kind: Kind
+    place: str  # a body, joint, channel, "drive" or "all"; empty where unknown
+    amount: str
+    sentence: str
+
+    @property
+    def known(self) -> bool:
+        """Whether there is one."""
+        return self.kind is not Kind.unknown
+
+
+UNKNOWN = Cause(Kind.unknown, "", "", "the cause is unknown")
+
+
+def cause(reference: Reference, sampling: Sampling, motion: Motion) -> Cause:
+    """Return the likely cause of the distance of a motion from what it should be.
+
+    Args:
+        reference: of the scene.
+        sampling: what was asked for.
+        motion: what an engine returned.
+    """
+    if found := incomplete(reference, sampling, motion):
+        kind, place, sentence = found
+        return Cause(kind, place, "", sentence)
+    return likeliest(evidence(reference, sampling, motion))
+
+
+def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
+    """Return causes with their price and what they leave over, the best first; no costly ones if a plain one holds."""
+    found: list[tuple[float, float, Hypothesis]] = []
+    for causes in (_plain, _of_forces, _of_motion) if evidence.total > 0 else ():
+        for hypothesis in causes(evidence):
+            left = evidence.left(hypothesis.predicted)
+            found.append((max(left, EXACT) * (1 + PRICE * hypothesis.freedom), left, hypothesis))
+        found.sort(key=lambda one: one[0])
+        if found and found[0][1] <= EXACT:
+            break
+    return found
+
+
+def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
+    yield from sample_causes(evidence)
+    yield from read_out_causes(evidence)
+
+
+def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
+    if evidence.reference.scene.has_masses and evidence.moved <= NEARLY_ALL:
+        carried = Carried(evidence)
+        yield from weight_causes(evidence, carried)
+        yield from load_causes(evidence, carried)
+
+
+def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
+    if evidence.moved > STILL:
+        yield from drive_causes(evidence)
+        yield from geometry_causes(evidence)
+
+
+def likeliest(evidence: Evidence) -> Cause:
+    """Return the cheapest cause that explains nearly all, if no other does nearly as well."""
+    causes = ranked(evidence)
+    if not causes or not causes[0][1] <= NEARLY_ALL:
+        return UNKNOWN
+    best = causes[0][2]
+    return Cause(best.kind, best.place, best.amount, best.sentence)
+
+
+def sentence(engine: str, found: Cause, others_agree: bool) -> str:
+    """Return the line for a reader: `exudyn: rod's mass is 12 % too large, the others agree`."""
+    return f"{engine}: {found.sentence}{', the others agree' if others_agree and found.known else ''}"
