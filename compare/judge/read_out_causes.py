@@ -29,6 +29,7 @@ FACTORS = {
     9.80665: "N in place of kgf",
     1 / 9.80665: "kgf in place of N",
 }
+CHOICE = 2  # numbers that one of many other channels counts for
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 Part = tuple[str, tuple[str, ...]]
 
@@ -153,12 +154,12 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
             kind = Kind.pair if at_one_pin else Kind.frame if relative and sign < 0 else Kind.copy
             what = {(0, 1): "is that of", (0, -1): "is the opposite of that of"}.get((a, b))
             what = what or ("has added to it that of" if b > 0 else "is relative to that of")
-            yield Hypothesis(kind, place, other, f"{name} {what} {other}", predicted)
+            yield Hypothesis(kind, place, other, f"{name} {what} {other}", predicted, 0 if at_one_pin else CHOICE)
     if len(channels) == 1:
         alike = [c for c in evidence.names if stem(c) == one and c != channels[0]]
         for channel in alike:
             sentence = f"{name} is a copy of {channel}"
-            yield Hypothesis(Kind.copy, place, channel, sentence, {channels[0]: true[channel]})
+            yield Hypothesis(Kind.copy, place, channel, sentence, {channels[0]: true[channel]}, CHOICE)
 
 
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:

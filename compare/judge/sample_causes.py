@@ -112,7 +112,7 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     place = _common(of)
     first = float(evidence.true[evidence.reference.scene.drive_channel][bad.argmax()])
     sentence = f"{place} is spoilt at {evidence.reference.scene.where(first)}, its neighbours are not"
-    yield Hypothesis(Kind.spike, place, f"{bad.sum()} sample{'s' * (bad.sum() > 1)}", sentence, predicted)
+    yield Hypothesis(Kind.spike, place, f"{bad.sum()} sample{'s' if bad.sum() > 1 else ''}", sentence, predicted)
 
 
 __all__ = ["Samples", "incomplete", "quantity", "sample_causes"]
