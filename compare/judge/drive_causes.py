@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike
 
 from scenes import Failure, Scene
 from scenes.drive import Driven
-from scenes.motion import Samples
+from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, MotionLaw
 
 from ..engines import registry
-from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
+from .evidence import Channels, Evidence, Hypothesis, Kind, factor, fitted
 from .geometry_causes import solved
 
 
@@ -64,8 +64,8 @@ def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[
     time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
     there = evidence.given[scene.drive_channel] - drive.start
     rates = {float(there @ time / (time @ time)), -drive.speed}
-    if scene.driven_slide is None and f"{drive.body}.omega" in evidence.names:
-        rates.add(float(np.median(evidence.given[f"{drive.body}.omega"])))
+    if velocities := [c for c in evidence.names if quantity(c) in ("vx", "vy", "omega")]:
+        rates.add(drive.speed * factor(evidence, velocities, evidence.true.samples))
     for rate in rates:
         if not rate or abs(rate - drive.speed) <= 1e-9 * abs(drive.speed):
             continue
@@ -85,6 +85,11 @@ class Straight:
     """A law's table with straight lines between its entries."""
 
     law: MotionLaw
+
+    @property
+    def body(self) -> str:
+        """Return the driven body."""
+        return self.law.body
 
     def at(self, time: ArrayLike) -> Driven:
         """Return positions, rates and accelerations."""

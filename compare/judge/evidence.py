@@ -205,6 +205,12 @@ def evidence(reference: Reference, sampling: Sampling, motion: Motion) -> Eviden
     return Evidence(reference, motion, reference.at(sampling.commanded(scene)[rows], sampling.times(scene)[rows]), rows)
 
 
+def factor(evidence: Evidence, channels: Iterable[str], basis: Channels) -> float:
+    """Return the factor of a basis that is nearest to the motion's channels."""
+    pairs = [(basis[c] / evidence.scale[c], evidence.given[c] / evidence.scale[c]) for c in channels]
+    return sum(float(b @ m) for b, m in pairs) / (sum(float(b @ b) for b, _ in pairs) or 1.0)
+
+
 def fitted(
     evidence: Evidence, predict: Callable[[Samples], Channels], steps: Samples, rounds: int = 1
 ) -> tuple[Samples, Channels]:

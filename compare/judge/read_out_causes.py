@@ -10,7 +10,7 @@ from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
 from ..engines.motion_vectors import MotionVectors, Vectors
-from .evidence import FORCES, Channels, Evidence, Hypothesis, Kind, stem
+from .evidence import FORCES, Channels, Evidence, Hypothesis, Kind, factor, stem
 
 EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
@@ -52,12 +52,6 @@ def place_of(part: Part) -> str:
     return channels[0] if len(channels) == 1 else stems.pop() if len(stems) == 1 else name
 
 
-def _fitted(evidence: Evidence, channels: tuple[str, ...], basis: Channels) -> float:
-    """Return the factor of a basis that is nearest to the motion's channels."""
-    pairs = [(basis[c] / evidence.scale[c], evidence.given[c] / evidence.scale[c]) for c in channels]
-    return sum(float(b @ m) for b, m in pairs) / (sum(float(b @ b) for b, _ in pairs) or 1.0)
-
-
 def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     (name, channels), true = part, evidence.true
     place = place_of(part)
@@ -67,11 +61,13 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         yield Hypothesis(Kind.constant, place, "zero" * zero, f"{name} is {'zero' if zero else 'constant'}", held)
         return
     yield Hypothesis(Kind.sign, place, "", f"{name} has the opposite sign", {c: -true[c] for c in channels})
-    factor = _fitted(evidence, channels, true.samples)
-    known = next((n for n in FACTORS if abs(abs(factor) - n) <= NEAR * n), None)
-    amount = f"{factor:.4g}" if known is None else ("" if factor >= 0 else "-") + FACTORS[known]
-    predicted = {c: factor * true[c] for c in channels}
-    yield Hypothesis(Kind.unit, place, amount, f"{name} is {factor:.4g} times what it should be", predicted, 1)
+    times = factor(evidence, channels, true.samples)
+    if all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
+        return
+    known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
+    amount = f"{times:.4g}" if known is None else ("" if times >= 0 else "-") + FACTORS[known]
+    predicted = {c: times * true[c] for c in channels}
+    yield Hypothesis(Kind.unit, place, amount, f"{name} is {times:.4g} times what it should be", predicted, 1)
 
 
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:

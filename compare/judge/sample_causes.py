@@ -12,7 +12,8 @@ from ..engines.reference import Reference
 from .evidence import Evidence, Hypothesis, Kind, stem
 
 FEW = 0.1  # of the samples
-NEXT_TO_NOTHING = 1e-3  # of a sample's deviation, that its neighbours have or a moved row leaves
+NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what its neighbours have
+FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 
 
 def incomplete(reference: Reference, sampling: Sampling, motion: Motion) -> tuple[Kind, str, str] | None:
@@ -81,13 +82,13 @@ def _of_rows(
 def _out_of_order(evidence: Evidence) -> Iterator[Hypothesis]:
     """Rows that are those of other instants."""
     channels = list(evidence.names)
-    true = np.array([evidence.true[c] / evidence.scale[c] for c in channels]).T
-    given = np.array([evidence.given[c] / evidence.scale[c] for c in channels]).T
+    scale = evidence.reference.scale
+    true, given = (np.array([of[c] / scale[c] for c in channels]).T for of in (evidence.true, evidence.given))
     off = np.sum((given - true) ** 2, axis=1)
     bad = np.flatnonzero(off > NEXT_TO_NOTHING * off.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
     nearest = distance.argmin(axis=1)
-    if len(bad) and (distance.min(axis=1) <= NEXT_TO_NOTHING * off[bad]).all():
+    if len(bad) and (distance.min(axis=1) <= FAR_LESS * off[bad]).all():
         rows = np.arange(len(true))
         rows[bad] = nearest
         shifts = rows[bad] - bad

@@ -80,6 +80,7 @@ def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
 def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
     if evidence.moved > STILL:
         yield from drive_causes(evidence)
+    if evidence.moved > STILL or evidence.reference.scene.springs:
         yield from geometry_causes(evidence)
 
 
