@@ -115,7 +115,7 @@ class Evidence:
     def difference(self, channel: str, other: Samples) -> Samples:
         """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
         difference = self.given[channel] - other
-        if quantity(channel) in ("angle", "crank_angle"):
+        if quantity(channel) in ANGLES:
             difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
         return difference / self.scale[channel]
 
@@ -165,6 +165,7 @@ class Evidence:
         return [(name, tuple(c for c in self.names if c in channels)) for channels, name in found.items()]
 
 
+ANGLES = ("angle", "crank_angle")  # modulo one turn
 POSES = ("x", "y", "angle", "crank_angle", "displacement")
 VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity", "ax": "acceleration"}
 VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}

@@ -10,7 +10,7 @@ from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
 from ..engines.motion_vectors import MotionVectors, Vectors
-from .evidence import FORCES, Channels, Evidence, Hypothesis, Kind, factor, stem
+from .evidence import ANGLES, FORCES, Channels, Evidence, Hypothesis, Kind, factor, stem
 
 EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
@@ -78,13 +78,18 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         return
     time = evidence.true["time"] - evidence.true["time"][0]
     off = {c: evidence.difference(c, evidence.true[c]) * evidence.scale[c] for c in channels}
-    by = {q: float(np.mean([off[c] for c in channels if quantity(c) == q])) for q in quantities}
+    by = {q: _mean(q, [off[c] for c in channels if quantity(c) == q]) for q in quantities}
     predicted = {c: evidence.true[c] + by[quantity(c)] for c in channels}
     amount = ", ".join(f"{value:.3g}" for value in by.values())
     yield Hypothesis(Kind.offset, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
     rate = {c: float(off[c] @ time / (time @ time)) for c in channels}
     predicted = {c: evidence.true[c] + rate[c] * time for c in channels}
     yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", predicted, len(rate))
+
+
+def _mean(quantity: str, off: list[Samples]) -> float:
+    """Return the mean of deviations; of angles, which count modulo one turn, on the circle."""
+    return float(np.angle(np.mean(np.exp(1j * np.array(off)))) if quantity in ANGLES else np.mean(off))
 
 
 def _vectors(channels: tuple[str, ...]) -> list[tuple[str, str]]:

@@ -87,10 +87,10 @@ def _out_of_order(evidence: Evidence) -> Iterator[Hypothesis]:
     off = np.sum((given - true) ** 2, axis=1)
     bad = np.flatnonzero(off > NEXT_TO_NOTHING * off.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
-    nearest = distance.argmin(axis=1)
-    if len(bad) and (distance.min(axis=1) <= FAR_LESS * off[bad]).all():
+    theirs = distance.min(axis=1) <= FAR_LESS * off[bad]
+    if theirs.any():
         rows = np.arange(len(true))
-        rows[bad] = nearest
+        rows[bad[theirs]] = distance.argmin(axis=1)[theirs]
         shifts = rows[bad] - bad
         if np.mean(shifts == np.median(shifts)) > 0.8 and len(bad) > 5:
             by = -int(np.median(shifts))
