@@ -16,12 +16,15 @@ from numpy.typing import NDArray
 from scenes import Failure, Motion, Sampling
 from scenes.motion import Samples, quantity
 
-from ..engines.reference import Reference, magnitude
+from ..engines.reference import Reference, sizes
 
 ROWS = 240  # samples, evenly spread, that causes are told apart by: enough for any cause but a spoilt row
 EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
+EXPLAINED = 0.3  # the most that a cause worth a look leaves over
+
 Channels = Mapping[str, Samples]
+Part = tuple[str, tuple[str, ...]]  # what channels are called, and their names
 
 
 class Kind(StrEnum):
@@ -94,8 +97,7 @@ class Evidence:
     @cached_property
     def scale(self) -> dict[str, Samples]:
         """What the deviation of each channel is divided by: its scale, or its magnitude where that is larger."""
-        scale = self.reference.scale
-        return {c: np.fmax(scale[c], magnitude(self.true, c) if quantity(c) not in POSES else 0.0) for c in self.names}
+        return {channel: sizes(self.true, channel, self.reference.scale[channel]) for channel in self.names}
 
     @cached_property
     def off(self) -> dict[str, float]:
@@ -149,7 +151,7 @@ class Evidence:
         return {}
 
     @cached_property
-    def parts(self) -> list[tuple[str, tuple[str, ...]]]:
+    def parts(self) -> list[Part]:
         """Channels that a read-out treats alike, with what they are called: a channel, a vector, all of a body, ..."""
         found: dict[frozenset[str], str] = {}
         for name, of in _NAMES:
@@ -166,7 +168,6 @@ class Evidence:
 
 
 ANGLES = ("angle", "crank_angle")  # modulo one turn
-POSES = ("x", "y", "angle", "crank_angle", "displacement")
 VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity", "ax": "acceleration"}
 VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}
 GENERAL = VECTORS | {"angle": "position", "omega": "velocity", "alpha": "acceleration"}
@@ -178,6 +179,17 @@ PLURAL = {"position": "poses", "velocity": "velocities", "acceleration": "accele
 def stem(channel: str) -> str:
     """Return whose channel it is: a point, a joint, a body, or the drive."""
     return channel.rpartition(".")[0] or "drive"
+
+
+def common(channels: Iterable[str]) -> str:
+    """Return whose channels they are: one's, or `all`."""
+    stems = {stem(channel) for channel in channels}
+    return stems.pop() if len(stems) == 1 else "all"
+
+
+def place_of(part: Part) -> str:
+    """Return the body, joint or point that all channels of a part are of, `drive`, or `all`."""
+    return common(part[1])
 
 
 def _vector(channel: str) -> str:
@@ -194,6 +206,7 @@ _NAMES = (
     ("all {}", lambda channel: PLURAL.get(GENERAL.get(quantity(channel), ""), "")),
     ("all {}", lambda channel: "rates" if GENERAL.get(quantity(channel)) in ("velocity", "acceleration") else ""),
     ("all {}", lambda channel: "reactions" if quantity(channel) in FORCES[:4] else ""),
+    ("all turning{:.0}", lambda channel: "s" if quantity(channel) in ("angle", "omega", "alpha") else ""),
     ("all along {}", lambda channel: quantity(channel)[-1] if quantity(channel) in VECTORS else ""),
     ("all of the {}", lambda channel: "" if quantity(channel) in FORCES else "motion"),
 )
@@ -210,6 +223,12 @@ def factor(evidence: Evidence, channels: Iterable[str], basis: Channels) -> floa
     """Return the factor of a basis that is nearest to the motion's channels."""
     pairs = [(basis[c] / evidence.scale[c], evidence.given[c] / evidence.scale[c]) for c in channels]
     return sum(float(b @ m) for b, m in pairs) / (sum(float(b @ b) for b, _ in pairs) or 1.0)
+
+
+def factor_of_change(evidence: Evidence, channel: str, basis: Samples) -> float:
+    """Return the factor of a basis that is nearest to the deviation of a channel."""
+    weighted = basis / evidence.scale[channel]
+    return float(weighted @ evidence.difference(channel, evidence.true[channel]) / ((weighted @ weighted) or 1.0))
 
 
 def fitted(

@@ -87,6 +87,23 @@ def _changes(evidence: Evidence) -> Iterator[Change]:
             yield _moved(scene, found, hair)
         elif found.direction:
             yield _tilted(scene, found)
+    yield _scaled(scene)
+
+
+def _scaled(scene: Scene) -> Change:
+    """Return the whole linkage larger or smaller; its forces and speeds stay."""
+
+    def scaled(x: Samples) -> Scene:
+        other = scene
+        for found in inputs(scene):
+            if found.geometry:
+                v, by = found.value, 1 + float(x[0])
+                other = _with(other, found.path, (by * v[0], by * v[1]) if isinstance(v, tuple) else by * v)
+        return other
+
+    return Change(
+        Kind.length, "all", "each length", scaled, np.full(1, HAIR), lambda x: f"{1 + x[0]:.5g} times what it should be"
+    )
 
 
 def _moved(scene: Scene, found: Input, hair: float) -> Change:

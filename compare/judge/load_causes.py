@@ -9,7 +9,7 @@ from scenes.motion import Samples
 from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
 
 from ..engines.motion_vectors import AppliedForce, Vectors
-from .evidence import Evidence, Hypothesis, Kind, fitted
+from .evidence import EXPLAINED, Evidence, Hypothesis, Kind, factor_of_change, fitted
 from .force_causes import Carried, Wrenches, both, percent
 
 STANDARD_GRAVITY = -9.81j  # m/s^2
@@ -22,6 +22,7 @@ def load_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     yield from _springs(evidence, carried)
     yield from _gravity(evidence, carried)
     yield from _friction(evidence, carried)
+    yield from _effort(evidence, carried)
     yield from _added(evidence, carried)
 
 
@@ -169,6 +170,40 @@ def _friction(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
             how = f"{how}, {amount:.3g}"
             sentence = f"the pin {pin.channel} has friction ({how})"
             yield Hypothesis(Kind.friction, pin.channel, how, sentence, predicted, 1)
+
+
+def _effort(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield friction that the drive's effort alone has: in the drive itself, or by the power lost in a joint."""
+    scene, state = carried.scene, carried.state
+    effort = "drive.torque" if scene.driven_slide is None else "drive.force"
+    if effort not in evidence.names or evidence.outside([effort]) > EXPLAINED:
+        return
+    rate = scene.drive.at(evidence.true["time"]).rate
+    ways: dict[tuple[str, str], Samples] = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}
+    per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
+    for pin in scene.pins:
+        turning = np.abs(state.turning(pin.second)[1] - state.turning(pin.first)[1])
+        force = np.abs(state.vector(f"{pin.channel}.", "fx", "fy"))
+        ways |= _lost(pin.channel, turning, force, per_rate)
+    for body in scene.bodies.values():
+        if body.slide is not None:
+            force = np.abs(evidence.true[f"{body.name}.guide_force"])
+            ways |= _lost(body.name, np.abs(_sliding(carried, body)[0]), force, per_rate)
+    for (place, how), course in ways.items():
+        size = factor_of_change(evidence, effort, course)
+        predicted = {effort: evidence.true[effort] + size * course}
+        sentence = f"{effort} has {how} friction of {place} that no reaction has"
+        if size > 0:
+            yield Hypothesis(Kind.friction, place, f"{how}, {size:.3g}", sentence, predicted, 1 - (place == "drive"))
+
+
+def _lost(name: str, rate: Samples, force: Samples, per_rate: Samples) -> dict[tuple[str, str], Samples]:
+    """Return the courses of effort by which friction of a joint would be overcome."""
+    return {
+        (name, "Coulomb"): rate * force * per_rate,
+        (name, "viscous"): rate**2 * per_rate,
+        (name, "dry"): rate * per_rate,
+    }
 
 
 def _sliding(carried: Carried, body: Body) -> tuple[Samples, Vectors]:

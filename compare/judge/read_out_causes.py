@@ -10,9 +10,20 @@ from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
 from ..engines.motion_vectors import MotionVectors, Vectors
-from .evidence import ANGLES, FORCES, Channels, Evidence, Hypothesis, Kind, factor, stem
+from .evidence import (
+    ANGLES,
+    EXPLAINED,
+    Channels,
+    Evidence,
+    Hypothesis,
+    Kind,
+    Part,
+    factor,
+    factor_of_change,
+    place_of,
+    stem,
+)
 
-EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
 FACTORS = {
     0.0: "zero",
@@ -30,26 +41,17 @@ FACTORS = {
     1 / 9.80665: "kgf in place of N",
 }
 CHOICE = 2  # numbers that one of many other channels counts for
-SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
-Part = tuple[str, tuple[str, ...]]
 
 
 def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong read-out would have given, for all channels that hold nearly all of the deviation."""
     parts = [part for part in evidence.parts if evidence.outside(part[1]) <= EXPLAINED]
     for part in parts:
-        for cause in (_scaled, _shifted, _turned, _copied, _late, _differences):
+        for cause in (_scaled, _shifted, _turned, _copied):
             yield from cause(evidence, part)
     yield from _swapped(evidence)
     yield from _terms(evidence, parts)
     yield from _moments(evidence)
-
-
-def place_of(part: Part) -> str:
-    """Return the body, joint or channel that a part is of, or what all of it is."""
-    name, channels = part
-    stems = {stem(channel) for channel in channels}
-    return channels[0] if len(channels) == 1 else stems.pop() if len(stems) == 1 else name
 
 
 def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -60,7 +62,10 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         zero = all((held[c] == 0).all() for c in channels)
         yield Hypothesis(Kind.constant, place, "zero" * zero, f"{name} is {'zero' if zero else 'constant'}", held)
         return
-    yield Hypothesis(Kind.sign, place, "", f"{name} has the opposite sign", {c: -true[c] for c in channels})
+    mirrored = name == "all along y" or name == "all along x"
+    what = "points the other way" if mirrored else "has the opposite sign"
+    kind = Kind.frame if mirrored else Kind.sign
+    yield Hypothesis(kind, place, "", f"{name} {what}", {c: -true[c] for c in channels})
     times = factor(evidence, channels, true.samples)
     if all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
         return
@@ -81,10 +86,15 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     by = {q: _mean(q, [off[c] for c in channels if quantity(c) == q]) for q in quantities}
     predicted = {c: evidence.true[c] + by[quantity(c)] for c in channels}
     amount = ", ".join(f"{value:.3g}" for value in by.values())
-    yield Hypothesis(Kind.offset, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
-    rate = {c: float(off[c] @ time / (time @ time)) for c in channels}
-    predicted = {c: evidence.true[c] + rate[c] * time for c in channels}
-    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", predicted, len(rate))
+    scene = evidence.reference.scene
+    rate = scene.drive.at(time).rate
+    if place == "drive" and quantities <= {"torque", "force"} and np.ptp(rate) == 0 and rate[0] * sum(by.values()) > 0:
+        return  # friction of the drive
+    kind = Kind.drive if channels == (scene.drive_channel,) else Kind.offset
+    yield Hypothesis(kind, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
+    slope = {c: float(off[c] @ time / (time @ time)) for c in channels}
+    predicted = {c: evidence.true[c] + slope[c] * time for c in channels}
+    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", predicted, len(slope))
 
 
 def _mean(quantity: str, off: list[Samples]) -> float:
@@ -184,60 +194,6 @@ def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
 _ORDERS = ({"x", "y"}, {"vx", "vy"}, {"ax", "ay"}, {"fx", "fy"}, {"angle"}, {"omega"}, {"alpha"}, {"guide_force"})
 
 
-def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """All of a part late by one time, s, found by Gauss and Newton from several starts."""
-    (name, channels), place = part, place_of(part)
-    time = evidence.motion["time"]
-    step = float(time[1] - time[0])
-    best = min(
-        (s * k * step for k in (0.0, *SAMPLES_LATE) for s in (1, -1)), key=lambda by: _left(evidence, by, channels)
-    )
-    hair = 1e-4 * step
-    for _ in range(4):
-        now, then = evidence.late(best), evidence.late(best + hair)
-        if not now or not then:
-            return
-        slope = {c: (then[c] - now[c]) / hair for c in channels}
-        off = {c: evidence.difference(c, now[c]) for c in channels}
-        size = sum(float(np.sum((slope[c] / evidence.scale[c]) ** 2)) for c in channels)
-        best += sum(float(off[c] @ (slope[c] / evidence.scale[c])) for c in channels) / (size or np.inf)
-    late = evidence.late(best)
-    if late:
-        amount = f"{1e3 * abs(best):.3g} ms {'late' if best > 0 else 'early'}"
-        samples = f" ({abs(best) / step:.3g} samples)"
-        sentence = f"{name} is {amount}{samples}"
-        yield Hypothesis(Kind.lag, place, amount, sentence, {c: late[c] for c in channels}, 1)
-
-
-def _left(evidence: Evidence, by: float, channels: tuple[str, ...]) -> float:
-    late = evidence.late(by)
-    return evidence.left({c: late[c] for c in channels}) if late else np.inf
-
-
-def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """Rates that are differences of the motion's own poses or rates over its samples."""
-    name, channels = part
-    below = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
-    sources = {c: f"{stem(c)}.{below.get(quantity(c))}" for c in channels}
-    if not all(source in evidence.motion for source in sources.values()):
-        return
-    time = evidence.motion["time"]
-    values = {
-        c: np.unwrap(evidence.motion[s]) if s.endswith("angle") else evidence.motion[s] for c, s in sources.items()
-    }
-    for how, difference in _DIFFERENCES.items():
-        predicted = {c: difference(values[c], time)[evidence.rows] for c in channels}
-        yield Hypothesis(Kind.differences, place_of(part), how, f"{name} is {how} differences of samples", predicted)
-
-
-def _backward(values: Samples, time: Samples) -> Samples:
-    steps = np.diff(values) / np.diff(time)
-    return np.append(steps[:1], steps)
-
-
-_DIFFERENCES: dict[str, Callable[[Samples, Samples], Samples]] = {"central": np.gradient, "backward": _backward}
-
-
 def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:
     """Accelerations of points without, or with the opposite sign of, what a body's turning adds to them."""
     scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
@@ -273,17 +229,9 @@ def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
         arms["the guide's `through`"] = state.on_guide(body).real
         for about, arm in arms.items():
             basis = {channel: arm * evidence.true[force]}
-            lever = _fitted_change(evidence, channel, basis[channel])
+            lever = factor_of_change(evidence, channel, basis[channel])
             predicted = {channel: evidence.true[channel] + lever * basis[channel]}
             sentence = f"{body.name}'s guide moment is about {about}, {1e3 * lever:.3g} mm away"
             if about != "another point of the slider":
                 sentence = f"{body.name}'s guide moment is about {about}"
             yield Hypothesis(Kind.moment, body.name, f"{lever:.4g}", sentence, predicted, 1)
-
-
-def _fitted_change(evidence: Evidence, channel: str, basis: Samples) -> float:
-    weighted = basis / evidence.scale[channel]
-    return float(weighted @ evidence.difference(channel, evidence.true[channel]) / ((weighted @ weighted) or 1.0))
-
-
-__all__ = ["EXPLAINED", "FORCES", "place_of", "read_out_causes"]

@@ -1,15 +1,16 @@
 """Causes that need no model: channels missing or not finite, samples held, spoilt or out of order."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling
-from scenes.motion import Samples, quantity
+from scenes import Motion, Sampling, Scene
+from scenes.motion import quantity
 
 from ..engines.reference import Reference
-from .evidence import Evidence, Hypothesis, Kind, stem
+from ..engines.runner import ON_TIME
+from .evidence import ANGLES, Evidence, Hypothesis, Kind, common
 
 FEW = 0.1  # of the samples
 NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what its neighbours have
@@ -23,19 +24,38 @@ def incomplete(reference: Reference, sampling: Sampling, motion: Motion) -> tupl
     missing = missing or [c for c in wanted if c not in motion]
     if missing:
         more = f" and {len(missing) - 1} more are" if len(missing) > 1 else " is"
-        return Kind.missing, _common(missing), f"{missing[0]}{more} missing"
+        return Kind.missing, common(missing), f"{missing[0]}{more} missing"
+    other = [c for c in wanted if motion[c].dtype != np.float64]
+    if other:
+        return Kind.missing, common(other), f"{other[0]} is of {motion[other[0]].dtype}, not float64"
     short = [c for c in wanted if motion[c].shape != (sampling.count,)]
     if short:
-        return Kind.missing, _common(short), f"{short[0]} has {len(motion[short[0]])} samples of {sampling.count}"
+        return Kind.missing, common(short), f"{short[0]} has {len(motion[short[0]])} samples of {sampling.count}"
     bad = [c for c in wanted if not np.isfinite(motion[c]).all()]
     if bad:
-        return Kind.nonfinite, _common(bad), f"{bad[0]} is not finite"
+        return Kind.nonfinite, common(bad), f"{bad[0]} is not finite"
+    off = float(np.abs(motion["time"] - sampling.times(reference.scene)).max())
+    if not off <= ON_TIME * reference.scene.drive.cycle:
+        return _instants(reference.scene, sampling, motion, off)
     return None
 
 
-def _common(channels: list[str]) -> str:
-    stems = {stem(channel) for channel in channels}
-    return channels[0] if len(channels) == 1 else stems.pop() if len(stems) == 1 else "all"
+def _instants(scene: Scene, sampling: Sampling, motion: Motion, off: float) -> tuple[Kind, str, str]:
+    """Return what is wrong with the instants."""
+    steps = np.diff(motion["time"])
+    if (steps == 0).any():
+        return Kind.held, "all", f"row {int((steps == 0).argmax()) + 2} has the instant of the row before"
+    if (steps < 0).any():
+        return Kind.rows, "all", f"row {int((steps < 0).argmax()) + 2} is of an earlier instant than the row before"
+    asked = sampling.times(scene)
+    share = float(motion["time"] @ asked / (asked @ asked)) - 1
+    if np.abs(motion["time"] - (1 + share) * asked).max() <= 1e-3 * off:
+        return (
+            Kind.drive,
+            "drive",
+            f"the drive's cycle is {abs(share):.3g} of itself too {'long' if share > 0 else 'short'}",
+        )
+    return Kind.lag, "all", f"the samples are off the instants asked for, by up to {off:.3g} s"
 
 
 def sample_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -61,7 +81,7 @@ def _held(evidence: Evidence) -> Iterator[Hypothesis]:
         yield _of_rows(evidence, Kind.held, "all", list(evidence.names), rows, "repeats a row")
     elif some and len(some) <= 6:
         predicted = {c: evidence.true[c][_last_fresh(stay[c])] for c in some}
-        place = _common(some)
+        place = common(some)
         yield Hypothesis(Kind.held, place, "", f"{place} repeats a sample", predicted)
 
 
@@ -80,10 +100,15 @@ def _of_rows(
 
 
 def _out_of_order(evidence: Evidence) -> Iterator[Hypothesis]:
-    """Rows that are those of other instants."""
-    channels = list(evidence.names)
+    """Rows that are those of other instants, with the drive's channel or without it."""
+    drive = evidence.reference.scene.drive_channel
+    for channels in (list(evidence.names), [c for c in evidence.names if c != drive]):
+        yield from _exchanged(evidence, channels)
+
+
+def _exchanged(evidence: Evidence, channels: list[str]) -> Iterator[Hypothesis]:
     scale = evidence.reference.scale
-    true, given = (np.array([of[c] / scale[c] for c in channels]).T for of in (evidence.true, evidence.given))
+    true, given = (_rows(of, channels, scale) for of in (evidence.true, evidence.given))
     off = np.sum((given - true) ** 2, axis=1)
     bad = np.flatnonzero(off > NEXT_TO_NOTHING * off.max())
     distance = np.sum((given[bad, np.newaxis] - true[np.newaxis]) ** 2, axis=2)
@@ -91,13 +116,21 @@ def _out_of_order(evidence: Evidence) -> Iterator[Hypothesis]:
     if theirs.any():
         rows = np.arange(len(true))
         rows[bad[theirs]] = distance.argmin(axis=1)[theirs]
-        shifts = rows[bad] - bad
+        shifts = (rows[bad] - bad) % (len(true) - 1)
         if np.mean(shifts == np.median(shifts)) > 0.8 and len(bad) > 5:
             by = -int(np.median(shifts))
+            by = by if 2 * abs(by) < len(true) else by + len(true) - 1
             late = f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
             yield Hypothesis(Kind.lag, "all", late, f"all is {late}", {c: evidence.true[c][rows] for c in channels})
         else:
             yield _of_rows(evidence, Kind.rows, "all", channels, rows, "has rows of other instants")
+
+
+def _rows(motion: Motion, channels: list[str], scale: Mapping[str, float]) -> NDArray[np.float64]:
+    """Return all channels row by row, over their scales; angles by their sines and cosines."""
+    angles = [c for c in channels if quantity(c) in ANGLES]
+    columns = [motion[c] / scale[c] for c in channels if c not in angles]
+    return np.array([*columns, *(wave(motion[c]) for c in angles for wave in (np.sin, np.cos))]).T
 
 
 def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -110,10 +143,7 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
         return
     of = [c for c, own in zip(evidence.names, off, strict=True) if own[bad].sum() > NEXT_TO_NOTHING * off.sum()]
     predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in of}
-    place = _common(of)
+    place = common(of)
     first = float(evidence.true[evidence.reference.scene.drive_channel][bad.argmax()])
     sentence = f"{place} is spoilt at {evidence.reference.scene.where(first)}, its neighbours are not"
     yield Hypothesis(Kind.spike, place, f"{bad.sum()} sample{'s' if bad.sum() > 1 else ''}", sentence, predicted)
-
-
-__all__ = ["Samples", "incomplete", "quantity", "sample_causes"]

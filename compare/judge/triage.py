@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from scenes import Motion, Sampling
 
 from ..engines.reference import Reference
+from .course_causes import course_causes
 from .drive_causes import drive_causes
 from .evidence import EXACT, Evidence, Hypothesis, Kind, evidence
 from .force_causes import Carried, weight_causes
@@ -68,6 +69,7 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
 def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from sample_causes(evidence)
     yield from read_out_causes(evidence)
+    yield from course_causes(evidence)
 
 
 def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:

@@ -1,0 +1,110 @@
+"""Causes in the course of right samples: late, smoothed, differences of each other, noisy."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from scenes.motion import Samples, quantity
+
+from .evidence import EXPLAINED, Evidence, Hypothesis, Kind, Part, common, factor_of_change, place_of, stem
+
+SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
+WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
+LEAST_BEND = 1e-3  # of a second difference
+WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
+NOISE = 6  # numbers that noise counts for, since it explains whatever it is
+
+
+def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
+    for part in evidence.parts:
+        if evidence.outside(part[1]) <= EXPLAINED:
+            for cause in (_late, _late_by_samples, _differences, _smoothed, _noisy):
+                yield from cause(evidence, part)
+
+
+def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """All of a part late by one time, s, found by Gauss and Newton from several starts."""
+    (name, channels), place = part, place_of(part)
+    time = evidence.motion["time"]
+    step = float(time[1] - time[0])
+    best = min(
+        (s * k * step for k in (0.0, *SAMPLES_LATE) for s in (1, -1)), key=lambda by: _left(evidence, by, channels)
+    )
+    hair = 1e-4 * step
+    for _ in range(4):
+        now, then = evidence.late(best), evidence.late(best + hair)
+        if not now or not then:
+            return
+        slope = {c: (then[c] - now[c]) / hair for c in channels}
+        off = {c: evidence.difference(c, now[c]) for c in channels}
+        size = sum(float(np.sum((slope[c] / evidence.scale[c]) ** 2)) for c in channels)
+        best += sum(float(off[c] @ (slope[c] / evidence.scale[c])) for c in channels) / (size or np.inf)
+    late = evidence.late(best)
+    if late:
+        amount = f"{1e3 * abs(best):.3g} ms {'late' if best > 0 else 'early'}"
+        samples = f" ({abs(best) / step:.3g} samples)"
+        sentence = f"{name} is {amount}{samples}"
+        yield Hypothesis(Kind.lag, place, amount, sentence, {c: late[c] for c in channels}, 1)
+
+
+def _left(evidence: Evidence, by: float, channels: tuple[str, ...]) -> float:
+    late = evidence.late(by)
+    return evidence.left({c: late[c] for c in channels}) if late else np.inf
+
+
+def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Rates that are differences of the motion's own poses or rates over its samples."""
+    name, channels = part
+    source_of = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
+    sources = {c: f"{stem(c)}.{source_of.get(quantity(c))}" for c in channels}
+    if not all(source in evidence.motion for source in sources.values()):
+        return
+    time = evidence.motion["time"]
+    below = {c: evidence.motion[source] for c, source in sources.items()}
+    values = {c: np.unwrap(own) if sources[c].endswith("angle") else own for c, own in below.items()}
+    for how, difference in _DIFFERENCES.items():
+        found = {c: difference(values[c], time)[evidence.rows] for c in channels}
+        predicted = {c: own for c, own in found.items() if evidence.left({c: own}) < 1}
+        yield Hypothesis(Kind.differences, common(predicted), how, f"{name} is {how} differences of samples", predicted)
+
+
+def _backward(values: Samples, time: Samples) -> Samples:
+    steps = np.diff(values) / np.diff(time)
+    return np.append(steps[:1], steps)
+
+
+_DIFFERENCES: dict[str, Callable[[Samples, Samples], Samples]] = {"central": np.gradient, "backward": _backward}
+
+
+def _late_by_samples(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part late by a few samples, the first one held."""
+    name, channels = part
+    last = len(evidence.rows) - 1
+    for by in WHOLE_SAMPLES:
+        rows = np.clip(np.arange(last + 1) - by, 0, last)
+        late = f"{abs(by)} sample{'s' if abs(by) > 1 else ''} {'late' if by > 0 else 'early'}"
+        predicted = {c: evidence.true[c][rows] for c in channels}
+        yield Hypothesis(Kind.lag, place_of(part), late, f"{name} is {late}", predicted)
+
+
+def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part, or those of its channels that it explains, averaged over neighbouring samples."""
+    name, channels = part
+    bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in channels}
+    by = {c: factor_of_change(evidence, c, bends[c]) for c in channels}
+    typical = float(np.median([size for size in by.values() if abs(size) > LEAST_BEND] or [0.0]))
+    found = {c: evidence.true[c] + typical * bends[c] for c in channels}
+    predicted = {c: own for c, own in found.items() if evidence.left({c: own}) < 1}
+    sentence = f"{name} is smoothed over its samples"
+    yield Hypothesis(Kind.solver, common(predicted), f"{typical:.3g}", sentence, predicted, 1)
+
+
+def _noisy(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part whose deviations follow no course: those of neighbours have nothing to do with each other."""
+    name, channels = part
+    off = [evidence.difference(c, evidence.true[c]) for c in channels]
+    together = sum(float(one[1:] @ one[:-1]) for one in off)
+    if together <= WHITE * sum(float(one @ one) for one in off):
+        predicted = {c: evidence.given[c] for c in channels}
+        yield Hypothesis(Kind.noise, place_of(part), "", f"{name} is noisy", predicted, NOISE)
