@@ -6,20 +6,20 @@ import numpy as np
 
 from scenes.motion import Samples, quantity
 
-from .evidence import EXPLAINED, Evidence, Hypothesis, Kind, Part, common, factor_of_change, place_of, stem
+from .evidence import EXPLAINED, NEARLY_ALL, Evidence, Hypothesis, Kind, Part, common, factor_of_change, place_of, stem
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
 LEAST_BEND = 1e-3  # of a second difference
 WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
-NOISE = 6  # numbers that noise counts for, since it explains whatever it is
+SPREAD = 0.15  # of the samples, that noise has at least
 
 
 def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
     for part in evidence.parts:
         if evidence.outside(part[1]) <= EXPLAINED:
-            for cause in (_late, _late_by_samples, _differences, _smoothed, _noisy):
+            for cause in (_late, _late_by_samples, _differences, _smoothed):
                 yield from cause(evidence, part)
 
 
@@ -45,7 +45,8 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         amount = f"{1e3 * abs(best):.3g} ms {'late' if best > 0 else 'early'}"
         samples = f" ({abs(best) / step:.3g} samples)"
         sentence = f"{name} is {amount}{samples}"
-        yield Hypothesis(Kind.lag, place, amount, sentence, {c: late[c] for c in channels}, 1)
+        kind = Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
+        yield Hypothesis(kind, place, amount, sentence, {c: late[c] for c in channels}, 1)
 
 
 def _left(evidence: Evidence, by: float, channels: tuple[str, ...]) -> float:
@@ -85,7 +86,8 @@ def _late_by_samples(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         rows = np.clip(np.arange(last + 1) - by, 0, last)
         late = f"{abs(by)} sample{'s' if abs(by) > 1 else ''} {'late' if by > 0 else 'early'}"
         predicted = {c: evidence.true[c][rows] for c in channels}
-        yield Hypothesis(Kind.lag, place_of(part), late, f"{name} is {late}", predicted)
+        kind = Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
+        yield Hypothesis(kind, place_of(part), late, f"{name} is {late}", predicted)
 
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -100,11 +102,16 @@ def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     yield Hypothesis(Kind.solver, common(predicted), f"{typical:.3g}", sentence, predicted, 1)
 
 
-def _noisy(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """Yield a part whose deviations follow no course: those of neighbours have nothing to do with each other."""
-    name, channels = part
-    off = [evidence.difference(c, evidence.true[c]) for c in channels]
-    together = sum(float(one[1:] @ one[:-1]) for one in off)
-    if together <= WHITE * sum(float(one @ one) for one in off):
-        predicted = {c: evidence.given[c] for c in channels}
-        yield Hypothesis(Kind.noise, place_of(part), "", f"{name} is noisy", predicted, NOISE)
+def noisy(evidence: Evidence) -> Hypothesis | None:
+    """Return that the fewest channels that hold nearly all of the deviation are noisy, if they are.
+
+    The deviations of neighbouring samples have nothing to do with each other then, and no few of them are all of it.
+    """
+    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= NEARLY_ALL]
+    name, channels = min(parts, key=lambda part: len(part[1]))
+    off = np.array([evidence.difference(c, evidence.true[c]) for c in channels])
+    square = float(np.sum(off**2))
+    spread = square**2 / float(np.sum(np.sum(off**2, axis=0) ** 2)) / off.shape[1]
+    if np.sum(off[:, 1:] * off[:, :-1]) > WHITE * square or spread < SPREAD:
+        return None
+    return Hypothesis(Kind.noise, common(channels), "", f"{name} is noisy", {c: evidence.given[c] for c in channels})

@@ -15,6 +15,8 @@ from ..engines import registry
 from .evidence import Channels, Evidence, Hypothesis, Kind, factor, fitted
 from .geometry_causes import solved
 
+ASTRAY = 1e-9  # relative: far above rounding
+
 
 def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what would have been with the drive where it is, at another speed, or along another curve."""
@@ -35,6 +37,18 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         yield from _speeds(evidence, scene, scene.drive)
     else:
         yield from _curves(evidence, scene, scene.drive)
+
+
+def strayed(evidence: Evidence) -> Hypothesis | None:
+    """Return that the drive is not where it was asked to be, which no engine has an excuse for."""
+    drive = evidence.reference.scene.drive_channel
+    if drive not in evidence.names:
+        return None
+    off = np.abs(evidence.given[drive] - evidence.true[drive]).max()
+    if not off > ASTRAY * max(1.0, float(np.abs(evidence.true[drive]).max())):
+        return None
+    unit = "rad" if evidence.reference.scene.driven_slide is None else "m"
+    return Hypothesis(Kind.drive, "drive", f"{off:.3g} {unit}", f"the drive is off by up to {off:.3g} {unit}", {})
 
 
 def _solved(evidence: Evidence, scene: Scene, position: Samples) -> Channels:

@@ -5,7 +5,7 @@ distance from what it should be, is 0 for a cause that explains all and 1 for on
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
 from typing import NamedTuple
@@ -21,6 +21,7 @@ from ..engines.reference import Reference, sizes
 ROWS = 240  # samples, evenly spread, that causes are told apart by: enough for any cause but a spoilt row
 EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
+NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
 EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 
 Channels = Mapping[str, Samples]
@@ -136,11 +137,12 @@ class Evidence:
         return left if np.isfinite(left) else np.inf
 
     def late(self, by: float) -> Channels:
-        """Return what the motion would be if all were late by a time, s; nothing where the drive was not yet."""
+        """Return what the motion would be if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
-            time = self.true["time"] - by
+            drive, time = self.reference.scene.drive, self.true["time"] - by
+            time = time if drive.repeats else np.clip(time, 0.0, drive.cycle)
             try:
-                late = self.reference.at(self.reference.scene.drive.at(time).position, time)
+                late = self.reference.at(drive.at(time).position, time)
                 self._late[by] = {channel: late[channel] for channel in self.names}
             except Failure:
                 self._late[by] = {}
@@ -210,6 +212,17 @@ _NAMES = (
     ("all along {}", lambda channel: quantity(channel)[-1] if quantity(channel) in VECTORS else ""),
     ("all of the {}", lambda channel: "" if quantity(channel) in FORCES else "motion"),
 )
+
+
+def away_from_switches(evidence: Evidence) -> Evidence:
+    """Return the evidence without the samples on either side of a press force's switch, where rounding decides."""
+    acts = np.array([act.any(axis=0) for act in evidence.reference.acts(evidence.true)])
+    if not acts.size:
+        return evidence
+    switched = (np.diff(acts, axis=1) != 0).any(axis=0)
+    kept = ~(np.append(switched, False) | np.append(False, switched))
+    true = Motion({channel: samples[kept] for channel, samples in evidence.true.samples.items()})
+    return replace(evidence, true=true, rows=evidence.rows[kept])
 
 
 def evidence(reference: Reference, sampling: Sampling, motion: Motion) -> Evidence:

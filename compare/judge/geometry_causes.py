@@ -111,14 +111,16 @@ def _moved(scene: Scene, found: Input, hair: float) -> Change:
     *_, where, last = path
     if isinstance(value, tuple):
         a, b = value
+        if where == "slide":
+            return _beside(scene, found, hair)
 
         def moved(x: Samples) -> Scene:
             return _with(scene, path, (a + float(x[0]), b + float(x[1])))
 
         on_ground = path[0] == "ground"
-        kind = Kind.place if on_ground else Kind.guide if where == "slide" else Kind.length
+        kind = Kind.place if on_ground else Kind.length
         place = str(last if on_ground else path[1])
-        what = str(last) if on_ground else f"{place}'s guide" if where == "slide" else f"{place}'s point {last}"
+        what = str(last) if on_ground else f"{place}'s point {last}"
         return Change(kind, place, what, moved, np.full(2, hair), lambda x: f"{1e3 * np.hypot(*x):.3g} mm off")
     assert isinstance(last, frozenset)
 
@@ -129,6 +131,21 @@ def _moved(scene: Scene, found: Input, hair: float) -> Change:
     what = f"{path[1]}'s length {name}"
     how = lambda x: f"{1e3 * abs(x[0]):.3g} mm too {'long' if x[0] > 0 else 'short'}"  # noqa: E731
     return Change(Kind.length, str(path[1]), what, longer, np.full(1, hair), how)
+
+
+def _beside(scene: Scene, found: Input, hair: float) -> Change:
+    """Return a guide beside its place; along itself it stays the same."""
+    name = str(found.path[1])
+    slide = scene.bodies[name].slide
+    assert slide is not None
+    through, beside = complex(*slide.through), 1j * complex(*slide.along)
+
+    def moved(x: Samples) -> Scene:
+        place = through + float(x[0]) * beside
+        return _with(scene, found.path, (place.real, place.imag))
+
+    how = lambda x: f"{1e3 * abs(x[0]):.3g} mm beside its place"  # noqa: E731
+    return Change(Kind.guide, name, f"{name}'s guide", moved, np.full(1, hair), how)
 
 
 def _tilted(scene: Scene, found: Input) -> Change:

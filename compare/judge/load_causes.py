@@ -9,7 +9,7 @@ from scenes.motion import Samples
 from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
 
 from ..engines.motion_vectors import AppliedForce, Vectors
-from .evidence import EXPLAINED, Evidence, Hypothesis, Kind, factor_of_change, fitted
+from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
 from .force_causes import Carried, Wrenches, both, percent
 
 STANDARD_GRAVITY = -9.81j  # m/s^2
@@ -49,6 +49,8 @@ def _loads(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         own = carried.push(load.body, force, at)
         (amount,), predicted = _along(evidence, carried, [own])
         yield Hypothesis(Kind.load, load.at, percent(amount), f"{name} is {percent(amount)}", predicted, 1)
+        if isinstance(load, ForceTable):
+            yield from _tables(evidence, carried, load, own)
         if isinstance(load, Force):
             (amount, across), predicted = _along(evidence, carried, [own, carried.push(load.body, 1j * force, at)])
             other = (1 + amount + 1j * across) * complex(*load.force)
@@ -68,6 +70,23 @@ def _loads(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         moved = both(carried.push(load.body, force, com), _times(-1, own))
         sentence = f"{name} acts at {load.body}'s centre of mass"
         yield Hypothesis(Kind.load, load.at, "at the centre of mass", sentence, carried.changed(moved))
+
+
+def _tables(evidence: Evidence, carried: Carried, load: ForceTable, own: Wrenches) -> Iterator[Hypothesis]:
+    """Yield a table that is shifted, or backwards."""
+    at, name = carried.state.place(load.at), f"the table of the load at {load.at}"
+    reach = float(np.ptp(load.displacements))
+
+    def instead(other: ForceTable) -> Channels:
+        return carried.changed(both(carried.push(load.body, _force(carried, load.body, other), at), _times(-1, own)))
+
+    def predict(x: Samples) -> Channels:
+        return instead(replace(load, displacements=tuple(s + float(x[0]) for s in load.displacements)))
+
+    (by,), predicted = fitted(evidence, predict, np.full(1, 1e-3 * reach), 4)
+    yield Hypothesis(Kind.load, load.at, f"{1e3 * by:.3g} mm", f"{name} is shifted by {1e3 * by:.3g} mm", predicted, 1)
+    backwards = instead(replace(load, forces=load.forces[::-1]))
+    yield Hypothesis(Kind.load, load.at, "backwards", f"{name} is backwards", backwards)
 
 
 def _force(carried: Carried, name: str, load: Force | PressForce | ForceTable) -> Vectors:

@@ -66,20 +66,24 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     what = "points the other way" if mirrored else "has the opposite sign"
     kind = Kind.frame if mirrored else Kind.sign
     yield Hypothesis(kind, place, "", f"{name} {what}", {c: -true[c] for c in channels})
+    for unit in (180 / pi, pi / 180) if {quantity(c) for c in channels} <= {*ANGLES} else ():
+        predicted = {c: unit * true[c] for c in channels}
+        yield Hypothesis(Kind.unit, place, FACTORS[unit], f"{name} is in {FACTORS[unit]}", predicted, 1)
     times = factor(evidence, channels, true.samples)
-    if all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
-        return
     known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
+    if known is None and all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
+        return  # an offset would do as well
     amount = f"{times:.4g}" if known is None else ("" if times >= 0 else "-") + FACTORS[known]
     predicted = {c: times * true[c] for c in channels}
-    yield Hypothesis(Kind.unit, place, amount, f"{name} is {times:.4g} times what it should be", predicted, 1)
+    sentence = f"{name} is {times:.4g} times what it should be"
+    yield Hypothesis(Kind.unit, place, amount, sentence, predicted, int(known is None or times < 0))
 
 
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield an offset of one channel, of a vector, or of one quantity of all; and a drift."""
     (name, channels), place = part, place_of(part)
     quantities = {quantity(channel) for channel in channels}
-    if len(quantities) > 2 or not (len(channels) <= 2 or len(quantities) == 1):
+    if len(quantities) > 1 and not (len(channels) == 2 and _vectors(channels)):
         return
     time = evidence.true["time"] - evidence.true["time"][0]
     off = {c: evidence.difference(c, evidence.true[c]) * evidence.scale[c] for c in channels}

@@ -77,8 +77,9 @@ def _held(evidence: Evidence) -> Iterator[Hypothesis]:
     some = [c for c in moving if stay[c].any() and np.ptp(evidence.given[c]) > 0]
     together = np.all([stay[c] for c in moving], axis=0)
     if together.any():
-        rows = _last_fresh(together)
-        yield _of_rows(evidence, Kind.held, "all", list(evidence.names), rows, "repeats a row")
+        later = np.append(together[1:], False)  # of two rows that are the same, either may be the one that is right
+        for rows in (_last_fresh(together), len(later) - 1 - _last_fresh(later[::-1])[::-1]):
+            yield _of_rows(evidence, Kind.held, "all", list(evidence.names), rows, "repeats a row")
     elif some and len(some) <= 6:
         predicted = {c: evidence.true[c][_last_fresh(stay[c])] for c in some}
         place = common(some)

@@ -6,19 +6,18 @@ from dataclasses import dataclass
 from scenes import Motion, Sampling
 
 from ..engines.reference import Reference
-from .course_causes import course_causes
-from .drive_causes import drive_causes
-from .evidence import EXACT, Evidence, Hypothesis, Kind, evidence
+from .course_causes import course_causes, noisy
+from .drive_causes import drive_causes, strayed
+from .evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
 from .force_causes import Carried, weight_causes
 from .geometry_causes import geometry_causes
 from .load_causes import load_causes
 from .read_out_causes import read_out_causes
 from .sample_causes import incomplete, sample_causes
 
-NEARLY_ALL = 0.15  # of the deviation: what a cause may leave over
+ROUNDING = 1e-11  # relative, a sample
 STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere
 PRICE = 0.25  # of what is left over, for each number that was fitted
-CLEARER = 1.5  # times what another kind of cause, or the same at another place, has to leave over
 
 
 @dataclass(frozen=True)
@@ -56,11 +55,12 @@ def cause(reference: Reference, sampling: Sampling, motion: Motion) -> Cause:
 def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     """Return causes with their price and what they leave over, the best first; no costly ones if a plain one holds."""
     found: list[tuple[float, float, Hypothesis]] = []
-    for causes in (_plain, _of_forces, _of_motion) if evidence.total > 0 else ():
-        for hypothesis in causes(evidence):
-            left = evidence.left(hypothesis.predicted)
+    elsewhere = away_from_switches(evidence)
+    for causes, of in ((_plain, evidence), (_of_forces, elsewhere), (_of_motion, elsewhere)):
+        for hypothesis in causes(of):
+            left = of.left(hypothesis.predicted)
             found.append((max(left, EXACT) * (1 + PRICE * hypothesis.freedom), left, hypothesis))
-        found.sort(key=lambda one: one[0])
+        found.sort(key=lambda one: one[:2])
         if found and found[0][1] <= EXACT:
             break
     return found
@@ -73,26 +73,30 @@ def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
-    if evidence.reference.scene.has_masses and evidence.moved <= NEARLY_ALL:
+    if evidence.reference.scene.has_masses and evidence.total > 0 and evidence.moved <= NEARLY_ALL:
         carried = Carried(evidence)
         yield from weight_causes(evidence, carried)
         yield from load_causes(evidence, carried)
 
 
 def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
-    if evidence.moved > STILL:
+    moves = evidence.total > 0 and evidence.moved > STILL
+    if moves:
         yield from drive_causes(evidence)
-    if evidence.moved > STILL or evidence.reference.scene.springs:
+    if moves or evidence.reference.scene.springs:
         yield from geometry_causes(evidence)
 
 
 def likeliest(evidence: Evidence) -> Cause:
-    """Return the cheapest cause that explains nearly all, if no other does nearly as well."""
-    causes = ranked(evidence)
-    if not causes or not causes[0][1] <= NEARLY_ALL:
+    """Return the cheapest cause that explains nearly all; where none does, noise, or a drive that is not in its place.
+
+    A deviation of rounding has no cause.
+    """
+    if not evidence.total > len(evidence.rows) * ROUNDING**2:
         return UNKNOWN
-    best = causes[0][2]
-    return Cause(best.kind, best.place, best.amount, best.sentence)
+    causes = ranked(evidence)
+    best = causes[0][2] if causes and causes[0][1] <= NEARLY_ALL else noisy(evidence) or strayed(evidence)
+    return Cause(best.kind, best.place, best.amount, best.sentence) if best else UNKNOWN
 
 
 def sentence(engine: str, found: Cause, others_agree: bool) -> str:
