@@ -1,17 +1,19 @@
 """The likely cause of a disagreement, in one sentence: the simplest that explains nearly all of it, or none."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from scenes import Motion, Sampling
+from scenes import Motion, Sampling, Status
 
 from ..engines.reference import Reference
+from ..engines.registry import REFERENCE
 from .course_causes import course_causes, noisy
 from .drive_causes import drive_causes, strayed
 from .evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
 from .force_causes import Carried, weight_causes
 from .geometry_causes import geometry_causes
 from .load_causes import load_causes
+from .measure import Measurement
 from .read_out_causes import read_out_causes
 from .sample_causes import incomplete, sample_causes
 
@@ -102,3 +104,22 @@ def likeliest(evidence: Evidence) -> Cause:
 def sentence(engine: str, found: Cause, others_agree: bool) -> str:
     """Return the line for a reader: `exudyn: rod's mass is 12 % too large, the others agree`."""
     return f"{engine}: {found.sentence}{', the others agree' if others_agree and found.known else ''}"
+
+
+def sentences(reference: Reference, sampling: Sampling, measurements: Sequence[Measurement]) -> dict[str, str]:
+    """Return a line for each engine that is not ok and returned a motion; where the core is in doubt, for it alone.
+
+    Args:
+        reference: of the scene, after all engines have been heard.
+        sampling: what was asked for.
+        measurements: one an engine.
+    """
+    if doubt := reference.floor.doubt:
+        return {REFERENCE: f"{REFERENCE}: {doubt}"}
+    failed = [m.run for m in measurements if m.run.status is not Status.ok]
+    alone = len(failed) == 1 and len(measurements) > 2
+    return {
+        run.engine: sentence(run.engine, cause(reference, sampling, run.motion), alone)
+        for run in failed
+        if run.motion is not None
+    }

@@ -1,0 +1,198 @@
+"""The likely cause of a disagreement: of motions and scenes that are wrong on purpose, kind and place are named."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import NDArray
+
+from compare.engines import registry
+from compare.engines.reference import Reference
+from compare.engines.runner import Run, run
+from compare.engines.settings import tiers
+from compare.judge.evidence import Kind
+from compare.judge.measure import Measurement
+from compare.judge.perturbation import Path, put
+from compare.judge.triage import Cause, cause, sentence, sentences
+from scenes import Motion, Scene, Settings, Status
+from scenes.motion import Samples, channels, force_channels, quantity
+from tests.comparisons import SAMPLING, References, changed, commanded
+
+Spoil = Callable[[Reference, Motion], dict[str, Samples]]
+ROWS = np.arange(SAMPLING.count)
+
+
+def spoilt(motion: Motion, samples: dict[str, Samples]) -> Motion:
+    return Motion({**motion.samples, **samples})
+
+
+def late(reference: Reference, by: float) -> Motion:
+    instants = SAMPLING.times(reference.scene) - by
+    return reference.at(reference.scene.drive.at(instants).position, instants)
+
+
+def in_frame(motion: Motion, joint: str, body: str) -> dict[str, Samples]:
+    force = (motion[f"{joint}.fx"] + 1j * motion[f"{joint}.fy"]) * np.exp(-1j * motion[f"{body}.angle"])
+    return {f"{joint}.fx": force.real, f"{joint}.fy": force.imag}
+
+
+def without_centripetal(motion: Motion) -> dict[str, Samples]:
+    arm, w = {axis: motion[f"P4.{axis}"] - motion[f"P2.{axis}"] for axis in "xy"}, motion["toggle.omega"]
+    return {f"P4.a{axis}": motion[f"P4.a{axis}"] + w**2 * arm[axis] for axis in "xy"}
+
+
+def rows(motion: Motion, order: NDArray[np.intp]) -> dict[str, Samples]:
+    return {channel: samples[order] for channel, samples in motion.samples.items() if channel != "time"}
+
+
+READ_OUT: dict[str, tuple[str, Spoil, Kind, str]] = {
+    "sign": ("toggle_press", lambda _, m: {c: -m[c] for c in ("P4.fx", "P4.fy")}, Kind.sign, "P4"),
+    "sign of one": ("toggle_press", lambda _, m: {"rod.omega": -m["rod.omega"]}, Kind.sign, "rod"),
+    "degrees": ("toggle_press", lambda _, m: {"rod.angle": np.degrees(m["rod.angle"])}, Kind.unit, "rod"),
+    "kN": ("toggle_press", lambda r, m: {c: m[c] / 1e3 for c in force_channels(r.scene)}, Kind.unit, "all"),
+    "offset": ("toggle_press", lambda _, m: {"P4.y": m["P4.y"] + 0.01}, Kind.offset, "P4"),
+    "body frame": ("toggle_press", lambda _, m: in_frame(m, "P4", "toggle"), Kind.frame, "P4"),
+    "components": ("toggle_press", lambda _, m: {"P3.fx": m["P3.fy"], "P3.fy": m["P3.fx"]}, Kind.swap, "P3"),
+    "centripetal": ("toggle_press", lambda _, m: without_centripetal(m), Kind.term, "P4"),
+    "other pair": (
+        *("three_at_a_pin", lambda _, m: {f"C.{q}": m[f"C.{q}"] + m[f"C/rod.{q}"] for q in ("fx", "fy")}),
+        *(Kind.pair, "C"),
+    ),
+    "constant": ("toggle_press", lambda _, m: {"P4.x": 0 * m["P4.x"]}, Kind.constant, "P4"),
+    "row held": ("toggle_press", lambda _, m: rows(m, np.where(ROWS == 30, 29, ROWS)), Kind.held, "all"),
+    "rows swapped": (
+        "toggle_press",
+        lambda _, m: rows(m, np.where(ROWS // 2 == 15, 61 - ROWS, ROWS)),
+        Kind.rows,
+        "all",
+    ),
+    "spike": ("toggle_press", lambda _, m: dict(changed(m, "P4.y", 0.01).samples), Kind.spike, "P4"),
+    "not finite": ("toggle_press", lambda _, m: dict(changed(m, "P4.y", np.nan).samples), Kind.nonfinite, "P4"),
+    "noise": (
+        *("toggle_press", lambda _, m: {"P4.fx": m["P4.fx"] + 1e3 * np.random.default_rng(1).normal(size=73)}),
+        *(Kind.noise, "P4"),
+    ),
+    "all late": ("toggle_press", lambda r, _: rows(late(r, 2e-3), ROWS), Kind.lag, "all"),
+    "rates late": (
+        "quick_return",
+        lambda r, m: {
+            c: s for c, s in late(r, 0.01).samples.items() if c in m and quantity(c) in ("vx", "vy", "omega")
+        },
+        *(Kind.lag, "all"),
+    ),
+    "drive": ("swinging_law", lambda _, m: {"crank_angle": m["crank_angle"] + 1e-3}, Kind.drive, "drive"),
+}
+
+
+@pytest.mark.parametrize("fault", READ_OUT)
+def test_what_is_wrong_in_a_read_out_is_named(references: References, fault: str) -> None:
+    name, spoil, kind, place = READ_OUT[fault]
+    reference = references(name)
+    motion = commanded(reference)
+    found = cause(reference, SAMPLING, spoilt(motion, spoil(reference, motion)))
+    assert (found.kind, found.place) == (kind, place), found.sentence
+
+
+INPUTS: dict[str, tuple[str, Path, float, Kind, str, str]] = {  # what is wrong in a scene, and by which factor
+    "mass": ("toggle_press", ("bodies", "rod", "mass"), 1.12, Kind.mass, "rod", "12 % too large"),
+    "length": (
+        *("toggle_press", ("bodies", "rod", "lengths", frozenset(("P4", "P5"))), 1.003),
+        *(Kind.length, "rod", "0.9 mm too long"),
+    ),
+    "ground": ("toggle_press", ("ground", "P1"), 1.01, Kind.place, "P1", "4.6 mm off"),
+    "load": ("toggle_press", ("loads", 0, "force"), -1.0, Kind.load, "P5", "of the opposite sign"),
+    "gravity": ("quick_return", ("gravity",), -1.0, Kind.gravity, "all", "of the opposite sign"),
+    "guide": (
+        "quick_return",
+        ("bodies", "ram", "slide", "through"),
+        1.02,
+        Kind.guide,
+        "ram",
+        "2.99 mm beside its place",
+    ),
+    "stiffness": ("driven_toggle", ("springs", 0, "stiffness"), 1.1, Kind.spring, "S-K", "stiffness 10 % too large"),
+    "table": ("driven_toggle", ("loads", 0, "forces"), 0.9, Kind.load, "C", "10 % too small"),
+}
+
+
+@pytest.mark.parametrize("fault", INPUTS)
+def test_what_is_wrong_in_a_scene_is_named_with_its_amount(references: References, fault: str) -> None:
+    name, path, factor, kind, place, amount = INPUTS[fault]
+    reference = references(name)
+    value = _at(reference.scene, path)
+    table = path[-1] == "forces"
+    other = put(reference.scene, path, factor if table else _times(factor, value))
+    found = cause(reference, SAMPLING, _solved(other, reference))
+    assert (found.kind, found.place, found.amount) == (kind, place, amount), found.sentence
+
+
+def test_what_has_no_number_in_the_scene_is_named(references: References) -> None:
+    reference = references("toggle_press")
+    scene = reference.scene
+    rod = scene.bodies["rod"]
+    about_end = replace(rod, com=(0.15, 0.0), inertia=60 * 0.3**2 / 3)
+    found = cause(reference, SAMPLING, _solved(replace(scene, bodies={**scene.bodies, "rod": about_end}), reference))
+    assert found == Cause(Kind.inertia, "rod", "that about its end", "rod's moment of inertia is that about its end")
+    found = cause(reference, SAMPLING, _solved(replace(scene, loads=()), reference))
+    assert found.sentence == "the load at P5 is missing"
+    force = 1e4 * np.sign(commanded(reference)["P5.vy"])  # against the motion of the slider
+    motion = commanded(reference)
+    slow = motion["P5.vy"] * force / reference.scene.drive.at(motion["time"]).rate
+    found = cause(reference, SAMPLING, spoilt(motion, {"drive.torque": motion["drive.torque"] + slow}))
+    assert (found.kind, found.place) == (Kind.friction, "slider")
+
+
+def _solved(scene: Scene, reference: Reference) -> Motion:
+    motion = registry.reference(scene)(SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene))
+    return Motion({channel: motion[channel] for channel in channels(scene)})
+
+
+def _at(whole: object, path: Path) -> object:
+    for key in path:
+        whole = getattr(whole, key) if isinstance(key, str) and hasattr(whole, key) else whole[key]  # type: ignore[index]
+    return whole
+
+
+def _times(factor: float, value: object) -> float | tuple[float, float]:
+    if isinstance(value, tuple):
+        return factor * value[0], factor * value[1]
+    assert isinstance(value, float | int)
+    return factor * value
+
+
+@pytest.mark.parametrize("name", ["toggle_press", "quick_return", "swinging_law"])
+def test_a_right_motion_has_no_cause(references: References, name: str) -> None:
+    reference = references(name)
+    assert not cause(reference, SAMPLING, commanded(reference)).known
+
+
+@pytest.mark.parametrize(("engine", "tier"), [("pymunk", "fast"), ("exudyn", "fast")])
+def test_coarse_steps_are_nobodys_fault(references: References, engine: str, tier: str) -> None:
+    """What discretisation is off by is no wrong mass, length or sign."""
+    reference = references("toggle_press")
+    outcome = run(engine, reference.scene, SAMPLING, tiers(engine)[tier])
+    assert outcome.motion is not None, outcome.reason
+    assert cause(reference, SAMPLING, outcome.motion).kind in (Kind.unknown, Kind.solver, Kind.noise)
+
+
+def test_the_line_names_the_engine_and_whether_the_others_agree(references: References) -> None:
+    reference = references("toggle_press")
+    motion = commanded(reference)
+    wrong = spoilt(motion, {"P4.fx": -motion["P4.fx"]})
+    ok = Run("analytic", Settings("x"), Status.ok, motion=motion)
+    failed = replace(ok, engine="exudyn", status=Status.inaccurate, motion=wrong)
+    measured = [Measurement(one, None, [], pd.DataFrame()) for one in (ok, failed, replace(ok, engine="pymunk"))]
+    line = "exudyn: P4.fx has the opposite sign"
+    assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
+    assert (
+        sentences(reference, SAMPLING, [*measured[1:], replace(measured[1], run=replace(failed, engine="other"))])[
+            "exudyn"
+        ]
+        == line
+    )
+    doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
+    assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
+    unknown = Cause(Kind.unknown, "", "", "the cause is unknown")
+    assert sentence("exudyn", unknown, others_agree=True) == "exudyn: the cause is unknown"
