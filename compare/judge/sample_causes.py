@@ -13,6 +13,7 @@ from ..engines.runner import ON_TIME
 from .evidence import ANGLES, Evidence, Hypothesis, Kind, common
 
 FEW = 0.1  # of the samples
+MOST = 0.8  # of the channels, that a spoilt row spoils
 NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what its neighbours have
 FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 
@@ -145,6 +146,8 @@ def _spoilt(evidence: Evidence) -> Iterator[Hypothesis]:
     of = [c for c, own in zip(evidence.names, off, strict=True) if own[bad].sum() > NEXT_TO_NOTHING * off.sum()]
     predicted = {c: np.where(bad, evidence.given[c], evidence.true[c]) for c in of}
     place = common(of)
+    if place == "all" and len(of) < MOST * len(evidence.names):
+        return  # a peak of some channels, as where a solver has trouble
     first = float(evidence.true[evidence.reference.scene.drive_channel][bad.argmax()])
     sentence = f"{place} is spoilt at {evidence.reference.scene.where(first)}, its neighbours are not"
     yield Hypothesis(Kind.spike, place, f"{bad.sum()} sample{'s' if bad.sum() > 1 else ''}", sentence, predicted)

@@ -58,7 +58,8 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     """Return causes with their price and what they leave over, the best first; no costly ones if a plain one holds."""
     found: list[tuple[float, float, Hypothesis]] = []
     elsewhere = away_from_switches(evidence)
-    for causes, of in ((_plain, evidence), (_of_forces, elsewhere), (_of_motion, elsewhere)):
+    stages = ((_plain, evidence), (course_causes, evidence), (_of_forces, elsewhere), (_of_motion, elsewhere))
+    for causes, of in stages:
         for hypothesis in causes(of):
             left = of.left(hypothesis.predicted)
             found.append((max(left, EXACT) * (1 + PRICE * hypothesis.freedom), left, hypothesis))
@@ -71,7 +72,6 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
 def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from sample_causes(evidence)
     yield from read_out_causes(evidence)
-    yield from course_causes(evidence)
 
 
 def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
