@@ -80,7 +80,7 @@ def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
 
     def by_name(engine: str) -> tuple[Sequence[Settings], str]:
         offered = offers(engine, str(accuracy))
-        return offered, f"{engine}, {offered[0].label}: {offered[0].note}" if offered[0].note else ""
+        return offered, noted(engine, offered[0])
 
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
         found, level = within(engine, float(accuracy), speed), float(accuracy)
@@ -88,9 +88,11 @@ def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
         if found:
             why = f"{engine}: {found[0].label} is the cheapest measured to be within {level:g} in every group"
             return promising(level, (*found, *others)), why
-        first = tiers(engine)["exact"]
         why = f"{engine}: no setting was measured to be within {level:g} in every group; run at its most accurate one"
-        return promising(level, others), f"{why}; {first.note}" if first.note else why
+        return promising(level, others), "; ".join(filter(None, (why, noted(engine, others[0]))))
+
+    def noted(engine: str, settings: Settings) -> str:
+        return f"{engine}, {settings.label}: {settings.note}" if settings.note else ""
 
     return by_name if isinstance(accuracy, str) else by_error
 

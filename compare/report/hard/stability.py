@@ -18,6 +18,8 @@ LETTERS: Mapping[Status, str] = {
     Status.wrong_branch: "B",
     Status.diverged: "D",
     Status.not_converged: "N",
+    Status.inconsistent: "I",
+    Status.inaccurate: "O",
     Status.nonfinite: "F",
     Status.timed_out: "T",
     Status.crashed: "C",

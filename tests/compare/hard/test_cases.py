@@ -18,9 +18,9 @@ from compare.hard.case import Case, examine
 from compare.hard.kept import Kept
 from compare.report.hard import tables as hard_tables
 from compare.report.hard.section import hard_section
-from scenes import Failure, Motion, Sampling, Status
+from scenes import Failure, Motion, Sampling, Settings, Status
 from tests import scene_files
-from tests.comparisons import Plug, changed
+from tests.comparisons import Plug, Stub, changed
 
 LADDER = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
 
@@ -33,8 +33,10 @@ def ladder(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def judge(ladder: str, plug: Plug) -> Callable[..., dict[str, Any]]:
-    """Return a function that has an engine end as told on a rung, and returns the row."""
+def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, Any]]:
+    """Return a function that has an engine, which promises 1e-3, end as told on a rung, and returns the row."""
+    for tier in ("FAST", "DEFAULT", "EXACT"):
+        monkeypatch.setattr(Stub, tier, Settings("stub", promise=1e-3))
 
     def judge(outcome: Motion | Failure, rung: str = "as_is") -> dict[str, Any]:
         plug(outcome)
@@ -110,7 +112,7 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(registry, "checked_reference", wrong)
     monkeypatch.setattr(
-        "compare.judge.round_off.sensitivity", lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"])
+        "compare.judge.round_off.sensitivity", lambda _, __, true, ___: dict.fromkeys(true.samples, 0 * true["time"])
     )
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert row["outcome"] == "silent"
