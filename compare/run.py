@@ -179,6 +179,8 @@ def _print_result(result: "Study") -> None:
     for m in result.measurements:
         if m.run.reason:
             print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
+    for cause in result.causes.values():
+        print(f"{result.scene.name}  likely cause: {cause}")
     for sentence in (*result.reasons, verdict(result)):
         print(f"{result.scene.name}  {sentence}")
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 from typing import TypeAlias
 
@@ -20,6 +20,7 @@ from .escalation import escalated
 from .gates import Gate, gate_table, gates, missed
 from .measure import Measurement, measure
 from .round_off import Explained, explain
+from .triage import sentences
 from .verdict import judged
 
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
@@ -48,6 +49,11 @@ class Judgement:
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
         return missed(self.measurements, self.held) + ([f"{REFERENCE}: {doubt}"] if doubt and not asked else [])
+
+    @cached_property
+    def causes(self) -> dict[str, str]:
+        """By engine that is not ok, the likely cause in a sentence; of a doubted core alone. Found when asked for."""
+        return sentences(self.reference, self.sampling, self.measurements)
 
     @property
     def verdicts(self) -> dict[str, tuple[str, str]]:

@@ -100,6 +100,7 @@ def _summary(study: Study) -> dict[str, Any]:
         "axis": axis(scene),
         "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
         "engines": {m.run.engine: _engine(m) for m in study.measurements},
+        "causes": study.causes,
         "errors": study.errors.to_dict("records"),
         "gates": study.gates.to_dict("records"),
         "cheapest": work_precision.choices(study.speed).to_dict("records"),

@@ -125,7 +125,7 @@ def notes(study: Study) -> list[str]:
             sentences.append(f"{run.engine}: {run.status.name}. {run.status.value} Here: {run.reason}.")
         if run.motion is not None:
             sentences += [f"{run.engine} gives no {c}: {why}." for c, why in run.motion.unsupported.items()]
-    return sentences
+    return sentences + [f"Likely cause: {cause}." for cause in study.causes.values()]
 
 
 def floors(found: Iterable[Floor]) -> Iterator[str]:
