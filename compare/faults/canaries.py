@@ -1,0 +1,102 @@
+"""Canaries: copies of the motions just judged, each wrong on purpose, that the comparison has to notice.
+
+Each takes the way of a real run: completeness, checks, comparison, verdict, gates, and what stops a CI run. One that
+comes through is a fault of the comparison itself, and named.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import cycle
+
+import numpy as np
+
+from scenes import Motion, Sampling, Status
+from scenes.motion import force_channels
+
+from ..engines import registry
+from ..engines.reference import Reference
+from ..judge.measure import Measurement
+from ..judge.perturbation import put
+from ..judge.round_off import Explained
+from . import spoilt_motion as spoilt
+from .thinned import (
+    Noticed,
+    Thinned,
+    each_channel_is_seen,
+    each_check_alone,
+    refused,
+    stops_without_a_motion,
+    thinned,
+)
+
+
+def canaries(
+    reference: Reference, sampling: Sampling, measurements: Sequence[Measurement], explained: Explained
+) -> list[str]:
+    """Return what the comparison lets through, a line each; none where no run is ok, since the check fails anyway.
+
+    Args:
+        reference: the scene's.
+        sampling: of the runs.
+        measurements: the judged runs, of which the ok ones are broken in turn.
+        explained: relative errors by round-off at the samples.
+
+    Returns:
+        One sentence for each broken copy that the comparison takes for a good one.
+    """
+    ok = [m.run for m in measurements if m.run.status is Status.ok and m.run.motion is not None]
+    if not ok:
+        return []
+    copies = [thinned(reference, sampling, run, explained) for run in ok]
+    return [
+        f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
+        for copy, (wrong, noticed) in zip(cycle(copies), _canaries(copies[0]), strict=False)
+        if not noticed(copy)
+    ]
+
+
+def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
+    """Yield what is wrong with each copy, in words, and whether that is noticed; of the channels that there are."""
+    scene, count = first.reference.scene, first.sampling.count
+    drive = scene.drive_channel
+    channels = {channel for channel in first.excess if channel != drive}
+    sizes = {c: float(np.abs(first.motion[c]).max()) / first.reference.scale[c] for c in first.excess if c in channels}
+    largest = max(sizes, key=sizes.__getitem__)
+
+    yield f"{largest} of the opposite sign", refused(partial(spoilt.scaled, names=[largest], factor=-1))
+    for x in [c for c in sizes if c.endswith("x")][-1:]:
+        y = f"{x[:-1]}y"
+        yield f"{x} and {y} swapped", refused(partial(spoilt.swapped, first=[x], second=[y]))
+    late = [0, *range(count - 1)]
+    yield "all late by a sample", refused(partial(spoilt.taken, rows=late, names={*channels, drive}))
+    yield "all but the drive late by a sample", refused(partial(spoilt.taken, rows=late, names=channels))
+    yield "a drive that lags", refused(partial(spoilt.shifted, names=[drive], by=-float(first.amount(drive).max())))
+    frozen = [*range(count // 3), count // 3 - 1, *range(count // 3 + 1, count)]
+    yield "a row repeated", refused(partial(spoilt.taken, rows=frozen, names={*channels, drive}))
+    held = [*range(count - 1), count - 2]
+    yield "the last row held", refused(partial(spoilt.taken, rows=held, names={*channels, drive}))
+    if scene.has_masses and first.complete:
+        yield "another mass", refused(_another_mass(first))
+
+    for value in (np.nan, np.inf):
+        yield f"{value} in {largest}", refused(partial(spoilt.at_row, name=largest, row=count // 3, value=value))
+    yield f"{largest} missing", refused(partial(spoilt.without, names={largest}))
+    yield f"{largest} declared unsupported", refused(partial(spoilt.without, names={largest}, reason="a canary"))
+    yield "a row too few", refused(partial(spoilt.taken, rows=range(count - 1)))
+    yield "no motion", stops_without_a_motion
+
+    if first.complete:
+        yield "all channels too large, by one check or another", each_check_alone(1)
+        yield "all channels too small, by one check or another", each_check_alone(-1)
+    yield "an error in one channel or another", each_channel_is_seen
+
+
+def _another_mass(copy: Thinned) -> Callable[[Motion], Motion]:
+    """Return what adds the forces of a body's further mass: an excess in the channel that it moves most."""
+    scene, forces = copy.reference.scene, force_channels(copy.reference.scene)
+    heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
+    heavier = put(scene, ("bodies", heaviest, "mass"), (scene.bodies[heaviest].mass or 0.0) + 1.0)
+    position, time = copy.motion[scene.drive_channel], copy.motion["time"]
+    right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
+    most = max(float((np.abs(wrong[c] - right[c]) / copy.amount(c)).max()) for c in forces)
+    return lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most)

@@ -1,0 +1,88 @@
+"""Ways to spoil a motion: each returns another one, whose named channels are wrong."""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+
+import numpy as np
+
+from scenes import Motion
+from scenes.motion import Samples
+
+from ..engines.motion_vectors import Vectors
+
+
+def replaced(motion: Motion, samples: Mapping[str, Samples]) -> Motion:
+    """Return the motion with other samples in some channels."""
+    return Motion({**motion.samples, **samples}, motion.unsupported)
+
+
+def changed(motion: Motion, names: Iterable[str], change: Callable[[Samples], Samples]) -> Motion:
+    """Return the motion with some channels changed, each by itself."""
+    return replaced(motion, {name: change(motion[name]) for name in names})
+
+
+def scaled(motion: Motion, names: Iterable[str], factor: float) -> Motion:
+    """Return the motion with some channels times a factor: -1 for the opposite sign, 1000 for mm in place of m."""
+    return changed(motion, names, lambda samples: factor * samples)
+
+
+def shifted(motion: Motion, names: Iterable[str], by: float) -> Motion:
+    """Return the motion with the same added to every sample of some channels."""
+    return changed(motion, names, lambda samples: samples + by)
+
+
+def swapped(motion: Motion, first: Iterable[str], second: Iterable[str]) -> Motion:
+    """Return the motion with channels in each other's place."""
+    pairs = [*zip(first, second, strict=True)]
+    return replaced(motion, {a: motion[b] for a, b in pairs} | {b: motion[a] for a, b in pairs})
+
+
+def mapped(motion: Motion, stems: Iterable[tuple[str, str]], change: Callable[[Vectors], Vectors]) -> Motion:
+    """Return the motion with some vectors changed, each given by the names of its x and its y channel."""
+    samples: dict[str, Samples] = {}
+    for x, y in stems:
+        vector = change(motion[x] + 1j * motion[y])
+        samples |= {x: vector.real, y: vector.imag}
+    return replaced(motion, samples)
+
+
+def taken(motion: Motion, rows: Iterable[int], names: Collection[str] | None = None) -> Motion:
+    """Return the motion with other rows, in some channels or all: a row may come twice, or in another order."""
+    chosen = [*rows]
+    return Motion(
+        {
+            name: samples[chosen] if names is None or name in names else samples
+            for name, samples in motion.samples.items()
+        },
+        motion.unsupported,
+    )
+
+
+def at_row(motion: Motion, name: str, row: int, value: float) -> Motion:
+    """Return the motion with one sample replaced."""
+    samples = motion[name].copy()
+    samples[row] = value
+    return replaced(motion, {name: samples})
+
+
+def without(motion: Motion, names: Collection[str], reason: str = "") -> Motion:
+    """Return the motion without some channels: declared unsupported where a reason is given."""
+    kept = {name: samples for name, samples in motion.samples.items() if name not in names}
+    return Motion(kept, {**motion.unsupported, **dict.fromkeys(names if reason else (), reason)})
+
+
+def moved(motion: Motion, right: Motion, wrong: Motion, names: Iterable[str], factor: float = 1.0) -> Motion:
+    """Return the motion plus what lies between two others, times a factor, in some channels."""
+    return replaced(motion, {name: motion[name] + factor * (wrong[name] - right[name]) for name in names})
+
+
+def noisy(motion: Motion, names: Iterable[str], size: Mapping[str, float], seed: int = 0) -> Motion:
+    """Return the motion with normal noise of a size, by channel."""
+    draw = np.random.default_rng(seed)
+    return replaced(
+        motion, {name: motion[name] + size[name] * draw.standard_normal(len(motion[name])) for name in names}
+    )
+
+
+def drifting(motion: Motion, names: Iterable[str], size: Mapping[str, float]) -> Motion:
+    """Return the motion with an error that grows evenly to a size at the end, by channel."""
+    return replaced(motion, {name: motion[name] + size[name] * np.linspace(0, 1, len(motion[name])) for name in names})

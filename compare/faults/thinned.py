@@ -1,0 +1,149 @@
+"""An ok run at a few rows of its first cycle, and what has to be noticed when a copy of it is wrong."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+import pandas as pd
+
+from scenes import Motion, Sampling, Status
+from scenes.motion import Samples, channels, quantity
+
+from ..engines.reference import Reference, magnitude
+from ..engines.runner import Run
+from ..judge.errors import GROUPS
+from ..judge.gates import gates, missed
+from ..judge.measure import Measurement, assess
+from ..judge.round_off import Explained
+from ..judge.verdict import judged
+from . import spoilt_motion as spoilt
+
+ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
+EXCESS = 30.0  # times what the settings promise: an ok run has no excuse for so much
+ALONE = ("drive", "closure", "Newton", "Euler", "power")  # checks, each of which has to notice by itself
+
+
+@dataclass(frozen=True)
+class Thinned:
+    """One ok run at a few rows."""
+
+    reference: Reference
+    sampling: Sampling
+    run: Run
+    explained: Explained
+
+    @cached_property
+    def motion(self) -> Motion:
+        """What the copies are made of."""
+        assert self.run.motion is not None
+        return self.run.motion
+
+    @cached_property
+    def excess(self) -> Mapping[str, Samples]:
+        """Relative errors that no ok run may have, by channel, each of shape (n,)."""
+        settings, drive = self.run.settings, self.reference.scene.drive_channel
+        assert settings is not None
+        return {
+            channel: EXCESS * (settings.drive_promise if channel == drive else settings.promise)
+            + 10 * np.nan_to_num(self.explained.error(channel), posinf=0.0)
+            for channel in self.motion.samples
+            if channel in self.reference.scale and channel != "time"
+        }
+
+    def amount(self, channel: str) -> Samples:
+        """Return that excess in the unit of the channel."""
+        return self.excess[channel] * np.maximum(self.reference.scale[channel], magnitude(self.motion, channel))
+
+    @property
+    def complete(self) -> bool:
+        """Whether all channels are there: then its own output has to show that it is wrong."""
+        return self.motion.samples.keys() >= {*channels(self.reference.scene)}
+
+    def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
+        """Return the judgement of another motion in place of the run's."""
+        return assess(reference or self.reference, self.sampling, replace(self.run, motion=motion), self.explained)
+
+
+Noticed: TypeAlias = Callable[[Thinned], bool]  # whether the comparison notices what is wrong with a copy
+
+
+def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Explained) -> Thinned:
+    """Return an ok run at every k-th row of the first cycle, k the largest that leaves enough and divides the cycle."""
+    assert run.motion is not None
+    count = sampling.samples
+    every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
+    rows = slice(0, count + 1, every)
+    samples = {channel: values[rows] for channel, values in run.motion.samples.items()}
+    known = Explained(explained.condition[rows], {c: values[rows] for c, values in explained.sensitivity.items()})
+    fewer = replace(sampling, samples=count // every, turns=1)
+    return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
+
+
+def refused(spoil: Callable[[Motion], Motion]) -> Noticed:
+    """Return whether a spoilt motion stops a CI run, by its own output where that is complete."""
+
+    def noticed(copy: Thinned) -> bool:
+        found = copy.assessed(spoil(copy.motion))
+        return found.run.found_by != "reference" * copy.complete and stops(copy, found)
+
+    return noticed
+
+
+def stops(copy: Thinned, found: Measurement) -> bool:
+    """Return whether a judged run stops a CI run: with a tolerance for every group, and with none at all."""
+    return found.run.status is not Status.ok and bool(missed([found], [])) and _all_missed(copy, found, np.inf)
+
+
+def stops_without_a_motion(copy: Thinned) -> bool:
+    """Return whether a failed run stops a CI run."""
+    failed = replace(copy.run, status=Status.crashed, reason="a canary", motion=None)
+    return stops(copy, Measurement(failed, None, [], pd.DataFrame()))
+
+
+def each_check_alone(sign: int) -> Noticed:
+    """Return whether each check notices by itself that all channels are off, and that what it finds is no number."""
+
+    def noticed(copy: Thinned) -> bool:
+        off = {channel: copy.motion[channel] + sign * copy.amount(channel) for channel in copy.excess}
+        found = copy.assessed(spoilt.replaced(copy.motion, off))
+        of = {name: [check for check in found.checks if check.check == name] for name in ALONE}
+        alone = [own for own in of.values() if own] + [[replace(own, worst=float("nan"))] for own in found.checks]
+        return stops(copy, found) and all(judged(copy.run, own).status is not Status.ok for own in alone)
+
+    return noticed
+
+
+def each_channel_is_seen(copy: Thinned) -> bool:
+    """Return whether the error of each channel is seen where the reference is another, each channel's at its own rows.
+
+    The output itself is as good as before: the comparison with the reference alone can notice.
+    """
+    count = copy.sampling.count
+    rows = {channel: [n % count, (n + count // 2) % count] for n, channel in enumerate(copy.excess)}
+
+    def at(position: Samples, time: Samples) -> Motion:
+        true = copy.reference.at(position, time)
+        off = {channel: true[channel].copy() for channel in rows}
+        for channel, own in rows.items():
+            off[channel][own] += copy.amount(channel)[own]
+        return spoilt.replaced(true, off)
+
+    found = copy.assessed(copy.motion, replace(copy.reference, at=at))
+    if found.comparison is None or found.run.found_by != "reference" or not stops(copy, found):
+        return False
+    largest = found.errors.set_index("channel")["max"]
+    seen = (
+        largest[channel] >= found.comparison.actual[channel][own].max() > copy.excess[channel][own].min() / 2
+        for channel, own in rows.items()
+    )
+    return all(seen) and _all_missed(copy, replace(found, run=copy.run), min(map(np.min, copy.excess.values())) / 2)
+
+
+def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:
+    """Return whether a tolerance of each group of channels is missed."""
+    groups = {GROUPS[quantity(channel)] for channel in copy.excess}
+    held = replace(copy.reference.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
+    gated = [*gates(held, [found])]
+    return {gate.group for gate in gated} == groups and len(missed([found], gated)) >= len(groups)
