@@ -9,6 +9,7 @@ from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
 from .engines.settings import Accuracy, settings_of, tiers
+from .faults.canaries import canaries
 from .judge.escalation import offers, promising
 from .judge.floor import establish
 from .judge.judgement import Judgement, Offers, judgement
@@ -29,7 +30,7 @@ class Study(Judgement):
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:
-    """Solve a scene by every engine named, measure, and gate; nothing is timed and nothing written.
+    """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written.
 
     Raises:
         InputError: the reference cannot solve the scene.
@@ -38,7 +39,9 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     speed = pd.DataFrame()
     if not isinstance(accuracy, str):
         speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels)
-    return judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None)
+    found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None)
+    found.let_through.extend(canaries(found))
+    return found
 
 
 def study(

@@ -26,6 +26,7 @@ arm, which is the largest distance of two points, or of a point from a guide, on
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import TypeAlias
 
 import numpy as np
@@ -45,6 +46,7 @@ UNITS: Mapping[str, str] = {
 }
 
 
+@cache
 def quantity(channel: str) -> str:
     """Return what a channel measures, a key of `UNITS`: `P5.y` -> `y`, `time` -> `time`."""
     return channel.rpartition(".")[2]

@@ -4,20 +4,18 @@ Each takes the way of a real run: completeness, checks, comparison, verdict, gat
 comes through is a fault of the comparison itself, and named.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import cycle
 
 import numpy as np
 
-from scenes import Motion, Sampling, Status
+from scenes import Motion, Status
 from scenes.motion import force_channels
 
 from ..engines import registry
-from ..engines.reference import Reference
-from ..judge.measure import Measurement
+from ..judge.judgement import Judgement
 from ..judge.perturbation import put
-from ..judge.round_off import Explained
 from . import spoilt_motion as spoilt
 from .thinned import (
     Noticed,
@@ -30,24 +28,19 @@ from .thinned import (
 )
 
 
-def canaries(
-    reference: Reference, sampling: Sampling, measurements: Sequence[Measurement], explained: Explained
-) -> list[str]:
-    """Return what the comparison lets through, a line each; none where no run is ok, since the check fails anyway.
+def canaries(judgement: Judgement) -> list[str]:
+    """Return what the comparison lets through, a line each; none where no run is ok or the reference is in doubt.
 
     Args:
-        reference: the scene's.
-        sampling: of the runs.
-        measurements: the judged runs, of which the ok ones are broken in turn.
-        explained: relative errors by round-off at the samples.
+        judgement: the runs just judged, of which the ok ones are broken in turn.
 
     Returns:
         One sentence for each broken copy that the comparison takes for a good one.
     """
-    ok = [m.run for m in measurements if m.run.status is Status.ok and m.run.motion is not None]
-    if not ok:
+    ok = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion is not None]
+    if not ok or judgement.reference.floor.doubt:
         return []
-    copies = [thinned(reference, sampling, run, explained) for run in ok]
+    copies = [thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]
     return [
         f"the comparison itself: it lets through {copy.run.engine} with {wrong}"
         for copy, (wrong, noticed) in zip(cycle(copies), _canaries(copies[0]), strict=False)
@@ -70,13 +63,11 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     late = [0, *range(count - 1)]
     yield "all late by a sample", refused(partial(spoilt.taken, rows=late, names={*channels, drive}))
     yield "all but the drive late by a sample", refused(partial(spoilt.taken, rows=late, names=channels))
-    yield "a drive that lags", refused(partial(spoilt.shifted, names=[drive], by=-float(first.amount(drive).max())))
+    yield "a drive that lags", lambda copy: refused(_lagging(copy))(copy)
     frozen = [*range(count // 3), count // 3 - 1, *range(count // 3 + 1, count)]
     yield "a row repeated", refused(partial(spoilt.taken, rows=frozen, names={*channels, drive}))
-    held = [*range(count - 1), count - 2]
-    yield "the last row held", refused(partial(spoilt.taken, rows=held, names={*channels, drive}))
     if scene.has_masses and first.complete:
-        yield "another mass", refused(_another_mass(first))
+        yield "another mass", lambda copy: refused(_another_mass(copy))(copy)
 
     for value in (np.nan, np.inf):
         yield f"{value} in {largest}", refused(partial(spoilt.at_row, name=largest, row=count // 3, value=value))
@@ -89,6 +80,12 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
         yield "all channels too large, by one check or another", each_check_alone(1)
         yield "all channels too small, by one check or another", each_check_alone(-1)
     yield "an error in one channel or another", each_channel_is_seen
+
+
+def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
+    """Return what lets the drive lag by an excess, and nothing else."""
+    drive = copy.reference.scene.drive_channel
+    return partial(spoilt.shifted, names=[drive], by=-float(copy.amount(drive).max()))
 
 
 def _another_mass(copy: Thinned) -> Callable[[Motion], Motion]:

@@ -11,7 +11,8 @@ import pandas as pd
 from scenes import Motion, Sampling, Status
 from scenes.motion import Samples, channels, quantity
 
-from ..engines.reference import Reference, magnitude
+from ..engines.reference import Reference, sizes
+from ..engines.registry import Solve
 from ..engines.runner import Run
 from ..judge.errors import GROUPS
 from ..judge.gates import gates, missed
@@ -41,6 +42,12 @@ class Thinned:
         return self.run.motion
 
     @cached_property
+    def true(self) -> Motion:
+        """What the motion should be."""
+        scene = self.reference.scene
+        return self.reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
+
+    @cached_property
     def excess(self) -> Mapping[str, Samples]:
         """Relative errors that no ok run may have, by channel, each of shape (n,)."""
         settings, drive = self.run.settings, self.reference.scene.drive_channel
@@ -54,7 +61,7 @@ class Thinned:
 
     def amount(self, channel: str) -> Samples:
         """Return that excess in the unit of the channel."""
-        return self.excess[channel] * np.maximum(self.reference.scale[channel], magnitude(self.motion, channel))
+        return self.excess[channel] * sizes(self.true, channel, self.reference.scale[channel])
 
     @property
     def complete(self) -> bool:
@@ -78,7 +85,21 @@ def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Expla
     samples = {channel: values[rows] for channel, values in run.motion.samples.items()}
     known = Explained(explained.condition[rows], {c: values[rows] for c, values in explained.sensitivity.items()})
     fewer = replace(sampling, samples=count // every, turns=1)
-    return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
+    remembering = replace(reference, at=_remembering(reference.at))
+    return Thinned(remembering, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
+
+
+def _remembering(solve: Solve) -> Solve:
+    """Return a solver that solves nothing twice."""
+    known: dict[tuple[bytes, bytes], Motion] = {}
+
+    def at(position: Samples, time: Samples) -> Motion:
+        key = position.tobytes(), time.tobytes()
+        if key not in known:
+            known[key] = solve(position, time)
+        return known[key]
+
+    return at
 
 
 def refused(spoil: Callable[[Motion], Motion]) -> Noticed:

@@ -100,29 +100,27 @@ def error_table(
 
     `unexplained` is the largest error where it is above what doubles explain, if that is known.
     """
-    rows = []
-    known = {} if explained is None else explained.left_over(comparison.actual)
-    unit = axis(reference.scene).unit
-    last_turn = slice(-comparison.samples_a_turn - 1, None)
-    for channel, error in comparison.actual.items():
-        worst = int(error.argmax())
-        commanded = comparison.commanded[channel]
-        floor = reference.floor.by_channel.get(channel, np.nan)
-        least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
-        figures = {
-            "max": error[worst],
-            "unexplained": known.get(channel, error).max(),
-            "rms": np.sqrt(np.mean(error**2)),
-            "last_turn_max": error[last_turn].max(),
-            "toggle_max": error[comparison.toggle].max() if comparison.toggle.any() else np.nan,
-            "commanded_max": commanded.max(),
-            "commanded_rms": np.sqrt(np.mean(commanded**2)),
-        }
-        rows.append(
-            {"engine": engine, "channel": channel, "group": GROUPS[quantity(channel)]}
-            | {name: float(np.maximum(figure, floor if floor >= 0 else least)) for name, figure in figures.items()}
-            | {"explained": np.nan if explained is None else explained.error(channel).max()}
-            | {"max_at": comparison.axis[worst], "max_at_unit": unit, "floor": floor}
-            | {"scale": reference.scale[channel], "unit": UNITS[quantity(channel)]}
-        )
-    return pd.DataFrame(rows)
+    actual, commanded = (np.array([*of.values()]) for of in (comparison.actual, comparison.commanded))
+    known = actual if explained is None else np.array([*explained.left_over(comparison.actual).values()])
+    least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
+    names = [*comparison.actual]
+    floor = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in names])
+    figures = {
+        "max": actual.max(axis=1),
+        "unexplained": known.max(axis=1),
+        "rms": np.sqrt(np.mean(actual**2, axis=1)),
+        "last_turn_max": actual[:, -comparison.samples_a_turn - 1 :].max(axis=1),
+        "toggle_max": actual[:, comparison.toggle].max(axis=1)
+        if comparison.toggle.any()
+        else np.full(len(names), np.nan),
+        "commanded_max": commanded.max(axis=1),
+        "commanded_rms": np.sqrt(np.mean(commanded**2, axis=1)),
+    }
+    return pd.DataFrame(
+        {"engine": engine, "channel": names, "group": [GROUPS[quantity(channel)] for channel in names]}
+        | {name: np.maximum(figure, np.where(floor >= 0, floor, least)) for name, figure in figures.items()}
+        | {"explained": [np.nan if explained is None else explained.error(channel).max() for channel in names]}
+        | {"max_at": comparison.axis[actual.argmax(axis=1)], "max_at_unit": axis(reference.scene).unit, "floor": floor}
+        | {"scale": [reference.scale[channel] for channel in names]}
+        | {"unit": [UNITS[quantity(channel)] for channel in names]}
+    )

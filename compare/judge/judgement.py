@@ -1,7 +1,7 @@
 """One scene solved by several engines, each held to its promise, and the reference to its own."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import combinations
 from typing import TypeAlias
@@ -37,10 +37,11 @@ class Judgement:
     measurements: list[Measurement]  # one an engine, in the order asked for
     held: list[Gate]  # the scene's tolerances
     reasons: list[str]  # why engines run at the settings that they do, where there is a reason to name
+    let_through: list[str] = field(default_factory=list, kw_only=True)  # faults in copies of these runs, that none sees
 
     @property
     def ok(self) -> bool:
-        """Whether every engine is ok, the reference not in doubt, and no tolerance missed."""
+        """Whether every engine is ok, the reference not in doubt, no tolerance missed, and no canary let through."""
         return not self.missed
 
     @property
@@ -48,7 +49,8 @@ class Judgement:
         """What a CI run is stopped by, a line each."""
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
-        return missed(self.measurements, self.held) + ([f"{REFERENCE}: {doubt}"] if doubt and not asked else [])
+        doubted = [f"{REFERENCE}: {doubt}"] if doubt and not asked else []
+        return missed(self.measurements, self.held) + doubted + self.let_through
 
     @cached_property
     def causes(self) -> dict[str, str]:
