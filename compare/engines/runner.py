@@ -105,7 +105,7 @@ def _check_complete(scene: Scene, request: Request, motion: Motion, *, everythin
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
             if everything or quantity(channel) in given or channel == scene.drive_channel:
                 why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
-                raise Failure(Status.unsupported, why, motion)
+                raise Failure(Status.unsupported, why, motion if scene.drive_channel in motion else None)
             continue
         values = motion[channel]
         if values.dtype != np.float64:  # the reference would be evaluated at its precision

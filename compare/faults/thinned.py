@@ -156,7 +156,8 @@ def each_channel_is_seen(copy: Thinned) -> bool:
         return False
     largest = found.errors.set_index("channel")["max"]
     seen = (
-        largest[channel] >= found.comparison.actual[channel][own].max() > copy.excess[channel][own].min() / 2
+        not largest[channel] < found.comparison.actual[channel][own].max()  # no number where no floor is known
+        and found.comparison.actual[channel][own].max() > copy.excess[channel][own].min() / 2
         for channel, own in rows.items()
     )
     return all(seen) and _all_missed(copy, replace(found, run=copy.run), min(map(np.min, copy.excess.values())) / 2)

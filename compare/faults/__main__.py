@@ -1,0 +1,69 @@
+"""`python -m compare.faults`: what is wrong on purpose, and whether the comparison finds it."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+
+from scenes import load
+
+from ..command_line import Parser, command
+from ..report.faults.page import page
+from ..report.files import check_writable, json_text, placed
+from .rates import let_through, rates
+from .table import Record, answer_faults
+from .wrong_code import comparison_faults, core_faults, shared_faults
+
+USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
+SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
+CORE = 80  # wrong lines
+COMPARISON = 120
+
+
+@command
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return the exit status: 0, 1 if a fault is let through, 2 for bad input."""
+    parser = Parser("python -m compare.faults", USAGE, "Check the checker: spoil what it judges, and its own lines.")
+    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the table (results)")
+    parser.add_argument("--scenes", default=SCENES, help=f"comma-separated ({SCENES})")
+    options = parser.parse_args(arguments)
+    scenes = [name.strip() for name in options.scenes.split(",")]
+    for name in scenes:
+        load(name)
+    check_writable(options.out)
+    records: list[Record] = []
+    with Console(stderr=True).status("") as status:  # silent when it is not a terminal
+
+        def poll() -> None:
+            status.update(f"faults: {len(records)} judged")
+
+        for found in (
+            answer_faults(scenes, poll),
+            core_faults(scenes, CORE, poll),
+            shared_faults(scenes, poll),
+            comparison_faults(scenes[0], COMPARISON, poll),
+        ):
+            records.extend(found)
+    folder = write(records, options.out)
+    for row in rates(records).to_dict("records"):
+        print(f"{row['family']}  {row['found']} of {row['above the limit']} above the limit found")
+    print(f"faults: {folder / 'faults.html'}")
+    return 1 if len(let_through(records)) else 0
+
+
+def write(records: Sequence[Record], folder: Path) -> Path:
+    """Write `faults.json` and `faults.html` into `folder/faults/` and return that folder.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    with placed(folder, "faults", "faults.*") as aside:
+        (aside / "faults.json").write_text(json_text([asdict(record) for record in records]), encoding="utf-8")
+        (aside / "faults.html").write_text(page(records), encoding="utf-8")
+    return folder / "faults"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,27 @@
+"""Every kind of fault, family by family."""
+
+from collections.abc import Iterator
+
+from . import read_out, samples, spoilt_scene, weight_and_friction
+from .fault import Clean, Fault
+
+FAMILIES = (
+    read_out.signs,
+    read_out.frames,
+    read_out.pairs,
+    samples.times,
+    spoilt_scene.drives,
+    spoilt_scene.masses,
+    spoilt_scene.geometry,
+    spoilt_scene.loads,
+    weight_and_friction.gravity,
+    weight_and_friction.friction,
+    samples.data,
+    samples.solutions,
+)
+
+
+def catalogue(clean: Clean) -> Iterator[Fault]:
+    """Yield the faults that a run on one scene can have."""
+    for family in FAMILIES:
+        yield from family(clean)

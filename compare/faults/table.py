@@ -1,0 +1,96 @@
+"""The faults of what engines return, judged: a record each."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TypeAlias
+
+from scenes import InputError, Motion, Sampling, Status, load
+
+from ..engines.isolation import Ended, Limits, isolated
+from ..engines.reference import found
+from ..engines.runner import Run, run
+from ..judge.gates import missed
+from ..judge.measure import Measurement, assess, measure
+from ..judge.round_off import explain
+from ..judge.triage import UNKNOWN, cause
+from .catalogue import catalogue
+from .fault import Clean, Fault, above
+
+SAMPLING = Sampling(72)
+ENGINES = ("exudyn", "pymunk")  # whose answers are spoilt; each fault is one's
+LIMITS = Limits(seconds=3600.0)
+
+Item: TypeAlias = tuple[str, str]  # scene and engine
+
+
+@dataclass(frozen=True)
+class Record:
+    """One fault, whether it was found, and what was named as its cause."""
+
+    family: str
+    kind: str
+    magnitude: float
+    scene: str
+    engine: str
+    above: bool  # whether it moves a channel by more than its limit
+    found: bool
+    by: str  # who found it, and how the run ended
+    place: str  # named by triage, as the cause is
+    cause: str
+    true_place: str
+    true_cause: str
+
+
+def answer_faults(scenes: Sequence[str], poll: Callable[[], None]) -> Iterator[Record]:
+    """Yield the faults of the engines' answers on some scenes, judged.
+
+    Raises:
+        InputError: a clean run is not ok, so that nothing can be learnt from spoiling it.
+    """
+    for (scene, engine), records in isolated(judged_faults, [*product(scenes, ENGINES)], LIMITS, poll):
+        if isinstance(records, Ended):
+            raise InputError(f"--scenes: {scene} by {engine}: {records.reason}")
+        yield from records
+
+
+def judged_faults(item: Item, every: int = len(ENGINES)) -> list[Record]:
+    """Return every so many faults of an engine's run on a scene, judged.
+
+    Raises:
+        Failure: the reference cannot solve the scene.
+        InputError: the clean run is not ok.
+    """
+    name, engine = item
+    reference = found(load(name))
+    explained = explain(reference, SAMPLING)
+    whole = measure(reference, engine, SAMPLING, explained=explained)
+    if whole.run.status is not Status.ok:
+        raise InputError(f"its clean run is not ok: {whole.run.reason}")
+    clean = Clean(reference, SAMPLING, whole.run)
+    records = []
+    for fault in [*catalogue(clean)][ENGINES.index(engine) % every :: every]:
+        outcome = _outcome(fault, whole.run)
+        if outcome.motion is not None:  # else the engine itself refuses the scene, and there is nothing to judge
+            judged = assess(reference, SAMPLING, outcome, explained)
+            records.append(_record(fault, clean, outcome.motion, judged))
+    return records
+
+
+def _outcome(fault: Fault, clean: Run) -> Run:
+    """Return the run with the fault in it."""
+    if fault.scene is not None:
+        return run(clean.engine, fault.scene, SAMPLING, clean.settings)
+    assert fault.spoil is not None
+    return replace(clean, motion=fault.spoil())
+
+
+def _record(fault: Fault, clean: Clean, motion: Motion, judged: Measurement) -> Record:
+    named = UNKNOWN if judged.run.status is Status.ok else cause(clean.reference, SAMPLING, motion)
+    return Record(
+        *(fault.family, fault.kind, fault.magnitude, clean.scene.name, clean.run.engine),
+        above(fault, clean, motion),
+        bool(missed([judged], [])),
+        f"{judged.run.found_by}: {judged.run.status.name}",
+        *(named.place, str(named.kind), fault.place, fault.cause),
+    )

@@ -1,0 +1,80 @@
+"""Faults in gravity, and friction where the scene has none."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from scenes.scene import PressForce
+
+from . import spoilt_motion as spoilt
+from .fault import Clean, Fault
+
+G = 9.81  # m/s^2
+
+
+def gravity(clean: Clean) -> Iterator[Fault]:
+    """Yield other gravity than the scene's; where it has none, some."""
+    scene = clean.scene
+    if not any(body.mass for body in scene.bodies.values()):
+        return
+    if scene.gravity is None:
+        for kind, vector in {"added": (0.0, -G), "added upwards": (0.0, G), "added sideways": (G, 0.0)}.items():
+            yield Fault("gravity", f"gravity {kind}", G, "gravity", "all", scene=replace(scene, gravity=vector))
+        return
+    own = complex(*scene.gravity)
+    others = {
+        "missing": 0,
+        "of the opposite sign": -own,
+        "doubled": 2 * own,
+        "turned": 1j * own,
+        "in mm/s^2": 1e3 * own,
+    }
+    others |= {"10 for 9.81": own * 10 / G, "9.8 for 9.81": own * 9.8 / G, "tilted by a degree": own * np.exp(0.0175j)}
+    others |= {"of the moon": own / 6, "with x and y swapped": own.imag + 1j * own.real}
+    for kind, other in others.items():
+        wrong = replace(scene, gravity=None if other == 0 else (float(other.real), float(other.imag)))
+        yield Fault("gravity", f"gravity {kind}", float(abs(other - own) / abs(own)), "gravity", "all", scene=wrong)
+
+
+def friction(clean: Clean) -> Iterator[Fault]:
+    """Yield dry and viscous friction at guides and in the drive."""
+    scene, motion = clean.scene, clean.motion
+    if not scene.has_masses:
+        return
+    effort = next(name for name in motion.samples if name in ("drive.torque", "drive.force"))
+    peak = clean.reference.scale[effort]
+    grounded = [name for name, body in scene.bodies.items() if body.slide is not None and body.slide.on == "ground"]
+    for by in (0.3, 0.03, 5 * clean.promise):
+        for name in clean.some([one for one in grounded if one != scene.drive.body], f"guide {by}"):
+            body = scene.bodies[name]
+            assert body.slide is not None
+            size = by * float(np.abs(motion[f"{name}.guide_force"]).max())
+            if not size > 0:
+                continue
+            x, y = (size * component for component in body.slide.along)
+            always = 10 * clean.reference.stroke
+            pair = (PressForce(name, body.points[0], (-sign * x, -sign * y), always, sign) for sign in (1, -1))
+            spoilt_scene = replace(scene, loads=(*scene.loads, *pair))
+            yield Fault("friction", "dry friction at a guide", by, "friction", name, scene=spoilt_scene)
+        rate = scene.drive.at(motion["time"]).rate
+        viscous = motion[effort] + by * peak * rate / scene.drive.peak_rate
+        dry = motion[effort] + by * peak * np.sign(rate)
+        for kind, samples in {"viscous": viscous, "dry": dry}.items():
+            change = partial(spoilt.replaced, motion, {effort: samples})
+            yield Fault("friction", f"{kind} friction in the drive", by, "friction", "drive", change)
+        for name in clean.some(grounded, f"viscous {by}"):
+            _, v, _ = clean.state.displacement(scene.bodies[name])
+            size = by * float(np.abs(motion[f"{name}.guide_force"]).max())
+            drag = size * np.abs(v) / np.abs(v).max()
+            change = partial(spoilt.replaced, motion, {effort: motion[effort] + drag * np.abs(v) / rate})
+            if scene.driven_slide is None and np.all(rate != 0):
+                yield Fault("friction", "viscous friction at a guide, by the drive alone", by, "friction", name, change)
+        for pin in clean.some(scene.pins, f"pin {by}"):
+            force = np.abs(clean.state.vector(f"{pin.channel}.", "fx", "fy"))
+            turning = np.abs(clean.state.turning(pin.second)[1] - clean.state.turning(pin.first)[1])
+            lost = by * 0.05 * clean.reference.stroke * force * turning
+            if scene.driven_slide is None and np.all(rate != 0):
+                change = partial(spoilt.replaced, motion, {effort: motion[effort] + lost / rate})
+                yield Fault("friction", "friction in a pin, by the drive alone", by, "friction", pin.channel, change)

@@ -1,0 +1,186 @@
+"""One wrong line in the core, in what all models share of the scene, or in the comparison itself; each in a worker."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import cache, partial
+from typing import TypeAlias
+
+import numpy as np
+
+from scenes import InputError, Motion, Scene, Settings, Status, load
+
+from ..engines import registry
+from ..engines.isolation import Ended, Limits, isolated
+from ..engines.reference import found
+from ..engines.registry import REFERENCE
+from ..engines.runner import Run, run
+from ..judge.escalation import offers
+from ..judge.floor import establish
+from ..judge.gates import gates, missed
+from ..judge.judgement import Judgement, judgement
+from ..judge.measure import assess
+from ..judge.round_off import explain
+from .canaries import canaries
+from .catalogue import catalogue
+from .fault import Clean, Fault, above
+from .mutants import Mutant, applied, mutants
+from .table import SAMPLING, Record
+
+CORE = ("dyads", "placing", "kinematics", "kinetostatics", "group_equations", "newton_group", "channels")
+SHARED = {
+    "scenes.loads": (),
+    "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.after", "MotionLaw.at", "MotionLaw._trend"),
+}
+COMPARISON = {
+    "compare.judge.measure": ("assess",),
+    "compare.judge.verdict": ("limits", "judged", "compared"),
+    "compare.judge.errors": ("compare", "error_table"),
+    "compare.judge.gates": ("Gate.missed", "gates", "missed"),
+    "compare.judge.checks": ("checks", "_drive", "_gaps", "_newton_euler", "_power", "_flips"),
+    "compare.judge.round_off": ("Explained.left_over", "Explained.error"),
+    "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),
+    "compare.engines.reference": ("relative_errors", "sizes", "_distance"),
+}
+FAULTS = 25  # of each engine's motion, that a comparison with a wrong line is tried with
+ROUNDING = 10  # times what doubles explain: the core's limit, besides its promise
+LIMITS = Limits(seconds=60.0)
+
+Item: TypeAlias = tuple[Mutant, str]  # and the name of a scene
+
+
+def core_faults(scenes: Sequence[str], count: int, poll: Callable[[], None]) -> Iterator[Record]:
+    """Yield wrong lines of the analytic core, as many as asked for, evenly spread over its modules."""
+    lines = _sample([one for name in CORE for one in mutants(f"analytic.{name}")], count)
+    items = [(one, scenes[number % len(scenes)]) for number, one in enumerate(lines)]
+    yield from _records(partial(_judged, "core"), items, poll)
+
+
+def shared_faults(scenes: Sequence[str], poll: Callable[[], None]) -> Iterator[Record]:
+    """Yield wrong lines of loads and drives, which all models take from the scene, on each of the scenes."""
+    lines = [one for module, functions in SHARED.items() for one in mutants(module, functions)]
+    yield from _records(partial(_judged, "shared"), [(one, name) for name in scenes for one in lines], poll)
+
+
+def comparison_faults(scene: str, count: int, poll: Callable[[], None]) -> Iterator[Record]:
+    """Yield wrong lines of what judges a run; found are those that the canaries notice."""
+    lines = _sample([one for module, functions in COMPARISON.items() for one in mutants(module, functions)], count)
+    yield from _records(_canaried, [(one, scene) for one in lines], poll)
+
+
+def _sample(found: Sequence[Mutant], count: int) -> list[Mutant]:
+    """Return some of the mutants, evenly spread."""
+    return [found[number] for number in sorted({*np.linspace(0, len(found) - 1, count).astype(int)})]
+
+
+def _records(
+    judge: Callable[[Item], Record | None], items: Sequence[Item], poll: Callable[[], None]
+) -> Iterator[Record]:
+    """Yield a record of each wrong line that is run at all; one whose worker ended is found."""
+    for (mutant, scene), outcome in isolated(judge, items, LIMITS, poll):
+        if isinstance(outcome, Ended):
+            family = "core" if mutant.module.startswith("analytic") else "shared"
+            yield _record(family, mutant, scene, True, True, outcome.status.name, REFERENCE, outcome.reason)
+        elif outcome is not None:
+            yield outcome
+
+
+def _record(
+    family: str, mutant: Mutant, scene: str, is_above: bool, found: bool, by: str, place: str, cause: str
+) -> Record:
+    true_place = {"core": REFERENCE, "shared": "scene"}.get(family, family)
+    where = f"{mutant.module}.{mutant.function}: {mutant.line}"
+    return Record(family, mutant.kind, 1.0, scene, REFERENCE, is_above, found, by, place, cause, true_place, where)
+
+
+def _judged(family: str, item: Item) -> Record | None:
+    """Judge a scene by a core, or with a scene layer, that has a wrong line."""
+    mutant, name = item
+    clean, fault = _clean(name), Fault(family, mutant.kind, 1.0, mutant.line, mutant.function)
+    with applied(mutant):
+        try:
+            wrong = registry.reference(clean.scene)(clean.sampling.commanded(clean.scene), clean.true["time"])
+        except Exception:
+            wrong = Motion({})
+        is_above = wrong.samples.keys() < clean.true.samples.keys() or above(fault, clean, wrong)
+        try:
+            judged = judgement(establish(clean.scene), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
+        except (
+            InputError,
+            ArithmeticError,
+            LookupError,
+            TypeError,
+            ValueError,
+            AttributeError,
+            AssertionError,
+        ) as error:
+            by = f"{type(error).__name__}: {error}"
+            return _record(family, mutant, name, is_above, True, by, REFERENCE, "the reference cannot solve the scene")
+    failed = [engine for engine, (status, _) in judged.verdicts.items() if status != Status.ok.name]
+    doubt = judged.reference.floor.doubt
+    place = REFERENCE if doubt or REFERENCE in failed else ", ".join(failed)
+    return _record(family, mutant, name, is_above, not judged.ok, ", ".join(failed), place, doubt)
+
+
+def _offers(engine: str) -> tuple[Sequence[Settings], str]:
+    return offers(engine, "balanced"), ""
+
+
+@cache
+def _clean(name: str) -> Clean:
+    """Return the core's own run of a scene, held to what doubles explain."""
+    reference = found(load(name))
+    explained = explain(reference, SAMPLING)
+    core = run(REFERENCE, reference.scene, SAMPLING)
+    assert core.settings is not None
+    limit = core.settings.promise + ROUNDING * max(float(np.max(error)) for error in explained.sensitivity.values())
+    clean = Clean(reference, SAMPLING, replace(core, settings=replace(core.settings, promise=limit)))
+    assert clean.true.samples  # solved while all lines are right
+    return clean
+
+
+@cache
+def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
+    """Return a scene's judgement, and spoilt runs that it refuses."""
+    clean = _judgement_of(load(name))
+    spoilt = []
+    for measured in clean.measurements:
+        of = Clean(clean.reference, SAMPLING, measured.run)
+        faults = [fault for fault in catalogue(of) if fault.spoil is not None]
+        for fault in faults[:: max(len(faults) // FAULTS, 1)]:
+            assert fault.spoil is not None
+            motion = fault.spoil()
+            one = replace(measured.run, motion=motion)
+            if (
+                above(fault, of, motion)
+                and assess(clean.reference, SAMPLING, one, clean.explained).run.status is not Status.ok
+            ):
+                spoilt.append(one)
+    return clean, tuple(spoilt)
+
+
+def _judgement_of(scene: Scene) -> Judgement:
+    return judgement(found(scene), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
+
+
+def _canaried(item: Item) -> Record | None:
+    """Judge by a comparison with a wrong line: it is above where it lets a fault through or refuses a clean run."""
+    mutant, name = item
+    right, spoilt = _to_be_refused(name)
+    with applied(mutant):
+        try:
+            noticed = "; ".join(canaries(right))
+        except Exception as error:  # which no user can overlook
+            noticed = f"{type(error).__name__}: {error}"
+        is_above = any(_passes(right, one) for one in spoilt) or not all(
+            _passes(right, m.run) for m in right.measurements
+        )
+    return _record("comparison", mutant, name, is_above, bool(noticed), "canaries", "", noticed)
+
+
+def _passes(right: Judgement, outcome: Run) -> bool:
+    """Return whether nothing stops a CI run; a comparison that crashes stops one."""
+    try:
+        judged = assess(right.reference, SAMPLING, outcome, right.explained)
+        return not missed([judged], gates(right.scene, [judged]))
+    except Exception:
+        return False

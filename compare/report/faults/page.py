@@ -1,0 +1,28 @@
+"""The page of faults: one self-contained HTML file that looks like a scene's report."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+import pandas as pd
+
+from ...faults.rates import let_through, rates
+from ...faults.table import Record
+from ..html import details_html, head, table_html, template, versions_html
+
+COLUMNS = ["kind", "magnitude", "scene", "engine", "above", "found", "by", "place", "true_place", "cause", "true_cause"]
+
+
+def page(records: Sequence[Record]) -> str:
+    """Return the page as HTML."""
+    table = pd.DataFrame(map(asdict, records))
+    families = [
+        details_html(f"{family}: {len(own)} faults", table_html(own[COLUMNS], "text"))
+        for family, own in table.groupby("family", sort=False)
+    ]
+    return template("compare.report.faults", "faults.html").substitute(
+        head=head("Faults, and whether they are found"),
+        rates=table_html(rates(records)),
+        let_through=table_html(let_through(records), "text"),
+        families="".join(families),
+        environment=versions_html(),
+    )
