@@ -22,6 +22,7 @@ from .thinned import (
     Thinned,
     each_channel_is_seen,
     each_check_alone,
+    incomplete,
     refused,
     stops_without_a_motion,
     thinned,
@@ -64,16 +65,18 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     yield "all late by a sample", refused(partial(spoilt.taken, rows=late, names={*channels, drive}))
     yield "all but the drive late by a sample", refused(partial(spoilt.taken, rows=late, names=channels))
     yield "a drive that lags", lambda copy: refused(_lagging(copy))(copy)
-    frozen = [*range(count // 3), count // 3 - 1, *range(count // 3 + 1, count)]
-    yield "a row repeated", refused(partial(spoilt.taken, rows=frozen, names={*channels, drive}))
     if scene.has_masses and first.complete:
         yield "another mass", lambda copy: refused(_another_mass(copy))(copy)
 
+    row = 1 + int(np.abs(np.diff(first.true[drive])).argmax())
+    frozen = [*range(row), row - 1, *range(row + 1, count)]
+    if first.complete:
+        yield "a row repeated", incomplete(partial(spoilt.taken, rows=frozen, names={*channels, drive}))
     for value in (np.nan, np.inf):
-        yield f"{value} in {largest}", refused(partial(spoilt.at_row, name=largest, row=count // 3, value=value))
-    yield f"{largest} missing", refused(partial(spoilt.without, names={largest}))
-    yield f"{largest} declared unsupported", refused(partial(spoilt.without, names={largest}, reason="a canary"))
-    yield "a row too few", refused(partial(spoilt.taken, rows=range(count - 1)))
+        yield f"{value} in {largest}", incomplete(partial(spoilt.at_row, name=largest, row=count // 3, value=value))
+    yield f"{largest} missing", incomplete(partial(spoilt.without, names={largest}))
+    yield f"{largest} declared unsupported", incomplete(partial(spoilt.without, names={largest}, reason="a canary"))
+    yield "a row too few", incomplete(partial(spoilt.taken, rows=range(count - 1)))
     yield "no motion", stops_without_a_motion
 
     if first.complete:

@@ -13,7 +13,7 @@ from scenes.motion import Samples, channels, quantity
 
 from ..engines.reference import Reference, sizes
 from ..engines.registry import Solve
-from ..engines.runner import Run
+from ..engines.runner import Run, complete
 from ..judge.errors import GROUPS
 from ..judge.gates import gates, missed
 from ..judge.measure import Measurement, assess
@@ -112,6 +112,17 @@ def refused(spoil: Callable[[Motion], Motion]) -> Noticed:
     return noticed
 
 
+def incomplete(spoil: Callable[[Motion], Motion]) -> Noticed:
+    """Return whether a motion that is not what was asked for is refused as such, and stops a CI run."""
+
+    def noticed(copy: Thinned) -> bool:
+        spoilt_run = replace(copy.run, motion=spoil(copy.motion))
+        itself = complete(spoilt_run, copy.reference.scene, copy.sampling)
+        return itself.status is not Status.ok and refused(spoil)(copy)
+
+    return noticed
+
+
 def stops(copy: Thinned, found: Measurement) -> bool:
     """Return whether a judged run stops a CI run: with a tolerance for every group, and with none at all."""
     return found.run.status is not Status.ok and bool(missed([found], [])) and _all_missed(copy, found, np.inf)
@@ -155,6 +166,8 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     if found.comparison is None or found.run.found_by != "reference" or not stops(copy, found):
         return False
     largest = found.errors.set_index("channel")["max"]
+    if not rows.keys() <= {*largest.index}:
+        return False
     seen = (
         not largest[channel] < found.comparison.actual[channel][own].max()  # no number where no floor is known
         and found.comparison.actual[channel][own].max() > copy.excess[channel][own].min() / 2

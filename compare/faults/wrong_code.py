@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from sys import getprofile, setprofile
+from types import FrameType
 from typing import TypeAlias
 
 import numpy as np
@@ -49,10 +51,29 @@ Item: TypeAlias = tuple[Mutant, str]  # and the name of a scene
 
 
 def core_faults(scenes: Sequence[str], count: int, poll: Callable[[], None]) -> Iterator[Record]:
-    """Yield wrong lines of the analytic core, as many as asked for, evenly spread over its modules."""
-    lines = _sample([one for name in CORE for one in mutants(f"analytic.{name}")], count)
-    items = [(one, scenes[number % len(scenes)]) for number, one in enumerate(lines)]
-    yield from _records(partial(_judged, "core"), items, poll)
+    """Yield wrong lines of the analytic core that its solution of the scenes passes, evenly spread over its modules."""
+    for name in scenes:
+        called = _called(name)
+        lines = [one for module in CORE for one in mutants(f"analytic.{module}") if one.function in called]
+        items = [(one, name) for one in _sample(lines, count // len(scenes))]
+        yield from _records(partial(_judged, "core"), items, poll)
+
+
+def _called(name: str) -> set[str]:
+    """Return the names of the core's functions that are called where it solves a scene."""
+    scene, called = load(name), set[str]()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and frame.f_globals.get("__name__", "").startswith("analytic."):
+            called.add(frame.f_code.co_qualname)
+
+    before = getprofile()
+    setprofile(note)
+    try:
+        registry.reference(scene)(SAMPLING.commanded(scene), SAMPLING.times(scene))
+    finally:
+        setprofile(before)
+    return called
 
 
 def shared_faults(scenes: Sequence[str], poll: Callable[[], None]) -> Iterator[Record]:

@@ -1,0 +1,136 @@
+"""The canaries: none is let through by the comparison as it is, and each wrong comparison lets some through."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from compare.faults import thinned
+from compare.faults.canaries import canaries
+from compare.faults.mutants import applied, mutants
+from compare.judge import errors, measure, verdict
+from compare.judge.escalation import offers
+from compare.judge.gates import Gate, gates
+from compare.judge.judgement import Judgement, judgement
+from scenes import Motion, Status
+from tests.comparisons import SAMPLING, References
+
+Patch = Callable[[pytest.MonkeyPatch], None]
+
+
+@pytest.fixture(scope="module")
+def press(references: References) -> Judgement:
+    engines = ("analytic", "exudyn")
+    return judgement(references("toggle_press"), engines, SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+
+
+@pytest.mark.parametrize("name", ["driven_toggle", "three_at_a_pin"])
+def test_none_is_let_through(name: str, references: References) -> None:
+    found = judgement(references(name), ("analytic",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+    assert found.ok
+    assert not canaries(found)
+
+
+def test_several_engines(press: Judgement) -> None:
+    assert not canaries(press)
+
+
+def test_nothing_is_broken_where_no_run_is_ok(press: Judgement) -> None:
+    failed = [replace(m, run=replace(m.run, status=Status.crashed)) for m in press.measurements]
+    assert not canaries(replace(press, measurements=failed))
+
+
+def no_gates_for_failed_engines(patch: pytest.MonkeyPatch) -> None:
+    real = gates
+    patch.setattr(thinned, "gates", lambda scene, ms: real(scene, [m for m in ms if m.run.status is Status.ok]))
+
+
+def compared_with_itself(patch: pytest.MonkeyPatch) -> None:
+    real = errors.compare
+
+    def itself(reference: Any, sampling: Any, motion: Motion) -> Any:
+        return real(replace(reference, at=lambda *_: motion), sampling, motion)
+
+    patch.setattr(measure, "compare", itself)
+
+
+def a_channel_left_out(patch: pytest.MonkeyPatch) -> None:
+    from compare.engines import reference
+
+    real = reference.relative_errors
+    left_out = lambda *of: {c: off for c, off in real(*of).items() if c != "P3.fx"}  # noqa: E731
+    patch.setattr(reference, "relative_errors", left_out)
+
+
+def completeness_not_checked(patch: pytest.MonkeyPatch) -> None:
+    for module in (measure, thinned):
+        patch.setattr(module, "complete", lambda run, *_: run)
+
+
+def wider_limits(patch: pytest.MonkeyPatch) -> None:
+    real = verdict.limits
+    patch.setattr(verdict, "limits", lambda settings: [one._replace(most=1000 * one.most) for one in real(settings)])
+
+
+def a_wider_promise(patch: pytest.MonkeyPatch) -> None:
+    real = verdict.compared
+
+    def wide(run: Any, *rest: Any) -> Any:
+        return replace(real(replace(run, settings=replace(run.settings, promise=1000.0)), *rest), settings=run.settings)
+
+    patch.setattr(measure, "compared", wide)
+
+
+def no_number_passes(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(Gate, "missed", property(lambda gate: gate.error > gate.tolerance))
+
+
+def drive_not_gated(patch: pytest.MonkeyPatch) -> None:
+    real = verdict.limits
+    patch.setattr(verdict, "limits", lambda settings: [one for one in real(settings) if one.check != "drive"])
+
+
+def checks_not_run(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(measure, "checks", lambda *_: [])
+
+
+def rows_not_checked(patch: pytest.MonkeyPatch) -> None:
+    from compare.engines import runner
+
+    patch.setattr(runner, "_check_rows", lambda *_: None)
+
+
+def nothing_missed(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(thinned, "missed", lambda *_: [])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        no_gates_for_failed_engines,
+        compared_with_itself,
+        a_channel_left_out,
+        completeness_not_checked,
+        wider_limits,
+        a_wider_promise,
+        no_number_passes,
+        drive_not_gated,
+        checks_not_run,
+        rows_not_checked,
+        nothing_missed,
+    ],
+)
+def test_a_wrong_comparison_is_noticed(wrong: Patch, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong(monkeypatch)
+    assert canaries(press)
+
+
+MEASURED = [("compare.engines.reference", "_distance"), ("compare.judge.checks", "_power")]
+
+
+@pytest.mark.parametrize(("module", "function"), MEASURED)
+def test_a_dropped_abs_is_noticed(module: str, function: str, press: Judgement) -> None:
+    *_, mutant = [one for one in mutants(module, (function,)) if one.kind == "abs dropped"]
+    with applied(mutant):
+        assert canaries(press)

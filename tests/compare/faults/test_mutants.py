@@ -1,0 +1,29 @@
+"""Wrong lines are put in place and taken away again."""
+
+import pytest
+
+from compare.faults.mutants import Mutant, applied, mutants
+from scenes.loads import PressForce
+
+PRESS = PressForce("slider", "P5", (0.0, 1.0), last=1.0, closing=-1)
+ACTS = mutants("scenes.loads", ("PressForce.acts",))
+
+
+def acts() -> list[bool]:
+    return list(PRESS.acts([0.0, 0.5, 2.0], [-1.0, 1.0, -1.0], end=0.0))
+
+
+@pytest.mark.parametrize("mutant", ACTS, ids=lambda one: f"{one.kind}-{one.number}")
+def test_a_wrong_line_changes_what_is_called_and_nothing_stays_of_it(mutant: Mutant) -> None:
+    assert acts() == [True, False, False]
+    with applied(mutant):
+        wrong = acts()
+    assert acts() == [True, False, False]
+    if (mutant.kind, mutant.number) != ("operator", 4):  # velocity / 1 for velocity * 1
+        assert wrong != [True, False, False]
+
+
+def test_every_kind_of_wrong_line() -> None:
+    modules = ("scenes.loads", "scenes.drive", "compare.judge.checks", "compare.engines.runner")
+    kinds = {one.kind for module in modules for one in mutants(module)}
+    assert kinds == {"operator", "sign dropped", "comparison", "constant", "condition", "abs dropped", "name"}
