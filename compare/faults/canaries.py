@@ -66,7 +66,7 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     yield "all but the drive late by a sample", refused(partial(spoilt.taken, rows=late, names=channels))
     yield "a drive that lags", lambda copy: refused(_lagging(copy))(copy)
     if scene.has_masses and first.complete:
-        yield "another mass", lambda copy: refused(_another_mass(copy))(copy)
+        yield "another mass", _another_mass
 
     row = 1 + int(np.abs(np.diff(first.true[drive])).argmax())
     frozen = [*range(row), row - 1, *range(row + 1, count)]
@@ -91,12 +91,14 @@ def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
     return partial(spoilt.shifted, names=[drive], by=-float(copy.amount(drive).max()))
 
 
-def _another_mass(copy: Thinned) -> Callable[[Motion], Motion]:
-    """Return what adds the forces of a body's further mass: an excess in the channel that it moves most."""
+def _another_mass(copy: Thinned) -> bool:
+    """Return whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.reference.scene, force_channels(copy.reference.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
     heavier = put(scene, ("bodies", heaviest, "mass"), (scene.bodies[heaviest].mass or 0.0) + 1.0)
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
     right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
     most = max(float((np.abs(wrong[c] - right[c]) / copy.amount(c)).max()) for c in forces)
-    return lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most)
+    if not most > 0:  # it moves evenly: no force depends on its mass
+        return True
+    return refused(lambda motion: spoilt.moved(motion, right, wrong, forces, 1 / most))(copy)
