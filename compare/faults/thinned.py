@@ -22,8 +22,10 @@ from ..judge.verdict import judged
 from . import spoilt_motion as spoilt
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
-EXCESS = 30.0  # times what the settings promise: an ok run has no excuse for so much
-ALONE = ("drive", "closure", "Newton", "Euler", "power")  # checks, each of which has to notice by itself
+CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself
+EXCESS = 300.0  # times what the settings promise: an ok run has no excuse for so much, not even in its balances
+MOST = 1.0  # of a scale or magnitude: angles come round
+ALONE = ("drive", "closure", "Newton")  # checks that have to notice by themselves that all channels are off
 
 
 @dataclass(frozen=True)
@@ -47,21 +49,23 @@ class Thinned:
         scene = self.reference.scene
         return self.reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
 
-    @cached_property
-    def excess(self) -> Mapping[str, Samples]:
-        """Relative errors that no ok run may have, by channel, each of shape (n,)."""
+    def excess(self, times: float) -> Mapping[str, Samples]:
+        """Return relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
         settings, drive = self.run.settings, self.reference.scene.drive_channel
         assert settings is not None
         return {
-            channel: EXCESS * (settings.drive_promise if channel == drive else settings.promise)
+            channel: min(times * (settings.drive_promise if channel == drive else settings.promise), MOST)
             + 10 * np.nan_to_num(self.explained.error(channel), posinf=0.0)
             for channel in self.motion.samples
             if channel in self.reference.scale and channel != "time"
         }
 
-    def amount(self, channel: str) -> Samples:
-        """Return that excess in the unit of the channel."""
-        return self.excess[channel] * sizes(self.true, channel, self.reference.scale[channel])
+    def amounts(self, times: float = EXCESS) -> Mapping[str, Samples]:
+        """Return such errors in the units of the channels."""
+        return {
+            channel: error * sizes(self.true, channel, self.reference.scale[channel])
+            for channel, error in self.excess(times).items()
+        }
 
     @property
     def complete(self) -> bool:
@@ -135,14 +139,16 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 
 
 def each_check_alone(sign: int) -> Noticed:
-    """Return whether each check notices by itself that all channels are off, and that what it finds is no number."""
+    """Return whether checks notice by themselves that all channels are off, that they found no number, or too much."""
 
     def noticed(copy: Thinned) -> bool:
-        off = {channel: copy.motion[channel] + sign * copy.amount(channel) for channel in copy.excess}
+        off = {channel: copy.motion[channel] + sign * amount for channel, amount in copy.amounts().items()}
         found = copy.assessed(spoilt.replaced(copy.motion, off))
-        of = {name: [check for check in found.checks if check.check == name] for name in ALONE}
-        alone = [own for own in of.values() if own] + [[replace(own, worst=float("nan"))] for own in found.checks]
-        return stops(copy, found) and all(judged(copy.run, own).status is not Status.ok for own in alone)
+        assert copy.run.settings is not None
+        too_much = EXCESS * max(copy.run.settings.promise, copy.run.settings.drive_promise)
+        alone = [[check for check in found.checks if check.check == name] for name in ALONE]
+        alone += [[replace(own, worst=worst)] for own in found.checks for worst in (float("nan"), too_much)]
+        return stops(copy, found) and all(judged(copy.run, own).status is not Status.ok for own in alone if own)
 
     return noticed
 
@@ -152,14 +158,14 @@ def each_channel_is_seen(copy: Thinned) -> bool:
 
     The output itself is as good as before: the comparison with the reference alone can notice.
     """
-    count = copy.sampling.count
-    rows = {channel: [n % count, (n + count // 2) % count] for n, channel in enumerate(copy.excess)}
+    count, excess, amounts = copy.sampling.count, copy.excess(CLEAR), copy.amounts(CLEAR)
+    rows = {channel: [n % count, (n + count // 2) % count] for n, channel in enumerate(excess)}
 
     def at(position: Samples, time: Samples) -> Motion:
         true = copy.reference.at(position, time)
         off = {channel: true[channel].copy() for channel in rows}
         for channel, own in rows.items():
-            off[channel][own] += copy.amount(channel)[own]
+            off[channel][own] += amounts[channel][own]
         return spoilt.replaced(true, off)
 
     found = copy.assessed(copy.motion, replace(copy.reference, at=at))
@@ -170,15 +176,19 @@ def each_channel_is_seen(copy: Thinned) -> bool:
         return False
     seen = (
         not largest[channel] < found.comparison.actual[channel][own].max()  # no number where no floor is known
-        and found.comparison.actual[channel][own].max() > copy.excess[channel][own].min() / 2
+        and found.comparison.actual[channel][own].max() > excess[channel][own].min() / 2
         for channel, own in rows.items()
     )
-    return all(seen) and _all_missed(copy, replace(found, run=copy.run), min(map(np.min, copy.excess.values())) / 2)
+    return all(seen) and _all_missed(copy, replace(found, run=copy.run), min(map(np.min, excess.values())) / 2)
 
 
 def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:
     """Return whether a tolerance of each group of channels is missed."""
-    groups = {GROUPS[quantity(channel)] for channel in copy.excess}
+    groups = {
+        GROUPS[quantity(channel)]
+        for channel in copy.motion.samples
+        if channel != "time" and channel in copy.reference.scale
+    }
     held = replace(copy.reference.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
     gated = [*gates(held, [found])]
     return {gate.group for gate in gated} == groups and len(missed([found], gated)) >= len(groups)

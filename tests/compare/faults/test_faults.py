@@ -1,11 +1,14 @@
 """A sample of the faults: what is above its limit is found, and `above` is what it claims to be."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from compare.faults.__main__ import main, write
 from compare.faults.catalogue import catalogue
 from compare.faults.fault import Clean, Fault, above
 from compare.faults.rates import let_through, rates
@@ -17,7 +20,7 @@ from tests.comparisons import References, changed
 
 @pytest.fixture(scope="module")
 def records() -> Sequence[Record]:
-    return judged_faults(("crank_press", "exudyn"), every=24)
+    return judged_faults(("crank_press", "exudyn"), every=40)
 
 
 @pytest.fixture
@@ -27,9 +30,24 @@ def clean(references: References) -> Clean:
 
 
 def test_all_above_the_limit_are_found(records: Sequence[Record]) -> None:
-    assert sum(record.above for record in records) > 10
+    assert sum(record.above for record in records) > 5
     assert let_through(records).empty
     assert rates(records).iloc[-1]["share found"] == 1.0
+
+
+def test_the_table_and_its_page(records: Sequence[Record], tmp_path: Path) -> None:
+    folder = write(records, tmp_path)
+    table = json.loads((folder / "faults.json").read_text(encoding="utf-8"))
+    asked = {"family", "kind", "magnitude", "scene", "engine", "above", "found", "by", "place", "cause"}
+    assert len(table) == len(records)
+    assert all(asked < row.keys() for row in table)
+    page = (folder / "faults.html").read_text(encoding="utf-8")
+    assert all(record.kind in page for record in records)
+
+
+def test_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--scenes", "nosuch", "--out", str(tmp_path)]) == 2
+    assert "nosuch" in capsys.readouterr().err
 
 
 def test_there_are_enough_kinds_in_every_family(clean: Clean) -> None:
