@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from scenes import Failure, Motion, Sampling
 from scenes.motion import Samples, quantity
 
-from ..engines.reference import Reference, sizes
+from ..engines.reference import Reference, relative_errors, sizes
 
-ROWS = 240  # samples, evenly spread, that causes are told apart by: enough for any cause but a spoilt row
+ROWS = 400  # at most, but for those about the worst: all of a usual run
+ABOUT = 10  # rows on either side of the worst
 EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
 NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
@@ -226,10 +227,15 @@ def away_from_switches(evidence: Evidence) -> Evidence:
 
 
 def evidence(reference: Reference, sampling: Sampling, motion: Motion) -> Evidence:
-    """Return a motion beside what the drive commands, at rows evenly spread."""
-    scene = reference.scene
-    rows = np.unique(np.linspace(0, sampling.count - 1, min(sampling.count, ROWS)).astype(np.intp))
-    return Evidence(reference, motion, reference.at(sampling.commanded(scene)[rows], sampling.times(scene)[rows]), rows)
+    """Return a motion beside what the drive commands, at rows evenly spread and at those about the worst."""
+    position, time = sampling.commanded(reference.scene), sampling.times(reference.scene)
+    rows = np.arange(sampling.count)
+    if sampling.count > ROWS:
+        errors = relative_errors(motion, reference.at(position, time), reference.scale)
+        about = np.max([*errors.values()], axis=0).argmax() + np.arange(-ABOUT, ABOUT + 1)
+        spread = np.linspace(0, sampling.count - 1, ROWS).astype(np.intp)
+        rows = np.unique([*spread, *about[(about >= 0) & (about < sampling.count)]])
+    return Evidence(reference, motion, reference.at(position[rows], time[rows]), rows)
 
 
 def factor(evidence: Evidence, channels: Iterable[str], basis: Channels) -> float:

@@ -54,8 +54,9 @@ class Judgement:
 
     @cached_property
     def causes(self) -> dict[str, str]:
-        """By engine that is not ok, the likely cause in a sentence; of a doubted core alone. Found when asked for."""
-        return sentences(self.reference, self.sampling, self.measurements)
+        """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
+        off = {gate.engine for gate in self.held if gate.missed}
+        return sentences(self.reference, self.sampling, self.measurements, off)
 
     @property
     def verdicts(self) -> dict[str, tuple[str, str]]:

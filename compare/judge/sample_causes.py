@@ -76,7 +76,8 @@ def _held(evidence: Evidence) -> Iterator[Hypothesis]:
     if not moving:
         return
     some = [c for c in moving if stay[c].any() and np.ptp(evidence.given[c]) > 0]
-    together = np.all([stay[c] for c in moving], axis=0)
+    same = np.all([np.diff(evidence.given[c]) == 0 for c in moving], axis=0)
+    together = np.append(False, same & np.any([np.diff(evidence.true[c]) != 0 for c in moving], axis=0))
     if together.any():
         later = np.append(together[1:], False)  # of two rows that are the same, either may be the one that is right
         for rows in (_last_fresh(together), len(later) - 1 - _last_fresh(later[::-1])[::-1]):

@@ -1,6 +1,6 @@
 """The likely cause of a disagreement, in one sentence: the simplest that explains nearly all of it, or none."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from scenes import Motion, Sampling, Status
@@ -106,17 +106,20 @@ def sentence(engine: str, found: Cause, others_agree: bool) -> str:
     return f"{engine}: {found.sentence}{', the others agree' if others_agree and found.known else ''}"
 
 
-def sentences(reference: Reference, sampling: Sampling, measurements: Sequence[Measurement]) -> dict[str, str]:
+def sentences(
+    reference: Reference, sampling: Sampling, measurements: Sequence[Measurement], off: Collection[str] = ()
+) -> dict[str, str]:
     """Return a line for each engine that is not ok and returned a motion; where the core is in doubt, for it alone.
 
     Args:
         reference: of the scene, after all engines have been heard.
         sampling: what was asked for.
         measurements: one an engine.
+        off: engines that are ok and miss a tolerance.
     """
     if doubt := reference.floor.doubt:
         return {REFERENCE: f"{REFERENCE}: {doubt}"}
-    failed = [m.run for m in measurements if m.run.status is not Status.ok]
+    failed = [m.run for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2
     return {
         run.engine: sentence(run.engine, cause(reference, sampling, run.motion), alone)
