@@ -165,6 +165,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
                 for engine, groups in table.tolerances.items()
             }
         ),
+        length_unit=(table.units.length, length),
     )
     check(scene, output_slides=table.output.slider is not None)
     return scene
@@ -226,6 +227,8 @@ def _sketched_drive(table: SketchTable, *, slider_driven: bool) -> float:
     if getattr(table, wrong) is not None:
         driven = "slider" if slider_driven else "crank"
         raise InputError(f"sketch.{wrong}: expected '{right}', since the drive moves a {driven}")
+    if slider_driven and table.displacement is None:
+        raise InputError("sketch.displacement: missing; the sketch shows the linkage at one place of the driven slider")
     return getattr(table, right) or 0.0
 
 

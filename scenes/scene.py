@@ -106,6 +106,7 @@ class Scene:
     sketch: Sketch
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
+    length_unit: tuple[str, float] = ("m", 1.0)  # of the file, for messages: its name, and what it is in m
 
     @property
     def has_masses(self) -> bool:
@@ -161,11 +162,16 @@ class Scene:
         """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
         return "crank_angle" if self.driven_slide is None else "drive.displacement"
 
+    def length(self, metres: float, digits: int = 4) -> str:
+        """Return a length in the unit of the file, as messages name it: `12.41 mm`."""
+        unit, size = self.length_unit
+        return f"{metres / size:.{digits}g} {unit}"
+
     def where(self, position: float) -> str:
-        """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 0.56 m`."""
+        """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""
         if self.driven_slide is None:
             return f"crank angle {degrees(position):.4f} deg"
-        return f"{self.drive.body} at {position:.6g} m"
+        return f"{self.drive.body} at {self.length(position, 6)}"
 
     @property
     def moving_points(self) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from .escalation import escalated
 from .gates import Gate, gate_table, gates, missed
 from .measure import Measurement, measure
 from .round_off import Explained, explain
+from .sketch import warnings
 from .triage import sentences
 from .verdict import judged
 
@@ -36,7 +37,7 @@ class Judgement:
     explained: Explained  # of errors, by doubles
     measurements: list[Measurement]  # one an engine, in the order asked for
     held: list[Gate]  # the scene's tolerances
-    reasons: list[str]  # why engines run at the settings that they do, where there is a reason to name
+    reasons: list[str]  # what the user should know: points far from their sketch, why engines run at their settings
     let_through: list[str] = field(default_factory=list, kw_only=True)  # faults in copies of these runs, that none sees
 
     @property
@@ -92,7 +93,7 @@ def judgement(
         progress: called with what is being done.
     """
     scene, explained = reference.scene, explain(reference, sampling)
-    reasons: list[str] = []
+    reasons = [*warnings(reference)]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:

@@ -22,6 +22,7 @@ from ..engines.registry import route
 from ..family.family import Family
 from ..judge.errors import group_floors
 from ..judge.measure import Measurement
+from ..judge.sketch import distances
 from ..speed import work_precision
 from ..study import Study
 from .family.page import page as family_page
@@ -99,6 +100,7 @@ def _summary(study: Study) -> dict[str, Any]:
         "sampling": study.sampling,
         "axis": axis(scene),
         "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
+        "sketch": distances(study.reference),
         "engines": {m.run.engine: _engine(m) for m in study.measurements},
         "causes": study.causes,
         "errors": study.errors.to_dict("records"),

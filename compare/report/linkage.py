@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from scenes import Scene
+from scenes import Motion, Scene
 from scenes.scene import GROUND, Body
 
 from ..engines.motion_vectors import MotionVectors, Vectors
+from ..judge.sketch import at_sketch
 from ..study import Study
 from .style import BODY_COLOURS, draw, layout, side_by_side
 
@@ -19,18 +20,29 @@ SLOT_MARGIN = 0.05  # of the travel, at each end
 
 
 def linkage(study: Study) -> go.Figure:
-    """Draw the linkage at a few poses, with the paths of its moving points in grey."""
-    scene = study.scene
-    state = MotionVectors(scene, study.motion)
+    """Draw the linkage at a few poses, with the paths of its moving points in grey, and where the sketch shows it."""
+    scene, sketched = study.scene, at_sketch(study.reference)
+    samples = study.motion.samples
+    if sketched is not None:
+        samples = {channel: np.append(values, sketched[channel]) for channel, values in samples.items()}
+    state = MotionVectors(scene, Motion(samples))
     paths = {point: 1e3 * state.place(point) for point in scene.owners}
     poses = POSES if scene.drive.repeats else POSES_ONCE
     rows = [round(pose * study.sampling.samples) for pose in poses]
     titles = [_title(scene, float(study.motion[scene.drive_channel][row])) for row in rows]
+    if sketched is not None:
+        rows.append(-1)
+        titles.append(f"sketch, {_title(scene, scene.sketch.drive)}")
     figure = side_by_side(titles, 0.01)
     for column, row in enumerate(rows, start=1):
+        for point in scene.moving_points:
+            path = paths[point][: len(study.motion["time"])]
+            draw(figure, "", path.real, path.imag, 1, column, line={"color": "#dddddd", "width": 1})
         _pose(figure, state, paths, row, column)
         figure.update_xaxes(title="x [mm]", matches="x", row=1, col=column)
         figure.update_yaxes(scaleanchor="x", scaleratio=1, row=1, col=column)
+    if sketched is not None:
+        _ghost(figure, scene, paths, len(rows))
     figure.update_yaxes(title="y [mm]", row=1, col=1)
     return figure.update_layout(layout(_height(np.concatenate(list(paths.values()))), titled=True))
 
@@ -53,8 +65,6 @@ def _pose(figure: go.Figure, state: MotionVectors, paths: Mapping[str, Vectors],
     def add(name: str, points: Vectors, **style: Any) -> None:
         draw(figure, name, points.real, points.imag, 1, column, **style)
 
-    for point in scene.moving_points:
-        add("", paths[point], line={"color": "#dddddd", "width": 1})
     colours = {name: BODY_COLOURS[number % len(BODY_COLOURS)] for number, name in enumerate(scene.bodies)}
     for body in scene.bodies.values():
         if body.slide is not None and body.slide.on != GROUND:
@@ -74,6 +84,16 @@ def _pose(figure: go.Figure, state: MotionVectors, paths: Mapping[str, Vectors],
     ground = np.array([1e3 * complex(*place) for place in scene.ground.values()], np.complex128)
     triangle = {"symbol": "triangle-up", "size": 12, "color": "black"}
     add("ground", ground, mode="markers", marker=triangle, text=list(scene.ground))
+
+
+def _ghost(figure: go.Figure, scene: Scene, paths: Mapping[str, Vectors], column: int) -> None:
+    """Draw the bodies where the sketch shows their points, over the pose there, which is the last of the paths."""
+    drawn = {point: 1e3 * complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+    for body in scene.bodies.values():
+        points = [point for point in _around(body, paths, -1) if point in drawn]
+        outline = np.array([drawn[point] for point in (*points, *points[: len(points) > 2])], np.complex128)
+        line = {"color": "black", "width": 1, "dash": "dash"}
+        draw(figure, "sketch", outline.real, outline.imag, 1, column, text=points, line=line)
 
 
 def _around(body: Body, paths: Mapping[str, Vectors], row: int) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from .speed import tables as speed_tables
 from .speed.figure import work_precision
 
 TABLES = (
-    *(tables.overview, tables.by_group, tables.checks, tables.residuals),
+    *(tables.overview, tables.sketch, tables.by_group, tables.checks, tables.residuals),
     *(speed_tables.orders, speed_tables.step_costs, speed_tables.ablations),
 )  # each at the place of its name in the template
 

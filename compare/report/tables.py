@@ -14,7 +14,9 @@ from ..engines import registry
 from ..engines.axis import axis, cycle_name
 from ..engines.reference import Floor
 from ..engines.registry import REFERENCE
+from ..judge.constraints import largest_length
 from ..judge.errors import SHOWN_GROUPS
+from ..judge.sketch import distances
 from ..study import Study
 
 FIGURES = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained"]  # of an error
@@ -58,6 +60,17 @@ def residuals(study: Study) -> pd.DataFrame:
         {"engine": m.run.engine, "quantity": name, "value": value}
         for m in study.measurements
         for name, value in (*m.run.residuals.items(), *m.run.counters.items())
+    ]
+    return pd.DataFrame(rows)
+
+
+def sketch(study: Study) -> pd.DataFrame:
+    """Return how far the linkage's points are from where the sketch shows them, the farthest first."""
+    unit, size = study.scene.length_unit
+    largest = largest_length(study.scene)
+    rows = [
+        {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
+        for point, distance in sorted(distances(study.reference).items(), key=lambda item: -item[1])
     ]
     return pd.DataFrame(rows)
 

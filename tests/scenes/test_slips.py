@@ -142,6 +142,12 @@ MECHANISM_SLIPS = {
         "[sketch]\nangle",
         ["sketch.angle", "'displacement'", "slider"],
     ),
+    "sketch at no displacement": (
+        "driven_toggle",
+        "displacement = 100\n",
+        "",
+        ["sketch.displacement", "missing", "slider"],
+    ),
     "sketch at a displacement": (
         "shaper",
         "[sketch]\nangle",

@@ -165,6 +165,19 @@ def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
         assert square.marker.angle == pytest.approx(-np.degrees(np.angle(along)))
 
 
+def test_the_sketch_is_a_ghost_of_the_pose_there(studies: Studies) -> None:
+    result = studies("shaper")
+    drawn = [trace for trace in linkage(result).data if trace.xaxis == "x5"]
+    ghost = {point: (x, y) for t in drawn if t.name == "sketch" for point, x, y in zip(t.text, t.x, t.y, strict=False)}
+    expected = {point: (1e3 * x, 1e3 * y) for point, (x, y) in result.scene.sketch.points.items()}
+    assert {point: ghost[point] for point in expected} == expected
+    link = next(trace for trace in drawn if trace.name == "link")
+    off = {p: np.hypot(x - ghost[p][0], y - ghost[p][1]) for p, x, y in zip(link.text, link.x, link.y, strict=True)}
+    table = tables.sketch(result).set_index("point")["distance [mm]"]
+    assert off == pytest.approx({point: table[point] for point in off}, abs=1e-9)
+    assert table.is_monotonic_decreasing
+
+
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=SLOW if name == "slotted_class_iii" else ()) for name in scene_files.MECHANISMS]
 )

@@ -65,9 +65,9 @@ def test_driven_slider_out_of_reach_is_found_where_the_rods_line_up() -> None:
     with pytest.raises(Failure) as failure:
         simulation.solve()
     assert failure.value.status is Status.cannot_assemble
-    found = re.search(r"crosshead at ([\d.]+) m", failure.value.reason)
+    found = re.search(r"crosshead at ([\d.]+) mm", failure.value.reason)
     assert found
-    assert abs(float(found[1]) - sqrt(0.42**2 - 0.235**2)) <= 1e-6  # as printed
+    assert abs(float(found[1]) - sqrt(420**2 - 235**2)) <= 1e-3  # mm, as printed
 
 
 def test_lengths_of_a_body_that_do_not_meet_are_refused() -> None:
