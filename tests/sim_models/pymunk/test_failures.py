@@ -123,9 +123,9 @@ def test_points_by_lengths_that_do_not_meet() -> None:
 
 def test_start_too_near_a_lock_is_refused() -> None:
     failure = failure_of(driven_slider(3.999))
-    assert failure.status is Status.cannot_assemble  # 0.4 m is where the rod and the crank are in line
+    assert failure.status is Status.cannot_assemble  # 4 dm is where the rod and the crank are in line
     assert "steps before zero" in failure.reason
-    assert "slider at 0.4" in failure.reason
+    assert "slider at 4 dm" in failure.reason
 
 
 def test_bodies_that_turn_together_without_inertia() -> None:
