@@ -17,6 +17,7 @@ from scenes import Budget, Failure, Scene, Status
 
 from .drive import HeldDrive
 from .equations import Equations
+from .misfit import misfit
 from .system import Array, ExudynSystem
 
 KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
@@ -132,7 +133,8 @@ class PoseSolver:
         past = self.system.scene.where(float(state.position))
         way = np.linspace(float(state.position), goal, TRIALS)[1:].tolist()
         if any(self.nearest(state.q, position) is None for position in way):
-            reason = f"the bodies cannot follow the drive past {past}: the linkage locks there"
+            open_by = misfit(self.system, self.equations, state.q, way)
+            reason = f"the bodies cannot follow the drive past {past}: the linkage locks there{open_by}"
             return Failure(Status.cannot_assemble, reason)
         reason = f"the assembly branch past {past} cannot be decided: two branches meet there"
         return Failure(Status.not_converged, reason)

@@ -9,6 +9,7 @@ from scenes import Failure, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
+from .misfit import misfit
 from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, engine
 
@@ -75,9 +76,9 @@ def _assembled(poses: PoseSolver, rough: Array, position: float) -> Array:
     found = poses.nearest(rough, position)
     if found is not None:
         return found
+    where, open_by = poses.system.scene.where(position), misfit(poses.system, poses.equations, rough, [position])
     raise Failure(
-        Status.cannot_assemble,
-        f"the bodies do not fit together where the sketch shows them, {poses.system.scene.where(position)}",
+        Status.cannot_assemble, f"the bodies do not fit together where the sketch shows them, {where}{open_by}"
     )
 
 

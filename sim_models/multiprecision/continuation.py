@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scenes import Budget, Failure, Status
 
 from .constraints import LinkageEquations
+from .misfit import misfit
 
 LARGEST_TURN = radians(2)  # of any body in one step
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
@@ -21,6 +22,7 @@ LARGEST_TURN = radians(2)  # of any body in one step
 SMALLEST_TURN = 1e-7
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
 ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
+TRIALS = 9  # positions from a singular one to the goal, to find one where a joint stays open
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 
 
@@ -52,15 +54,15 @@ class Continuation:
             self.budget.check(f"it is at {self._place(q)}")
             left = goal - rows.value(q)
             J = rows.jacobian(q)
-            rate = self._solve(J, left, q)
-            curvature = self._solve(J, rows.centripetal(q, rate), q)
+            rate = self._solve(J, left, q, goal)
+            curvature = self._solve(J, rows.centripetal(q, rate), q, goal)
             turn = self._largest_turn(rate, q)
             share = longest / max(longest, turn)
             while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
                 share /= 2
                 self.counters["rejected_steps"] += 1
                 if not share * turn >= SMALLEST_TURN:
-                    raise self._singular(q)
+                    raise self._singular(q, goal)
             q, longest = reached, min(LARGEST_TURN, 2 * share * turn)
             self.counters["steps"] += 1
         return q
@@ -114,11 +116,11 @@ class Continuation:
                 return None
         return None
 
-    def _solve(self, J: arb_mat, right: arb_mat, q: arb_mat) -> arb_mat:
+    def _solve(self, J: arb_mat, right: arb_mat, q: arb_mat, goal: arb_mat) -> arb_mat:
         try:
             return J.solve(right)
         except ZeroDivisionError:
-            raise self._singular(q) from None
+            raise self._singular(q, goal) from None
 
     def _largest_turn(self, change: arb_mat, q: arb_mat) -> float:
         """Return the largest |Δy| of a change of pose q, that of a displacement longer than the size over itself."""
@@ -134,6 +136,9 @@ class Continuation:
     def _place(self, q: arb_mat) -> str:
         return self.linkage.scene.where(float(self.linkage.position.value(q)[0, 0]))
 
-    def _singular(self, q: arb_mat) -> Failure:
+    def _singular(self, q: arb_mat, goal: arb_mat) -> Failure:
+        """Return why no pose follows q on the way to the goal, and which joint stays open from there on."""
+        here, there = float(self.linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
+        open_by = misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
-        return Failure(Status.cannot_assemble, reason)
+        return Failure(Status.cannot_assemble, reason + open_by)

@@ -15,6 +15,7 @@ from scenes.motion import Samples
 from scenes.scene import GROUND
 
 from .constraints import LinkageConstraints, Poses, branch
+from .misfit import misfit
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
@@ -23,6 +24,7 @@ SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is si
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
 PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 20.0  # of processor time on one path; those of the shipped scenes take 0.03
+TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
@@ -161,14 +163,15 @@ def _follow(
         elif step > SMALLEST_STEP:
             step /= 2
         else:
-            raise _stuck(linkage, q, position, gaps)
+            raise _stuck(linkage, q, position, gaps, path(min(1.0, s + largest))[0])
 
 
-def _stuck(linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples) -> Failure:
-    """Return why there is no next place: none exists, or two are too close together."""
+def _stuck(linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples, ahead: float) -> Failure:
+    """Return why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
     where = linkage.scene.where(position)
     if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
-        return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}")
+        open_by = misfit(linkage, q, np.linspace(position, ahead, TRIALS)[1:])
+        return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}{open_by}")
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
