@@ -11,10 +11,10 @@ from scenes import Failure, Scene, Status
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Dyad, inner_joint
+from .decomposition import Dyad, guides_cross, inner_joint
 from .group_equations import Group
 from .kinematics import Linkage, kinematics
-from .motion_range import guides_cross, in_line
+from .motion_range import in_line
 from .newton_group import ROUGHLY, to_lock
 from .placing import Kinematics
 from .solve import Solver, check_reach

@@ -9,12 +9,14 @@ from math import copysign, inf, pi, remainder
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
 from .geometry import RigidBody, sketched, sketched_attitude
 from .group_equations import Group, GroupEquations, Placed, Pose, coordinates, equations_of
+from .misfit import of_group
 from .newton_group import ROUGHLY, assemble, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
@@ -41,8 +43,7 @@ class Track:
 
     def at(self, position: Samples, placed: Pose) -> tuple[Pose, Samples]:
         """Return all frames and the Jacobian (n, m, m), NaN where the branch does not reach."""
-        middles = (self.position[1:] + self.position[:-1]) / 2
-        nearest = np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0))
+        nearest = self.nearest(position)
         h = self._within(position - self.position[nearest], -self.turn / 2)[:, None]
         guess = self.q[nearest] + h * (self.dq[nearest] + h / 2 * self.ddq[nearest])
         near = np.abs(h) <= 1.01 * self.step  # a step, and its roundings; further off there is no pose to start from
@@ -56,6 +57,11 @@ class Track:
             pose = self.equations.pose(np.where(found[:, None], q, np.nan), placed)
             J = np.where(found[:, None, None], J, np.nan)
         return pose, J
+
+    def nearest(self, position: Samples) -> NDArray[np.intp]:
+        """Return which poses are nearest to positions of the drive, shape (n,)."""
+        middles = (self.position[1:] + self.position[:-1]) / 2
+        return np.asarray(np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0)))
 
     def leads_back(self, before: "Track") -> bool:
         """Return whether the parabola through this pose is near the one before: else no position between may be found.
@@ -86,7 +92,8 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     q = assemble(equations, _sketched(scene, group, bodies), placed(position).pose)
     first = _pose(equations, step, turn, position, q, placed)
     if np.isnan(first.at(position, placed(position).pose)[1]).any():
-        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}"
+        open_by = of_group(scene, group, equations, _sketched(scene, group, bodies), placed(position).pose)
+        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
         raise Failure(Status.cannot_assemble, why)
     if scene.driven_slide is not None:
         back, forth = (_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0)))

@@ -122,6 +122,11 @@ def kind(group: Dyad | Group) -> str:
     return f"{first}R{second}" if isinstance(group, InnerPin) else f"{second}P{first}"
 
 
+def guides_cross(group: Dyad | Group) -> bool:
+    """Return whether a group is a dyad that is singular where two guides are parallel."""
+    return kind(group) in ("PRP", "RPP")
+
+
 def inner_joint(group: Dyad | Group) -> str:
     """Return the name of a group in channels: its inner pin, or the slider of its inner slide."""
     return group.guide.slider if isinstance(group, InnerSlide) else group.P

@@ -49,13 +49,13 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
     for group in whole.groups:
         if isinstance(group, Group):
             with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
-                track = follow(scene, group, whole.bodies, partial(_placed, scene, linkage, group))
+                track = follow(scene, group, whole.bodies, partial(placed, scene, linkage, group))
             linkage = replace(linkage, tracks={**linkage.tracks, group: track})
         linkage = replace(linkage, groups=(*linkage.groups, group))
     return linkage
 
 
-def _placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
+def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
     """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
     return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, len(position))

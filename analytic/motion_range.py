@@ -9,7 +9,7 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .decomposition import Dyad, Guided, InnerSlide, inner_joint, kind
+from .decomposition import Dyad, Guided, InnerSlide, guides_cross, inner_joint, kind
 from .group_equations import Group
 from .kinematics import Linkage, kinematics
 
@@ -77,15 +77,15 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
         least, most = scene.drive.extent
         if not turns and not least <= position <= most:
-            return f"the {body} slides freely all its way, from {least:.6g} m to {most:.6g} m"
-        gap = f"{360 / SAMPLES:g} deg" if turns else f"{(most - least) / SAMPLES:.3g} m"
+            return f"the {body} slides freely all its way, from {scene.length(least, 6)} to {scene.length(most, 6)}"
+        gap = f"{360 / SAMPLES:g} deg" if turns else scene.length((most - least) / SAMPLES)
         why = stops[str(_unreached(scene, linkage, np.array([position]))[0])]
         return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({why})"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
 
     def end(position: float, joint: str) -> str:
-        return f"{f'{degrees(position):.4f} deg' if turns else f'{position:.6g} m'} ({stops[joint]})"
+        return f"{f'{degrees(position):.4f} deg' if turns else scene.length(position, 6)} ({stops[joint]})"
 
     ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
     return f"the {body} {'turns' if turns else 'slides'} only {ways}; drive.start and drive.end can limit a run"
@@ -103,8 +103,3 @@ def in_line(group: Dyad | Group) -> str:
     if isinstance(group, InnerSlide):
         return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
     return f"{one} and {two} in line at {group.P}" if kind(group) == "RRR" else f"{one} square to the guide of {two}"
-
-
-def guides_cross(group: Dyad | Group) -> bool:
-    """Return whether a group is a dyad that is singular where two guides are parallel."""
-    return kind(group) in ("PRP", "RPP")

@@ -16,9 +16,11 @@ from scenes.scene import ConstantSpeed, PressForce
 
 from .channels import Channels, FromBoth, scalar_channels, vector_channels
 from .dead_points import stroke_end
-from .decomposition import Decomposition, decompose, members
-from .kinematics import Linkage, followed, kinematics
+from .decomposition import Decomposition, decompose, inner_joint, members
+from .group_equations import Group
+from .kinematics import Linkage, followed, kinematics, placed
 from .kinetostatics import Reactions, StrokeEnds, kinetostatics
+from .misfit import of_dyad, of_group
 from .motion_range import describe
 from .placing import Kinematics
 
@@ -157,6 +159,14 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
     """
     for joint, reach in k.reach.items():  # in solving order: the first that fails is negative, what hangs on it is NaN
         if (reach < 0).any():
-            first = float(position[int(np.argmax(np.broadcast_to(reach, position.shape) < 0))])
-            why = f"{joint} cannot be reached at {scene.where(first)}; {describe(scene, linkage, first)}"
+            row = int(np.argmax(np.broadcast_to(reach, position.shape) < 0))
+            first = float(position[row])
+            group = next(group for group in linkage.groups if inner_joint(group) == joint)
+            if isinstance(group, Group):
+                track, frames = linkage.tracks[group], placed(scene, linkage, group, position[row : row + 1])
+                near = track.q[track.nearest(position[row : row + 1])]
+                open_by = of_group(scene, group, track.equations, near, frames.pose)
+            else:
+                open_by = of_dyad(scene, group, float(np.broadcast_to(k.to_lock[joint], position.shape)[row]))
+            why = f"{joint} cannot be reached at {scene.where(first)}{open_by}; {describe(scene, linkage, first)}"
             raise Failure(Status.cannot_assemble, why)

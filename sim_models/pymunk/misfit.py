@@ -8,44 +8,52 @@ from scenes.motion import Samples
 
 from .constraints import LinkageConstraints, Poses
 
-HEAVY = 1e3  # weight of what is held closed: it gives way by a millionth of the gap
-OPEN = 1e-9  # of the linkage's size: a gap larger than what the least squares leave
+HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
+OPEN = 1e-9  # of the linkage's size: a gap larger than roundings
 
 
 def misfit(linkage: LinkageConstraints, q: Poses, positions: Iterable[float]) -> str:
-    """Return which joint stays open at the first position of the drive where one does, and by how much, or nothing.
-
-    Near the pose q, shape (1, bodies, 3), all joints give way alike, then the worst of them alone, the last of
-    equals.
-    """
+    """Return which joint stays open, near a pose q, at the first position of the drive where one does, or nothing."""
     scene = linkage.scene
     joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(linkage.slides, start=len(scene.pins))}
     joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
     for position in positions:
-        gaps = _closest(linkage, q, position, [*joints.values()])
-        worst = max(reversed(joints), key=lambda joint: float(f"{np.linalg.norm(gaps[joints[joint]]):.2g}"))
-        gap = float(np.linalg.norm(_closest(linkage, q, position, [joints[worst]])[joints[worst]]))
+        joint, gap = _open(linkage, q, position, joints)
         if gap > OPEN * linkage.size:
-            where = scene.where(position)
-            return f"; with all else closed {worst} stays open by {scene.length(gap)} at {where}"
+            return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
     return ""
 
 
-def _closest(linkage: LinkageConstraints, q: Poses, position: float, give_way: list[list[int]]) -> Samples:
-    """Return C of least squares near q, shape (3 bodies,), where all rows but those that give way are closed."""
-    from scipy.optimize import least_squares  # late: only a linkage that fails needs it
+def _open(linkage: LinkageConstraints, q: Poses, position: float, joints: dict[str, list[int]]) -> tuple[str, float]:
+    """Return the joint that stays open, and its gap, m: none where all close, or where not one alone stays open.
 
-    units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
-    weights = np.full(q.size, HEAVY)
-    weights[np.concatenate(give_way)] = 1.0
+    By least squares all joints give way; then the worst of them alone, the last of equals.
+    """
+    from scipy.optimize import least_squares, minimize  # late: only a linkage that fails needs it
 
-    def pose(x: Samples) -> Poses:
-        return np.reshape(x * units, q.shape)
+    size, is_gap = linkage.size, np.isin(np.arange(q.size), np.concatenate([*joints.values()]))
+    scale, weights = np.where(is_gap, 1 / size, 1.0), np.where(is_gap, 1.0, HEAVY * max(1.0, 1 / size))
+    units = np.tile([size, size, 1.0], q.shape[1])
 
     def gaps(x: Samples) -> Samples:
-        return np.asarray(linkage.gaps(pose(x), np.array([position]))[0])
+        return np.asarray(scale * linkage.gaps((x * units).reshape(q.shape), np.array([position]))[0])
 
     def slope(x: Samples) -> Samples:
-        return np.asarray(weights[:, np.newaxis] * linkage.jacobian(pose(x))[0] * units)
+        return np.asarray(scale[:, np.newaxis] * linkage.jacobian((x * units).reshape(q.shape))[0] * units)
 
-    return gaps(least_squares(lambda x: weights * gaps(x), q.ravel() / units, slope, method="lm").x)
+    x = least_squares(
+        lambda x: weights * gaps(x), q.ravel() / units, lambda x: weights[:, np.newaxis] * slope(x), method="lm"
+    ).x
+    worst = max(reversed(joints), key=lambda joint: float(f"{np.linalg.norm(gaps(x)[joints[joint]]):.2g}"))
+    rows = joints[worst]
+    others = np.delete(np.arange(len(x)), rows)
+    closest = minimize(
+        lambda x: gaps(x)[rows] @ gaps(x)[rows],
+        x,
+        jac=lambda x: 2 * gaps(x)[rows] @ slope(x)[rows],
+        constraints={"type": "eq", "fun": lambda x: gaps(x)[others], "jac": lambda x: slope(x)[others]},
+        method="SLSQP",
+        options={"ftol": 1e-14},
+    )
+    left = gaps(closest.x)
+    return worst, float(np.linalg.norm(left[rows])) * size if np.abs(left[others]).max() <= OPEN else 0.0

@@ -1,7 +1,7 @@
 """How far the drive moves until a dyad locks: by hand for each kind, to the last digits, and in words."""
 
 from dataclasses import replace
-from math import acos, asin, degrees, hypot, pi
+from math import acos, asin, degrees, hypot, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -42,7 +42,8 @@ def test_rrp() -> None:
     scene = scene_files.load("slider_crank", SHORT_ROD)
     assert_ends(intervals(scene), (5 * pi / 6, 7 * pi / 6), (11 * pi / 6, 13 * pi / 6))
     assert reason(scene) == (
-        "B cannot be reached at crank angle 30.1000 deg; the crank turns only"
+        f"B cannot be reached at crank angle 30.1000 deg: rod and slider end {sin(radians(30.1)) - 0.5:.4g} m apart;"
+        " the crank turns only"
         " from 150.0000 deg (rod square to the guide of slider) to 210.0000 deg (rod square to the guide of slider) and"
         " from 330.0000 deg (rod square to the guide of slider) to 390.0000 deg (rod square to the guide of slider);"
         " drive.start and drive.end can limit a run"
@@ -130,7 +131,8 @@ def test_driven_slider_in_words() -> None:
     with pytest.raises(Failure) as caught:
         analytic.solve(scene, [3.2, 4.25])
     assert caught.value.reason == (
-        "A cannot be reached at slider at 4.25 m; the slider slides only from 3 m (the end of its way) to 4 m"
+        "A cannot be reached at slider at 4.25 m: crank and rod end 0.25 m apart; "
+        "the slider slides only from 3 m (the end of its way) to 4 m"
         " (crank and rod in line at A); drive.start and drive.end can limit a run"
     )
 
@@ -142,7 +144,8 @@ def test_beyond_its_way_a_driven_slider_may_lock() -> None:
     with pytest.raises(Failure) as caught:
         analytic.solve(scene, [4.25])
     assert caught.value.reason == (
-        "A cannot be reached at slider at 4.25 m; the slider slides freely all its way, from 2.5 m to 3.5 m"
+        "A cannot be reached at slider at 4.25 m: crank and rod end 0.25 m apart; "
+        "the slider slides freely all its way, from 2.5 m to 3.5 m"
     )
 
 

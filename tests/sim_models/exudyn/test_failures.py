@@ -1,5 +1,8 @@
 """The Exudyn model's ways of failing."""
 
+import re
+
+import numpy as np
 import pytest
 
 from scenes import Failure, Sampling, Scene, Status
@@ -30,11 +33,19 @@ def test_bodies_that_do_not_fit() -> None:
     assert "11.5000 deg" in failed.reason
 
 
+def test_how_far_the_bodies_are_from_closing() -> None:
+    """B is at 0.6 from A, C at 0.05 from D and at |2.1 + 0.3i| from B: too long a coupler."""
+    apart = abs(2.1 + 0.3j) - 0.05 - abs(3 + 2.5j - (1 + 2j - 0.6 * np.exp(3.5j)))
+    failed = failure(scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05}))
+    assert failed.reason.endswith(f"with all else closed C stays open by {apart:.4g} m at crank angle 200.5352 deg")
+
+
 @BOTH_ROUTES
 def test_linkage_that_locks(settings: ExudynSettings) -> None:
     failed = failure(with_rod(200), settings)
     assert failed.status is Status.cannot_assemble
     assert "166.08" in failed.reason  # where |P4.x| reaches 200 mm
+    assert re.search(r"stays open by [\d.]+ mm at crank angle 16[67]\.", failed.reason)
 
 
 @BOTH_ROUTES

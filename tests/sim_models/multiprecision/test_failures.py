@@ -43,6 +43,7 @@ def test_lengths_that_cannot_meet_are_refused() -> None:
             model.build(apart, model.DEFAULT, Sampling(36))
         assert flint.ctx.prec == 77
     assert failure.value.status is Status.cannot_assemble
+    assert failure.value.reason.endswith("with all else closed B stays open by 3 m at crank angle 0.0000 deg")  # 5 - 2
 
 
 def test_flat_sketch_of_a_triangle_is_refused() -> None:

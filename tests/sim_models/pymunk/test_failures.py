@@ -80,8 +80,11 @@ def test_narrow_lock_is_not_stepped_over() -> None:
 
 
 def test_bodies_that_do_not_reach() -> None:
+    """B is at 0.6 from A, C at 0.05 from D and at |2.1 + 0.3i| from B: too long a coupler."""
+    apart = abs(2.1 + 0.3j) - 0.05 - abs(3 + 2.5j - (1 + 2j - 0.6 * np.exp(3.5j)))
     failure = failure_of(scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05}))
     assert failure.status is Status.cannot_assemble
+    assert failure.reason.endswith(f"with all else closed C stays open by {apart:.4g} m at crank angle 200.5352 deg")
 
 
 def test_massless_rod_is_refused() -> None:
