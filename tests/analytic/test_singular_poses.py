@@ -81,7 +81,9 @@ def test_between_samples_each_dyad_is_refused_beyond_and_solved_near_its_singula
 def test_a_gap_that_the_search_meets_but_no_sample(dyad: str) -> None:
     """Of a degree, between samples 10 degrees apart."""
     scene, _ = SINGULAR[dyad]
-    with pytest.raises(Failure, match=r"cannot be reached at crank angle .* deg(: .* m apart)?; the crank turns only from"):
+    with pytest.raises(
+        Failure, match=r"cannot be reached at crank angle .* deg(: .* m apart)?; the crank turns only from"
+    ):
         run(scene(-1e-2 if dyad == "PRP" else -1e-4))
 
 
