@@ -7,15 +7,15 @@ from scenes import Motion, Sampling, Status
 
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
-from .course_causes import course_causes, noisy
-from .drive_causes import drive_causes, strayed
-from .evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
-from .force_causes import Carried, weight_causes
-from .geometry_causes import geometry_causes
-from .load_causes import load_causes
+from .causes.course import course_causes, noisy
+from .causes.drive import drive_causes, strayed
+from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
+from .causes.force import Carried, weight_causes
+from .causes.geometry import geometry_causes
+from .causes.load import load_causes
+from .causes.read_out import read_out_causes
+from .causes.sample import incomplete, sample_causes
 from .measure import Measurement
-from .read_out_causes import read_out_causes
-from .sample_causes import incomplete, sample_causes
 
 ROUNDING = 1e-11  # relative, a sample
 STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere

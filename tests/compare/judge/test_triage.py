@@ -12,7 +12,7 @@ from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.runner import Run, run
 from compare.engines.settings import tiers
-from compare.judge.evidence import Kind
+from compare.judge.causes.evidence import Kind
 from compare.judge.measure import Measurement
 from compare.judge.perturbation import Path, put
 from compare.judge.triage import Cause, cause, sentence, sentences

@@ -8,9 +8,9 @@ import numpy as np
 from scenes.motion import Samples
 from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
 
-from ..engines.motion_vectors import AppliedForce, Vectors
+from ...engines.motion_vectors import AppliedForce, Vectors
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
-from .force_causes import Carried, Wrenches, both, percent
+from .force import Carried, Wrenches, both, percent
 
 STANDARD_GRAVITY = -9.81j  # m/s^2
 

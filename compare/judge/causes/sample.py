@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scenes import Motion, Sampling, Scene
 from scenes.motion import quantity
 
-from ..engines.reference import Reference
-from ..engines.runner import ON_TIME
+from ...engines.reference import Reference
+from ...engines.runner import ON_TIME
 from .evidence import ANGLES, Evidence, Hypothesis, Kind, common
 
 FEW = 0.1  # of the samples

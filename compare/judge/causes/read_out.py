@@ -9,7 +9,7 @@ import numpy as np
 from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
-from ..engines.motion_vectors import MotionVectors, Vectors
+from ...engines.motion_vectors import MotionVectors, Vectors
 from .evidence import (
     ANGLES,
     EXPLAINED,

@@ -19,8 +19,8 @@ from scenes import Scene
 from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND, Body, PressForce
 
-from ..engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
-from .constraints import Constraints
+from ...engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
+from ..constraints import Constraints
 from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m

@@ -10,9 +10,9 @@ from scenes import Motion, Scene
 from scenes.loads import Vector
 from scenes.motion import Samples
 
+from ..perturbation import Input, Path, inputs, put
+from ..projection import projected
 from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted
-from .perturbation import Input, Path, inputs, put
-from .projection import projected
 
 HAIR = 1e-6  # of the stroke, or rad: what an input is varied by, for a slope
 CLOSER = 4  # inputs that are fitted, of all whose slopes were

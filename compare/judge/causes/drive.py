@@ -11,9 +11,9 @@ from scenes.drive import Driven
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, MotionLaw
 
-from ..engines import registry
+from ...engines import registry
 from .evidence import Channels, Evidence, Hypothesis, Kind, factor, fitted
-from .geometry_causes import solved
+from .geometry import solved
 
 ASTRAY = 1e-9  # relative: far above rounding
 

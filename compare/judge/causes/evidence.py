@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Motion, Sampling
 from scenes.motion import Samples, quantity
 
-from ..engines.reference import Reference, relative_errors, sizes
+from ...engines.reference import Reference, relative_errors, sizes
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
