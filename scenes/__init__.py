@@ -23,7 +23,7 @@
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
 """
 
-from .budget import Budget
+from .budget import ProcessorBudget
 from .engine import Engine, Failure, Settings, Simulation, Status
 from .errors import InputError
 from .motion import Motion
@@ -34,12 +34,12 @@ from .starter import write_starter
 
 __all__ = [
     "LIBRARY",
-    "Budget",
     "Engine",
     "Failure",
     "InputError",
     "Motion",
     "Positions",
+    "ProcessorBudget",
     "Request",
     "Sampling",
     "Scene",

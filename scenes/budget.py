@@ -5,7 +5,7 @@ from time import perf_counter, process_time
 from .engine import Failure, Status
 
 
-class Budget:
+class ProcessorBudget:
     """What one task may take of the process's processor time, which a busy machine does not use up."""
 
     def __init__(self, seconds: float, task: str) -> None:

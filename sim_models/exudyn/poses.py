@@ -13,7 +13,7 @@ from typing import NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Budget, Failure, Scene, Status
+from scenes import Failure, ProcessorBudget, Scene, Status
 
 from .drive import HeldDrive
 from .equations import Equations
@@ -66,7 +66,7 @@ class PoseSolver:
         self.system = system = ExudynSystem(scene, drive, si=si)
         self.equations = Equations(system, drive)
         self.newton_iterations = self.curvatures = 0  # found so far
-        self.budget = Budget(SECONDS, "building the system")
+        self.budget = ProcessorBudget(SECONDS, "building the system")
         # Corrections are measured with lengths over the linkage's size and angles in rad.
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 

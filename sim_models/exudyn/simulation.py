@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scenes import Budget, Failure, Motion, Request, Sampling, Scene, Status
+from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene, Status
 from scenes.motion import quantity
 
 from . import channels
@@ -46,7 +46,7 @@ class ExudynSimulation:
         Raises:
             Failure: the pose cannot follow the drive, a step found no solution, or the budget is spent.
         """
-        self.poses.budget = Budget(SECONDS * self.sampling.turns, "the solution")
+        self.poses.budget = ProcessorBudget(SECONDS * self.sampling.turns, "the solution")
         self._q, v, *others = self._solved()
         wanted = set(self.sampling.wanted(self.scene))
         found = channels.kinematics(self.system, wanted, self._q, v, *others[:1])

@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import NDArray
 
-from scenes import Budget, Failure, Status
+from scenes import Failure, ProcessorBudget, Status
 
 from .constraints import LinkageEquations
 from .misfit import misfit
@@ -29,7 +29,7 @@ HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
 class Continuation:
     """Follows the pose of a linkage; counts the work."""
 
-    def __init__(self, linkage: LinkageEquations, digits: int, budget: Budget) -> None:
+    def __init__(self, linkage: LinkageEquations, digits: int, budget: ProcessorBudget) -> None:
         self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
         self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square

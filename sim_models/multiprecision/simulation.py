@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from flint import arb_mat, ctx
 
-from scenes import Budget, Failure, Motion, Request, Scene, Status
+from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 
 from .channels import channels
 from .constraints import LinkageEquations
@@ -22,7 +22,7 @@ ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative
 
 def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
     """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
-    budget = Budget(settings.seconds, "the start from the sketch")
+    budget = ProcessorBudget(settings.seconds, "the start from the sketch")
     with ctx.workdps(settings.digits):  # puts back the precision it found
         linkage = LinkageEquations(scene)
         continuation = Continuation(linkage, settings.digits, budget)
@@ -57,7 +57,7 @@ class MultiprecisionSimulation:
             Failure: the linkage is singular at some position of the drive, or the digits or the time are too few.
         """
         linkage, digits = self._linkage, self._settings.digits
-        budget = Budget(self._settings.seconds_for(self._request), "the motion")
+        budget = ProcessorBudget(self._settings.seconds_for(self._request), "the motion")
         continuation = Continuation(linkage, digits, budget)
         self._solutions = []
         q = self._start

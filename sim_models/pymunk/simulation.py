@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Budget, Failure, Motion, Request, Sampling, Scene
+from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene
 from scenes.engine import equal_steps
 from scenes.motion import Samples
 from scenes.scene import MotionLaw
@@ -99,7 +99,7 @@ class PymunkSimulation:
         Raises:
             Failure: timed_out.
         """
-        budget = Budget(SECONDS, "")
+        budget = ProcessorBudget(SECONDS, "")
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows ends as `nonfinite` in `read`
             for run in self._runs:
                 budget.task = f"the run of {run.steps.count} steps and those before"

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Budget, Failure, Status
+from scenes import Failure, ProcessorBudget, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
@@ -150,7 +150,7 @@ def _follow(
 ) -> Iterator[Place]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
     here = branch(linkage.jacobian(q))
-    budget = Budget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
+    budget = ProcessorBudget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
     s, step = 0.0, largest
     while s < 1:
         ahead = min(1.0, s + step)

@@ -6,7 +6,7 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Budget, Failure, Sampling
+from scenes import Failure, ProcessorBudget, Sampling
 from scenes.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
@@ -101,7 +101,7 @@ class Integration:
         sweeps = self._settings.iterations * (FIRST_SWEEPS - 1 + steps)
         return {"steps": steps, "constraint_iterations": sweeps * found["constraints"]} | found
 
-    def advance(self, budget: Budget) -> None:
+    def advance(self, budget: ProcessorBudget) -> None:
         """Step from before t = 0 to the end.
 
         Raises:

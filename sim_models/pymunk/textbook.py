@@ -11,7 +11,7 @@ from math import ceil
 
 import numpy as np
 
-from scenes import Budget, Failure, Motion, Request, Sampling, Scene, Status
+from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 from scenes.motion import Samples
 from scenes.scene import Force
@@ -81,7 +81,7 @@ class TextbookSimulation:
             Failure: timed_out.
         """
         bodies, steps, linkage = self._model.bodies, self._steps, self._linkage
-        budget = Budget(SECONDS, f"{steps.count} steps")
+        budget = ProcessorBudget(SECONDS, f"{steps.count} steps")
         constant = [load for load in self._scene.loads if isinstance(load, Force)]
         loads = [(bodies[at.body], at.force, pair(linkage.arm(at.body, at.at))) for at in constant]
         for k in range(1 - steps.pre_roll, steps.count + 1):

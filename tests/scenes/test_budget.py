@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from scenes import Budget, Failure, Status
+from scenes import Failure, ProcessorBudget, Status
 from scenes import budget as clock
 
 
@@ -13,7 +13,7 @@ def test_a_budget_lasts_for_its_seconds_and_names_the_task_and_its_progress(monk
     ticks = count(100.0, 1.0)  # s; the clock of a process does not begin at zero
     monkeypatch.setattr(clock, "process_time", lambda: next(ticks))
     monkeypatch.setattr(clock, "perf_counter", lambda: inf)  # the time on the wall is long over
-    budget = Budget(4.5, "the run-up")
+    budget = ProcessorBudget(4.5, "the run-up")
     for done in range(4):
         budget.check(f"{done} of 10 steps are done")
     with pytest.raises(Failure) as failure:
@@ -25,6 +25,6 @@ def test_a_budget_lasts_for_its_seconds_and_names_the_task_and_its_progress(monk
 def test_processor_time_is_asked_for_only_when_the_time_on_the_wall_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     times = iter((7.0,))  # of the process, at the start alone
     monkeypatch.setattr(clock, "process_time", lambda: next(times))
-    budget = Budget(60.0, "the run-up")
+    budget = ProcessorBudget(60.0, "the run-up")
     for _ in range(3):
         budget.check("")

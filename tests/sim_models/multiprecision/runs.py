@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from scenes import Budget, Motion, Sampling, Scene
+from scenes import Motion, ProcessorBudget, Sampling, Scene
 from tests import scene_files
 
 flint = pytest.importorskip("flint")
@@ -50,7 +50,7 @@ def two_rods(length: float) -> Scene:
 
 
 def continuing(linkage: multiprecision_constraints.LinkageEquations) -> multiprecision_continuation.Continuation:
-    return multiprecision_continuation.Continuation(linkage, 50, Budget(60.0, "a test"))
+    return multiprecision_continuation.Continuation(linkage, 50, ProcessorBudget(60.0, "a test"))
 
 
 def closed(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import scenes
-from scenes import Budget, Failure, Sampling, Scene, Status, hard
+from scenes import Failure, ProcessorBudget, Sampling, Scene, Status, hard
 from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import engine as pymunk_model
@@ -49,7 +49,7 @@ def test_every_step_is_checked(press: Scene) -> None:
     pose = start(linkage)
     start_branch = branch(linkage.jacobian(pose))
     run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
-    run.advance(Budget(60.0, "a test"))
+    run.advance(ProcessorBudget(60.0, "a test"))
     check_path(linkage, run.record[1:], run.positions, start_branch)
     good = run.record.copy()
     crank, rod, slider = 0, 3, 4
