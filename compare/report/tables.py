@@ -27,8 +27,9 @@ def overview(study: Study) -> pd.DataFrame:
     rows = []
     for run, worst in ((m.run, m.worst()) for m in study.measurements):
         named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
+        named["promise"] = f"{run.settings.promise:.0e}" if run.settings else ""
         seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s}
-        errors = {group: worst.get(group, nan) for group in SHOWN_GROUPS}
+        errors = {group: worst.get(group, nan) for group in ("drive", *SHOWN_GROUPS)}
         rows.append(named | errors | {f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()})
     return pd.DataFrame(rows)
 
