@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 import analytic
 from compare.engines import registry
-from compare.engines.reference import found as uncertified
-from compare.engines.reference import relative_errors
+from compare.engines.reference import Reference, relative_errors
 from scenes import Motion, Request, Scene
 from scenes.motion import Samples, channels, quantity
 
@@ -95,11 +94,12 @@ def exact(scene: Scene, request: Request) -> Motion:
     return motion
 
 
-def off_50_digits(scene: Scene, request: Request) -> dict[str, Samples]:
+def off_50_digits(reference: Reference, request: Request) -> dict[str, Samples]:
     """Return how far the core is from 50 digits, by channel; a force is relative to the peak of its own joint."""
+    scene = reference.scene
     true = exact(scene, request)
-    motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
-    found = relative_errors(motion, true, uncertified(scene).scale)
+    motion = reference.at(true[scene.drive_channel], true["time"])
+    found = relative_errors(motion, true, reference.scale)
     assert set(found) == set(channels(scene)) - {"time"}
     return found
 

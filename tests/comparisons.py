@@ -30,7 +30,7 @@ Studies = Callable[..., Study]
 
 @contextmanager
 def only_few_settings() -> Iterator[None]:
-    """Have four settings of each engine measured, and timed once, where a test is about something else."""
+    """Have four settings measured, timed once, and few positions certified, where a test is about something else."""
 
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
@@ -41,6 +41,7 @@ def only_few_settings() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for module in ("speed.speed_table", "study"):
             patch.setattr(f"compare.{module}.settings_of", first)
+        patch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)
         patch.setattr("compare.speed.timing.LEAST_ROUNDS", 1)
         patch.setattr("compare.speed.speed_table.take_turns", once)
         yield

@@ -15,7 +15,7 @@ from analytic.decomposition import Decomposition, _Placed, decompose, larger_gro
 from analytic.group_equations import Group
 from analytic.kinematics import followed
 from analytic.motion_range import motion_range
-from analytic.solve import prepared
+from analytic.solve import Solver, prepared
 from compare.engines.reference import found, relative_errors
 from compare.judge.checks import checks
 from scenes import Failure, Motion, Sampling, Scene, Status
@@ -29,13 +29,18 @@ from .test_mechanisms import FLIPPED, flipped
 TURN = np.radians(np.arange(720) / 2)  # half-degree steps, without the end
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def class_iii() -> Scene:
     return scenes.load("class_iii")
 
 
-def test_power_balance(class_iii: Scene) -> None:
-    motion = analytic.solve(class_iii, TURN)
+@pytest.fixture(scope="module")
+def solve(class_iii: Scene) -> Solver:
+    return analytic.solver(class_iii)
+
+
+def test_power_balance(class_iii: Scene, solve: Solver) -> None:
+    motion = solve(TURN)
     for check in checks(class_iii, motion, 0.08):
         assert check.worst <= 1e-12, check  # roundings only, as above
     torque = motion["drive.torque"]  # weights and a constant force give back what they take
@@ -102,7 +107,7 @@ def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
     dyad, newton, last = analytic.route(scene).removeprefix("crank, ").split(", ")
     assert (dyad, last) == ("RRR", "RRP")
     assert set(newton.removeprefix("Newton on ").split("-")) == {"coupler", "plate", "upper", "lower"}
-    for channel, error in off_50_digits(scene, Sampling(24)).items():
+    for channel, error in off_50_digits(found(scene), Sampling(24)).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings, all groups well clear of lock
 
 
@@ -111,9 +116,8 @@ def test_route(class_iii: Scene, toggle_press: Scene) -> None:
     assert analytic.route(toggle_press) == "closed form: crank, RRR, RRP"
 
 
-def test_one_angle_at_a_time(class_iii: Scene) -> None:
+def test_one_angle_at_a_time(class_iii: Scene, solve: Solver) -> None:
     """No history: any order, any number, far turns. Far angles carry their own rounding, 1e5 turns of it here."""
-    solve = analytic.solver(class_iii)
     whole = solve(TURN)
     shuffled = np.random.default_rng(1).permutation(len(TURN))
     again, alone = solve(TURN[shuffled]), solve(TURN[99:100])
@@ -141,8 +145,8 @@ def cross(a: complex | NDArray[np.complex128], b: NDArray[np.complex128]) -> NDA
     return product
 
 
-def test_the_scene_is_as_it_says(class_iii: Scene) -> None:
-    motion = analytic.solve(class_iii, TURN)
+def test_the_scene_is_as_it_says(class_iii: Scene, solve: Solver) -> None:
+    motion = solve(TURN)
     assert abs(distance_from_lock(class_iii, motion).min() - 0.190) <= 0.0005  # m; as the scene's head rounds it
     assert abs(np.degrees(np.ptp(np.unwrap(motion["plate.angle"]))) - 30) <= 0.5  # deg; likewise
 
@@ -212,13 +216,13 @@ def test_a_linkage_that_needs_two_turns_is_refused(class_iii: Scene, monkeypatch
 
 @pytest.mark.parametrize(("start", "end"), [(40, 80), (-110, 230), (90, 61), (780, 800), (-200, -170), (60, 390)])
 def test_on_part_of_a_turn_the_angle_does_tell(
-    class_iii: Scene, start: int, end: int, monkeypatch: pytest.MonkeyPatch
+    class_iii: Scene, solve: Solver, start: int, end: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The sketch, at 60 degrees, is within the part, at its end, or outside, in whatever turn."""
     ends = np.radians([start, end]).tolist()
     drive = ConstantSpeed("crank", 1.0 if end > start else -1.0, *ends)
     position = drive.after(np.linspace(0, 1, 60))
-    expected = analytic.solve(class_iii, position)
+    expected = solve(position)
     monkeypatch.setattr(continuation, "SAME", -1.0)
     motion = analytic.solve(replace(class_iii, drive=drive), position)
     for channel in ("D.x", "plate.angle", "C.y"):

@@ -8,12 +8,14 @@ import pytest
 
 import analytic
 import scenes
+from compare.engines.registry import Solve
 from compare.judge.errors import GROUPS
 from scenes import Sampling, Scene
 from scenes.motion import Samples, channels, quantity
 from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
 from tests.agreement import errors, off_50_digits
+from tests.comparisons import References
 
 # A slot that the file declares from the other side, on a body that is not placed yet when the block is, or is.
 FLIPPED = {
@@ -39,19 +41,20 @@ def flipped(scene: Scene, block: str, on: str) -> Scene:
     return replace(scene, bodies={**scene.bodies, block: replace(slider, slide=None), on: turned})
 
 
-def off_by(scene: Scene) -> Mapping[str, Samples]:
+def off_by(scene: Scene, solve: Solve) -> Mapping[str, Samples]:
     """Return by channel how far the core is from absolute coordinates."""
     # off the ends of the cycle: none of them is on the switch of a press force
     time = np.linspace(0.00137, 0.99871, 49) * scene.drive.cycle
     driven = scene.drive.at(time)
     expected = absolute_coordinates.solve(scene, *driven)
     assert set(expected) == set(channels(scene)) - {"time"}
-    return errors(analytic.solve(scene, driven.position, time), expected)
+    return errors(solve(driven.position, time), expected)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_against_absolute_coordinates(name: str) -> None:
-    for channel, error in off_by(scene_files.load(name)).items():
+def test_against_absolute_coordinates(references: References, name: str) -> None:
+    reference = references(name)
+    for channel, error in off_by(reference.scene, reference.at).items():
         # Of both, some roundings of 1e-16; the clamp, near its lock at the end, makes them a thousand times larger.
         assert error.max() <= (1e-12 if "clamp" in name else 1e-13), channel
 
@@ -59,7 +62,7 @@ def test_against_absolute_coordinates(name: str) -> None:
 @pytest.mark.parametrize("name", FLIPPED)
 def test_slots_from_the_other_side(name: str) -> None:
     scene = flipped(scene_files.load(name), *FLIPPED[name])
-    for channel, error in off_by(scene).items():
+    for channel, error in off_by(scene, analytic.solver(scene)).items():
         assert error.max() <= 1e-13, channel  # as above
 
 
@@ -71,11 +74,11 @@ def test_flipping_changes_what_is_placed_first() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_against_50_digits(name: str) -> None:
+def test_against_50_digits(references: References, name: str) -> None:
     """Newton on the constraints from the sketch, and Newton-Euler with multipliers: each channel by its own peak."""
-    sampling = Sampling(360 if name in ("toggle_press", "class_iii") else 24)
+    sampling = Sampling(72 if name in ("toggle_press", "class_iii") else 24)
     amplified = ("reaction", "torque", "acceleration") if "clamp" in name else ("reaction", "torque")
-    for channel, error in off_50_digits(scene_files.load(name), sampling).items():
+    for channel, error in off_50_digits(references(name), sampling).items():
         # A few dozen roundings of 1e-16 each. The worst are 7e-14 in an acceleration and 1e-13 in a reaction, both of
         # the clamp near its lock.
         assert error.max() <= (1e-12 if GROUPS[quantity(channel)] in amplified else 1e-13), channel

@@ -47,6 +47,7 @@ def test_the_reference_is_certified(judgement: Judgement) -> None:
 
 
 @SLOW
+@pytest.mark.usefixtures("few_settings")
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_the_command_line_reports_every_scene(name: str, tmp_path: Path) -> None:
     assert main([name, "--check", "--out", str(tmp_path)]) == 0
