@@ -52,7 +52,7 @@ PATIENCE = 20.0  # s of the processor, for one scene and all engines; a sound on
 @pytest.fixture(autouse=True)
 def _uncertified(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the 50 digits, which take most of the time and have their own tests."""
-    monkeypatch.setattr("compare.engines.reference._certify", lambda *_: Floor({}, "not certified"))
+    monkeypatch.setattr("compare.judge.floor.certified", lambda *_: Floor({}, "not certified"))
 
 
 def broken_places(name: str) -> list[Place]:

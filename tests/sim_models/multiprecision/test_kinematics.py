@@ -77,7 +77,7 @@ def test_bodies_are_rigid_and_joints_closed_at_all_three_levels(scene: Scene, mo
 def independently_assembled(scene: Scene) -> dict[str, complex]:
     """Return where the points are at the start: their places and the bodies' angles are the unknowns, to doubles.
 
-    The branch is the one that Newton's method finds from the sketch, followed in steps of a hundredth of the way.
+    The branch is the one that Newton's method finds from the sketch, followed in steps of a twentieth of the way.
     """
     names, bodies = list(scene.moving_points), list(scene.bodies)
     ground = {name: complex(*at) for name, at in scene.ground.items()}
@@ -140,7 +140,7 @@ def independently_assembled(scene: Scene) -> dict[str, complex]:
         guess |= {b: guess[b] + turned for b in scene.aligned[scene.drive.body] if b in guess}
     places = np.array([known.get(name, middle) for name in names])
     unknowns = np.concatenate([places.view(float), [guess[name] for name in bodies]])
-    for drive in np.linspace(at, start, 101):
+    for drive in np.linspace(at, start, 21):
         solution = root(equations, unknowns, args=(drive,), tol=1e-13)
         assert np.abs(solution.fun).max() <= 1e-12  # doubles, of metres
         unknowns = solution.x
