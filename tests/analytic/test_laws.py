@@ -24,8 +24,8 @@ from .views import Change
 
 SOLVED = ("estimate", *SHOWN_GROUPS)
 
-often = settings(max_examples=20, deadline=None, derandomize=True)
-seldom = settings(max_examples=8, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking took minutes
+often = settings(max_examples=12, deadline=None, derandomize=True)
+seldom = settings(max_examples=6, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking took minutes
 
 
 @often

@@ -27,8 +27,8 @@ from tests.linkages import Path, directions, numbers, signs, vectors, xy
 
 from .views import Change
 
-often = settings(max_examples=20, deadline=None, derandomize=True)
-few = settings(often, max_examples=8)  # of each change alone: all of them are in the one at once
+often = settings(max_examples=12, deadline=None, derandomize=True)
+few = settings(often, max_examples=6)  # of each change alone: all of them are in the one at once
 
 
 @often
