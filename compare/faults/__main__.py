@@ -18,8 +18,8 @@ from .wrong_code import comparison_faults, core_faults, shared_faults
 
 USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
 SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
-CORE = 80  # wrong lines
-COMPARISON = 120
+CORE = 40  # wrong lines
+COMPARISON = 60
 
 
 @command
