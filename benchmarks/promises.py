@@ -14,7 +14,7 @@ import pandas as pd
 
 from compare.engines.settings import TIERS
 from tests.clean_scenes import clean_scenes
-from tests.promises import ACCURACIES, NUMBERS, Record, records
+from tests.promises import ACCURACIES, NUMBERS, PromiseRecord, records
 
 SCENES = 200
 SAMPLES = (36, 72, 360)
@@ -46,8 +46,8 @@ def study(folder: Path, count: int, out: Path) -> None:
 
 def report(table: pd.DataFrame) -> None:
     """Print what became of all runs: by engine and accuracy, by feature, and every run with a wrong verdict."""
-    names = [field.name for field in fields(Record)]
-    made = [Record(*row) for row in table[names].itertuples(index=False)]
+    names = [field.name for field in fields(PromiseRecord)]
+    made = [PromiseRecord(*row) for row in table[names].itertuples(index=False)]
     table = table.assign(
         ok=table["status"] == "ok",
         refused=table["status"] != "ok",

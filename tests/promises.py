@@ -25,7 +25,7 @@ INSTANTS = 12  # a cycle, at which absolute coordinates hold the core: a few mil
 
 
 @dataclass(frozen=True)
-class Record:
+class PromiseRecord:
     """One verdict beside the truth."""
 
     scene: str
@@ -58,7 +58,7 @@ class Record:
         return self.status != "ok" and self.found_by in ("checks", "reference") and self.within
 
 
-def records(scene: Scene, wanted: dict[int, tuple[Accuracy, ...]]) -> Iterator[Record]:
+def records(scene: Scene, wanted: dict[int, tuple[Accuracy, ...]]) -> Iterator[PromiseRecord]:
     """Yield the verdicts of every engine on a scene, by samples a cycle and accuracy, beside the truth."""
     truth, core = Truth(scene), core_error(scene)
     with _shared():
@@ -70,7 +70,7 @@ def records(scene: Scene, wanted: dict[int, tuple[Accuracy, ...]]) -> Iterator[R
                     yield record(truth, run, Sampling(samples), f"{accuracy}", off)
 
 
-def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced", least: float = 0.0) -> Record:
+def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced", least: float = 0.0) -> PromiseRecord:
     """Return the verdict on a run beside the truth; `least` is how far it is known to be off, relative."""
     scene, settings, worst = truth.scene, run.settings, {DRIVE: float("nan"), "": float("nan")}
     assert settings is not None
@@ -78,7 +78,7 @@ def record(truth: Truth, run: Run, sampling: Sampling, accuracy: str = "balanced
         worst = {name: float(error.max()) for name, error in truth.errors(run.motion, sampling).items()}
     drive = worst.pop(DRIVE)
     of = max(worst, key=lambda name: worst[name] if worst[name] >= 0 else float("inf"))
-    return Record(
+    return PromiseRecord(
         *(scene.name, " ".join(features(scene)), run.engine, accuracy, sampling.samples, settings.label),
         *(run.status.name, run.found_by, run.reason, settings.promise),
         *(max(worst[of], least), of, drive, settings.drive_promise),

@@ -1,6 +1,6 @@
 """A fault: a motion, or the scene that an engine solves, made wrong on purpose; and the clean run that it spoils."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
@@ -14,6 +14,8 @@ from scenes.motion import Samples, quantity
 from ..engines.motion_vectors import MotionVectors
 from ..engines.reference import Reference, sizes
 from ..engines.runner import Run
+from ..judge.causes.evidence import stem
+from ..judge.errors import GROUPS
 
 Item = TypeVar("Item")
 
@@ -86,10 +88,16 @@ class Clean:
         """Return the channels of some quantities."""
         return [name for name in self.channels if quantity(name) in quantities]
 
+    def grouped(self, *groups: str) -> Iterator[tuple[str, list[str]]]:
+        """Yield those of some groups that have channels, with them."""
+        for group in groups:
+            if names := [name for name in self.channels if GROUPS[quantity(name)] == group]:
+                yield group, names
+
     def stems(self, *quantities: str) -> list[str]:
         """Return the points, bodies or joints that have channels of some quantities, with something in them."""
         return [
-            name.rpartition(".")[0]
+            stem(name)
             for name in self.of(*quantities)
             if np.abs(self.motion[name]).max() > 100 * self.promise * self.reference.scale[name]
         ]

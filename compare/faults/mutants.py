@@ -12,7 +12,7 @@ from types import CodeType, FunctionType
 from typing import Any
 
 OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
-    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult},
+    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 }
 COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
     **{ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.GtE, ast.GtE: ast.LtE},
@@ -25,17 +25,8 @@ COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
         ast.IsNot: ast.Is,
     },
 }
-NAMES = {
-    "max": "min",
-    "min": "max",
-    "real": "imag",
-    "imag": "real",
-    "sin": "cos",
-    "cos": "sin",
-    "all": "any",
-    "any": "all",
-}
-NAMES |= {"maximum": "minimum", "minimum": "maximum", "argmax": "argmin", "argmin": "argmax"}
+PAIRS = (("max", "min"), ("real", "imag"), ("sin", "cos"), ("all", "any"), ("maximum", "minimum"), ("argmax", "argmin"))
+NAMES = dict(PAIRS) | {second: first for first, second in PAIRS}
 LARGER = 1000.0  # times a constant
 
 

@@ -12,7 +12,9 @@ from scenes import Scene
 from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce
 
 from ..engines.motion_vectors import distances, inertia
-from ..judge.perturbation import inputs, put
+from ..judge.causes.evidence import Kind
+from ..judge.causes.geometry import rescaled
+from ..judge.perturbation import put
 from .fault import Clean, Fault
 
 SIZES = (0.5, 0.1, 0.01, 0.003)
@@ -25,26 +27,24 @@ def masses(clean: Clean) -> Iterator[Fault]:
         return
     heavy = [name for name, body in scene.bodies.items() if body.mass]
 
-    def fault(kind: str, magnitude: float, cause: str, name: str, **changes: Any) -> Fault:
+    def fault(kind: str, magnitude: float, cause: Kind, name: str, **changes: Any) -> Fault:
         body = replace(scene.bodies[name], **changes)
         return Fault("inertia", kind, magnitude, cause, name, scene=_with_body(scene, name, body))
 
     for by in (1.0, *SIZES):
         for name in clean.some(heavy, f"mass {by}"):
-            yield fault(
-                "mass", by, "mass", name, mass=(1 + by) * (scene.bodies[name].mass or 0.0), **_about_com(scene, name)
-            )
+            heavier = (1 + by) * (scene.bodies[name].mass or 0.0)
+            yield fault("mass", by, Kind.mass, name, mass=heavier, **_about_com(scene, name))
         for name in clean.some([one for one in scene.turning if inertia(scene.bodies[one])], f"inertia {by}"):
-            yield fault("moment of inertia", by, "moment of inertia", name, **_inertia(scene, name, 1 + by))
+            yield fault("moment of inertia", by, Kind.inertia, name, **_inertia(scene, name, 1 + by))
     for name in clean.some(heavy, "no mass"):
-        yield fault("no mass", 1, "mass", name, mass=0.0, **_about_com(scene, name))
+        yield fault("no mass", 1, Kind.mass, name, mass=0.0, **_about_com(scene, name))
     turning = [name for name in scene.turning if name in heavy]
     for name in clean.some([one for one in turning if inertia(scene.bodies[one])], "no inertia"):
-        yield fault("no moment of inertia", 1, "moment of inertia", name, **_inertia(scene, name, 0.0))
-    for name in clean.some(
-        [one for one in turning if len(scene.bodies[one].points) == 2 and scene.bodies[one].com is None], "bar"
-    ):
-        yield fault("a uniform bar's inertia about its end", 3, "moment of inertia", name, **_inertia(scene, name, 4.0))
+        yield fault("no moment of inertia", 1, Kind.inertia, name, **_inertia(scene, name, 0.0))
+    bars = [one for one in turning if len(scene.bodies[one].points) == 2 and scene.bodies[one].com is None]
+    for name in clean.some(bars, "bar"):
+        yield fault("a uniform bar's inertia about its end", 3, Kind.inertia, name, **_inertia(scene, name, 4.0))
     for name in clean.some([one for one in turning if len(scene.bodies[one].points) in (2, 3)], "com"):
         body = scene.bodies[name]
         length = max(distances(body).values(), default=0.0)
@@ -54,19 +54,19 @@ def masses(clean: Clean) -> Iterator[Fault]:
                 if com is not None:
                     place = com + by * length * turn
                     changes = {"com": (place.real, place.imag), "inertia": inertia(body)}
-                    yield fault(f"centre of mass {way} the body", by, "centre of mass", name, **changes)
+                    yield fault(f"centre of mass {way} the body", by, Kind.com, name, **changes)
     for one, other in clean.some(pairwise(heavy), "swapped"):
         if scene.bodies[one].mass != scene.bodies[other].mass:
             spoilt = put(scene, ("bodies", one, "mass"), scene.bodies[other].mass or 0.0)
             spoilt = put(spoilt, ("bodies", other, "mass"), scene.bodies[one].mass or 0.0)
-            yield Fault("inertia", "the masses of two bodies swapped", 1, "mass", one, scene=spoilt)
+            yield Fault("inertia", "the masses of two bodies swapped", 1, Kind.mass, one, scene=spoilt)
     for kind, factor in {"no masses at all": 0.0, "all masses": 1.1, "all masses in g": 1e3}.items():
         spoilt = scene
         for name in heavy:
             body = scene.bodies[name]
             own = None if body.inertia is None else factor * body.inertia
             spoilt = _with_body(spoilt, name, replace(body, mass=factor * (body.mass or 0.0), inertia=own))
-        yield Fault("inertia", kind, abs(factor - 1), "mass", "all", scene=spoilt)
+        yield Fault("inertia", kind, abs(factor - 1), Kind.mass, "all", scene=spoilt)
 
 
 def _with_body(scene: Scene, name: str, body: Body) -> Scene:
@@ -106,78 +106,53 @@ def geometry(clean: Clean) -> Iterator[Fault]:
     used = [point for point in scene.ground if len(scene.owners[point]) > 1]
     guides = [name for name, body in scene.bodies.items() if body.slide is not None]
 
-    def fault(kind: str, magnitude: float, cause: str, place: str, spoilt: Scene) -> Fault:
+    def fault(kind: str, magnitude: float, cause: Kind, place: str, spoilt: Scene) -> Fault:
         return Fault("geometry", kind, magnitude, cause, place, scene=spoilt)
 
     for by in (0.03, 0.003, 5 * clean.promise, -0.01):
         for name, pair in clean.some(bars, f"length {by}"):
             length = (scene.bodies[name].lengths or {})[pair]
             spoilt = put(scene, ("bodies", name, "lengths", pair), (1 + by) * length)
-            yield fault("length", by, "length", name, spoilt)
+            yield fault("length", by, Kind.length, name, spoilt)
         for name, point in clean.some(arms, f"point {by}"):
             x, y = (scene.bodies[name].local or {})[point]
             for way, dx, dy in (("along", by * x, by * y), ("across", -by * y, by * x)):
                 spoilt = put(scene, ("bodies", name, "local", point), (x + dx, y + dy))
-                yield fault(f"a body's point, {way}", by, "length", name, spoilt)
+                yield fault(f"a body's point, {way}", by, Kind.length, name, spoilt)
         for point in clean.some(used, f"ground {by}"):
             x, y = scene.ground[point]
             for axis, dx, dy in (("x", by * size, 0.0), ("y", 0.0, by * size)):
-                yield fault(
-                    f"a ground point: {axis}",
-                    by,
-                    "place on the ground",
-                    point,
-                    put(scene, ("ground", point), (x + dx, y + dy)),
-                )
+                spoilt = put(scene, ("ground", point), (x + dx, y + dy))
+                yield fault(f"a ground point: {axis}", by, Kind.place, point, spoilt)
         for name in clean.some(guides, f"guide {by}"):
             slide = scene.bodies[name].slide
             assert slide is not None
             along = complex(*slide.along)
             beside = complex(*slide.through) + 1j * along * by * size
             spoilt = put(scene, ("bodies", name, "slide", "through"), (beside.real, beside.imag))
-            yield fault("a guide beside its place", by, "guide", name, spoilt)
+            yield fault("a guide beside its place", by, Kind.guide, name, spoilt)
             turned = along * np.exp(1j * by)
             spoilt = put(scene, ("bodies", name, "slide", "along"), (float(turned.real), float(turned.imag)))
-            yield fault("a guide's direction", by, "guide", name, spoilt)
+            yield fault("a guide's direction", by, Kind.guide, name, spoilt)
     for by in (0.1, 5 * clean.promise):
-        yield fault("the whole linkage's scale", by, "length", "all", _rescaled(scene, 1 + by))
-
-
-def _rescaled(scene: Scene, by: float) -> Scene:
-    for path, value, is_length, _ in [*inputs(scene)]:
-        if is_length:
-            scaled = (by * value[0], by * value[1]) if isinstance(value, tuple) else by * value
-            scene = put(scene, path, scaled)
-    return scene
+        yield fault("the whole linkage's scale", by, Kind.length, "all", rescaled(scene, 1 + by))
 
 
 def drives(clean: Clean) -> Iterator[Fault]:
     """Yield drives that ask for something else, which are late or fast."""
     scene, drive = clean.scene, clean.scene.drive
+
+    def fault(kind: str, by: float, *changed: Any) -> Fault:
+        return Fault("time", kind, by, Kind.drive, "drive", scene=put(scene, ("drive", *changed[:-1]), changed[-1]))
+
     for by in (0.01, 1e-4, 1e-7):
         if isinstance(drive, ConstantSpeed):
-            spoilt = put(scene, ("drive", "speed"), (1 + by) * drive.speed)
-            yield Fault("time", "another speed of the drive", by, "drive", "drive", scene=spoilt)
+            yield fault("another speed of the drive", by, "speed", (1 + by) * drive.speed)
             if scene.driven_slide is None:
-                yield Fault(
-                    "time",
-                    "another start of the drive",
-                    by,
-                    "drive",
-                    "drive",
-                    scene=put(scene, ("drive", "start"), drive.start + by),
-                )
+                yield fault("another start of the drive", by, "start", drive.start + by)
         else:
             middle = len(drive.positions) // 2
-            positions = put(drive.positions, (middle,), drive.positions[middle] + by)
-            yield Fault(
-                "time",
-                "another entry of the law",
-                by,
-                "drive",
-                "drive",
-                scene=replace(scene, drive=replace(drive, positions=positions)),
-            )
+            yield fault("another entry of the law", by, "positions", middle, drive.positions[middle] + by)
 
 
 def loads(clean: Clean) -> Iterator[Fault]:
@@ -186,7 +161,7 @@ def loads(clean: Clean) -> Iterator[Fault]:
 
     def fault(kind: str, magnitude: float, place: str, number: int, *instead: Any) -> Fault:
         spoilt = replace(scene, loads=(*scene.loads[:number], *instead, *scene.loads[number + 1 :]))
-        return Fault("load", kind, magnitude, "load", place, scene=spoilt)
+        return Fault("load", kind, magnitude, Kind.load, place, scene=spoilt)
 
     for number, load in enumerate(scene.loads):
         kind = {Force: "a force", PressForce: "a press force", ForceTable: "a table"}[type(load)]
@@ -199,18 +174,12 @@ def loads(clean: Clean) -> Iterator[Fault]:
             x, y = load.force
             for angle in (pi / 2, 0.1, 0.005):
                 turned = complex(x, y) * np.exp(1j * angle)
-                yield fault(
-                    "a force turned",
-                    angle,
-                    load.at,
-                    number,
-                    replace(load, force=(float(turned.real), float(turned.imag))),
-                )
+                other = replace(load, force=(float(turned.real), float(turned.imag)))
+                yield fault("a force turned", angle, load.at, number, other)
         if isinstance(load, PressForce):
             for factor in (2.0, 1.2, 0.5):
-                yield fault(
-                    "a press force's last part", factor, load.at, number, replace(load, last=factor * load.last)
-                )
+                later = replace(load, last=factor * load.last)
+                yield fault("a press force's last part", factor, load.at, number, later)
             yield fault("a press force all the time", 1, load.at, number, Force(load.body, load.at, load.force))
             back = replace(load, closing=-load.closing)
             yield fault("a press force on the way back", 1, load.at, number, back)
@@ -235,8 +204,8 @@ def _springs(clean: Clean) -> Iterator[Fault]:
     for number, spring in enumerate(scene.springs):
         place = f"{spring.first[1]}-{spring.second[1]}"
         without = (*scene.springs[:number], *scene.springs[number + 1 :])
-        yield Fault("load", "a spring missing", 1, "spring", place, scene=replace(scene, springs=without))
+        yield Fault("load", "a spring missing", 1, Kind.spring, place, scene=replace(scene, springs=without))
         for by in (-2.0, *SIZES):
             for what in ("stiffness", "length"):
                 spoilt = put(scene, ("springs", number, what), (1 + by) * getattr(spring, what))
-                yield Fault("load", f"a spring's {what}", by, "spring", place, scene=spoilt)
+                yield Fault("load", f"a spring's {what}", by, Kind.spring, place, scene=spoilt)

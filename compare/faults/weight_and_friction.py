@@ -8,6 +8,7 @@ import numpy as np
 
 from scenes.scene import PressForce
 
+from ..judge.causes.evidence import Kind
 from . import spoilt_motion as spoilt
 from .fault import Clean, Fault
 
@@ -21,7 +22,7 @@ def gravity(clean: Clean) -> Iterator[Fault]:
         return
     if scene.gravity is None:
         for kind, vector in {"added": (0.0, -G), "added upwards": (0.0, G), "added sideways": (G, 0.0)}.items():
-            yield Fault("gravity", f"gravity {kind}", G, "gravity", "all", scene=replace(scene, gravity=vector))
+            yield Fault("gravity", f"gravity {kind}", G, Kind.gravity, "all", scene=replace(scene, gravity=vector))
         return
     own = complex(*scene.gravity)
     others = {
@@ -35,7 +36,7 @@ def gravity(clean: Clean) -> Iterator[Fault]:
     others |= {"of the moon": own / 6, "with x and y swapped": own.imag + 1j * own.real}
     for kind, other in others.items():
         wrong = replace(scene, gravity=None if other == 0 else (float(other.real), float(other.imag)))
-        yield Fault("gravity", f"gravity {kind}", float(abs(other - own) / abs(own)), "gravity", "all", scene=wrong)
+        yield Fault("gravity", f"gravity {kind}", float(abs(other - own) / abs(own)), Kind.gravity, "all", scene=wrong)
 
 
 def friction(clean: Clean) -> Iterator[Fault]:
@@ -57,24 +58,25 @@ def friction(clean: Clean) -> Iterator[Fault]:
             always = 10 * clean.reference.stroke
             pair = (PressForce(name, body.points[0], (-sign * x, -sign * y), always, sign) for sign in (1, -1))
             spoilt_scene = replace(scene, loads=(*scene.loads, *pair))
-            yield Fault("friction", "dry friction at a guide", by, "friction", name, scene=spoilt_scene)
+            yield Fault("friction", "dry friction at a guide", by, Kind.friction, name, scene=spoilt_scene)
         rate = scene.drive.at(motion["time"]).rate
         viscous = motion[effort] + by * peak * rate / scene.drive.peak_rate
         dry = motion[effort] + by * peak * np.sign(rate)
         for kind, samples in {"viscous": viscous, "dry": dry}.items():
             change = partial(spoilt.replaced, motion, {effort: samples})
-            yield Fault("friction", f"{kind} friction in the drive", by, "friction", "drive", change)
+            yield Fault("friction", f"{kind} friction in the drive", by, Kind.friction, "drive", change)
         for name in clean.some(grounded, f"viscous {by}"):
             _, v, _ = clean.state.displacement(scene.bodies[name])
             size = by * float(np.abs(motion[f"{name}.guide_force"]).max())
             drag = size * np.abs(v) / np.abs(v).max()
             change = partial(spoilt.replaced, motion, {effort: motion[effort] + drag * np.abs(v) / rate})
             if scene.driven_slide is None and np.all(rate != 0):
-                yield Fault("friction", "viscous friction at a guide, by the drive alone", by, "friction", name, change)
+                kind = "viscous friction at a guide, by the drive alone"
+                yield Fault("friction", kind, by, Kind.friction, name, change)
         for pin in clean.some(scene.pins, f"pin {by}"):
             force = np.abs(clean.state.vector(f"{pin.channel}.", "fx", "fy"))
             turning = np.abs(clean.state.turning(pin.second)[1] - clean.state.turning(pin.first)[1])
             lost = by * 0.05 * clean.reference.stroke * force * turning
             if scene.driven_slide is None and np.all(rate != 0):
                 change = partial(spoilt.replaced, motion, {effort: motion[effort] + lost / rate})
-                yield Fault("friction", "friction in a pin, by the drive alone", by, "friction", pin.channel, change)
+                yield Fault("friction", "friction in a pin, by the drive alone", by, Kind.friction, pin.channel, change)

@@ -19,7 +19,7 @@ CLOSER = 4  # inputs that are fitted, of all whose slopes were
 ROUNDS = 4
 
 
-class Change(NamedTuple):
+class InputChange(NamedTuple):
     """One input of a scene, and the scene that differs in it by k numbers."""
 
     kind: Kind
@@ -45,7 +45,7 @@ def geometry_causes(evidence: Evidence) -> Iterator[Hypothesis]:
                 return
 
 
-def _along_slopes(evidence: Evidence, change: Change) -> Channels:
+def _along_slopes(evidence: Evidence, change: InputChange) -> Channels:
     true = evidence.true
     slopes = [solved(change.scene(step), true, 1) for step in np.diag(change.steps)]
 
@@ -56,7 +56,7 @@ def _along_slopes(evidence: Evidence, change: Change) -> Channels:
     return fitted(evidence, along, change.steps)[1]
 
 
-def _fitted(evidence: Evidence, change: Change) -> tuple[Samples, Channels]:
+def _fitted(evidence: Evidence, change: InputChange) -> tuple[Samples, Channels]:
     """Return the numbers by which an input is off, and the motion then, each found from the one before."""
     near = evidence.true
 
@@ -80,33 +80,36 @@ def solved(scene: Scene, near: Motion, times: int) -> Motion:
     return near
 
 
-def _changes(evidence: Evidence) -> Iterator[Change]:
+def _changes(evidence: Evidence) -> Iterator[InputChange]:
     scene, hair = evidence.reference.scene, HAIR * evidence.reference.stroke
     for found in inputs(scene):
         if found.geometry and found.path[0] in ("ground", "bodies") and found.path[-1] != "com":
             yield _moved(scene, found, hair)
         elif found.direction:
             yield _tilted(scene, found)
-    yield _scaled(scene)
+    how = lambda x: f"{1 + x[0]:.5g} times what it should be"  # noqa: E731
+    scaled = lambda x: rescaled(scene, 1 + float(x[0]))  # noqa: E731
+    yield InputChange(Kind.length, "all", "each length", scaled, np.full(1, HAIR), how)
 
 
-def _scaled(scene: Scene) -> Change:
-    """Return the whole linkage larger or smaller; its forces and speeds stay."""
+def rescaled(scene: Scene, by: float) -> Scene:
+    """Return the whole linkage larger or smaller; its forces and speeds stay.
 
-    def scaled(x: Samples) -> Scene:
-        other = scene
-        for found in inputs(scene):
-            if found.geometry:
-                v, by = found.value, 1 + float(x[0])
-                other = _with(other, found.path, (by * v[0], by * v[1]) if isinstance(v, tuple) else by * v)
-        return other
+    Args:
+        scene: the linkage.
+        by: the factor of each length.
 
-    return Change(
-        Kind.length, "all", "each length", scaled, np.full(1, HAIR), lambda x: f"{1 + x[0]:.5g} times what it should be"
-    )
+    Returns:
+        Another scene.
+    """
+    other = scene
+    for path, value, is_length, _ in inputs(scene):
+        if is_length:
+            other = put(other, path, (by * value[0], by * value[1]) if isinstance(value, tuple) else by * value)
+    return other
 
 
-def _moved(scene: Scene, found: Input, hair: float) -> Change:
+def _moved(scene: Scene, found: Input, hair: float) -> InputChange:
     path, value = found.path, found.value
     *_, where, last = path
     if isinstance(value, tuple):
@@ -121,7 +124,7 @@ def _moved(scene: Scene, found: Input, hair: float) -> Change:
         kind = Kind.place if on_ground else Kind.length
         place = str(last if on_ground else path[1])
         what = str(last) if on_ground else f"{place}'s point {last}"
-        return Change(kind, place, what, moved, np.full(2, hair), lambda x: f"{1e3 * np.hypot(*x):.3g} mm off")
+        return InputChange(kind, place, what, moved, np.full(2, hair), lambda x: f"{1e3 * np.hypot(*x):.3g} mm off")
     assert isinstance(last, frozenset)
 
     def longer(x: Samples) -> Scene:
@@ -130,10 +133,10 @@ def _moved(scene: Scene, found: Input, hair: float) -> Change:
     name = "-".join(point for point in scene.bodies[str(path[1])].points if point in last)
     what = f"{path[1]}'s length {name}"
     how = lambda x: f"{1e3 * abs(x[0]):.3g} mm too {'long' if x[0] > 0 else 'short'}"  # noqa: E731
-    return Change(Kind.length, str(path[1]), what, longer, np.full(1, hair), how)
+    return InputChange(Kind.length, str(path[1]), what, longer, np.full(1, hair), how)
 
 
-def _beside(scene: Scene, found: Input, hair: float) -> Change:
+def _beside(scene: Scene, found: Input, hair: float) -> InputChange:
     """Return a guide beside its place; along itself it stays the same."""
     name = str(found.path[1])
     slide = scene.bodies[name].slide
@@ -145,10 +148,10 @@ def _beside(scene: Scene, found: Input, hair: float) -> Change:
         return _with(scene, found.path, (place.real, place.imag))
 
     how = lambda x: f"{1e3 * abs(x[0]):.3g} mm beside its place"  # noqa: E731
-    return Change(Kind.guide, name, f"{name}'s guide", moved, np.full(1, hair), how)
+    return InputChange(Kind.guide, name, f"{name}'s guide", moved, np.full(1, hair), how)
 
 
-def _tilted(scene: Scene, found: Input) -> Change:
+def _tilted(scene: Scene, found: Input) -> InputChange:
     assert isinstance(found.value, tuple)
     along = complex(*found.value)
 
@@ -158,7 +161,7 @@ def _tilted(scene: Scene, found: Input) -> Change:
 
     how = lambda x: f"turned by {np.degrees(x[0]):.3g} deg"  # noqa: E731
     name = str(found.path[1])
-    return Change(Kind.guide, name, f"{name}'s guide", tilted, np.full(1, HAIR), how)
+    return InputChange(Kind.guide, name, f"{name}'s guide", tilted, np.full(1, HAIR), how)
 
 
 def _with(scene: Scene, path: Path, value: float | Vector) -> Scene:
