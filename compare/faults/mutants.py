@@ -9,24 +9,21 @@ from functools import cached_property
 from importlib import import_module
 from inspect import getsource, unwrap
 from types import CodeType, FunctionType
-from typing import Any
+from typing import Any, TypeVar
 
-OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
-    **{ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
-}
-COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = {
-    **{ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.GtE, ast.GtE: ast.LtE},
-    **{
-        ast.Eq: ast.NotEq,
-        ast.NotEq: ast.Eq,
-        ast.In: ast.NotIn,
-        ast.NotIn: ast.In,
-        ast.Is: ast.IsNot,
-        ast.IsNot: ast.Is,
-    },
-}
-PAIRS = (("max", "min"), ("real", "imag"), ("sin", "cos"), ("all", "any"), ("maximum", "minimum"), ("argmax", "argmin"))
-NAMES = dict(PAIRS) | {second: first for first, second in PAIRS}
+Item = TypeVar("Item")
+
+
+def _both_ways(*pairs: tuple[Item, Item]) -> dict[Item, Item]:
+    return dict(pairs) | {second: first for first, second in pairs}
+
+
+OPERATORS: dict[type[ast.operator], type[ast.operator]] = _both_ways((ast.Add, ast.Sub), (ast.Mult, ast.Div))
+COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = _both_ways(
+    *((ast.Lt, ast.Gt), (ast.LtE, ast.GtE), (ast.Eq, ast.NotEq), (ast.In, ast.NotIn), (ast.Is, ast.IsNot))
+)
+NAMES = _both_ways(("max", "min"), ("real", "imag"), ("sin", "cos"), ("all", "any"))
+NAMES |= _both_ways(("maximum", "minimum"), ("argmax", "argmin"))
 LARGER = 1000.0  # times a constant
 
 

@@ -6,7 +6,20 @@ import numpy as np
 
 from scenes.motion import Samples, quantity
 
-from .evidence import EXPLAINED, NEARLY_ALL, Evidence, Hypothesis, Kind, Part, common, factor_of_change, place_of, stem
+from .evidence import (
+    EXPLAINED,
+    NEARLY_ALL,
+    Channels,
+    Evidence,
+    Hypothesis,
+    Kind,
+    Part,
+    common,
+    factor_of_change,
+    fitted,
+    place_of,
+    stem,
+)
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
@@ -28,30 +41,26 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     (name, channels), place = part, place_of(part)
     time = evidence.motion["time"]
     step = float(time[1] - time[0])
-    best = min(
-        (s * k * step for k in (0.0, *SAMPLES_LATE) for s in (1, -1)), key=lambda by: _left(evidence, by, channels)
-    )
-    hair = 1e-4 * step
-    for _ in range(4):
-        now, then = evidence.late(best), evidence.late(best + hair)
-        if not now or not then:
-            return
-        slope = {c: (then[c] - now[c]) / hair for c in channels}
-        off = {c: evidence.difference(c, now[c]) for c in channels}
-        size = sum(float(np.sum((slope[c] / evidence.scale[c]) ** 2)) for c in channels)
-        best += sum(float(off[c] @ (slope[c] / evidence.scale[c])) for c in channels) / (size or np.inf)
-    late = evidence.late(best)
+
+    def predict(by: Samples, start: float = 0.0) -> Channels:
+        late = evidence.late(start + float(by[0]))
+        return {c: late[c] for c in channels} if late else {}
+
+    def left(start: float) -> float:
+        late = predict(np.zeros(1), start)
+        return evidence.left(late) if late else np.inf
+
+    start = min((sign * k * step for k in (0.0, *SAMPLES_LATE) for sign in (1, -1)), key=left)
+    (by,), late = fitted(evidence, lambda by: predict(by, start), np.full(1, 1e-4 * step), 4)
     if late:
-        amount = f"{1e3 * abs(best):.3g} ms {'late' if best > 0 else 'early'}"
-        samples = f" ({abs(best) / step:.3g} samples)"
-        sentence = f"{name} is {amount}{samples}"
-        kind = Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
-        yield Hypothesis(kind, place, amount, sentence, {c: late[c] for c in channels}, 1)
+        by += start
+        amount = f"{1e3 * abs(by):.3g} ms {'late' if by > 0 else 'early'}"
+        sentence = f"{name} is {amount} ({abs(by) / step:.3g} samples)"
+        yield Hypothesis(_kind(evidence, channels), place, amount, sentence, late, 1)
 
 
-def _left(evidence: Evidence, by: float, channels: tuple[str, ...]) -> float:
-    late = evidence.late(by)
-    return evidence.left({c: late[c] for c in channels}) if late else np.inf
+def _kind(evidence: Evidence, channels: tuple[str, ...]) -> Kind:
+    return Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
 
 
 def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -86,8 +95,7 @@ def _late_by_samples(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         rows = np.clip(np.arange(last + 1) - by, 0, last)
         late = f"{abs(by)} sample{'s' if abs(by) > 1 else ''} {'late' if by > 0 else 'early'}"
         predicted = {c: evidence.true[c][rows] for c in channels}
-        kind = Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
-        yield Hypothesis(kind, place_of(part), late, f"{name} is {late}", predicted)
+        yield Hypothesis(_kind(evidence, channels), place_of(part), late, f"{name} is {late}", predicted)
 
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:

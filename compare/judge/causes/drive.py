@@ -1,25 +1,22 @@
-"""Causes in the drive: elsewhere than asked for, at another speed, along another curve through a law's table."""
+"""Causes in the drive: elsewhere than asked for, at another speed, by another entry of a law's table."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from scenes import Failure, Scene
-from scenes.drive import Driven
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, MotionLaw
 
 from ...engines import registry
 from .evidence import Channels, Evidence, Hypothesis, Kind, factor, fitted
-from .geometry import solved
 
 ASTRAY = 1e-9  # relative: far above rounding
 
 
 def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
-    """Yield what would have been with the drive where it is, at another speed, or along another curve."""
+    """Yield what would have been with the drive where it is, at another speed, or by another entry of its law."""
     scene = evidence.reference.scene
     asked, there = evidence.true[scene.drive_channel], evidence.given[scene.drive_channel]
     off = there - asked
@@ -36,7 +33,7 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     if isinstance(scene.drive, ConstantSpeed):
         yield from _speeds(evidence, scene, scene.drive)
     else:
-        yield from _curves(evidence, scene, scene.drive)
+        yield from _entries(evidence, scene, scene.drive)
 
 
 def strayed(evidence: Evidence) -> Hypothesis | None:
@@ -94,37 +91,8 @@ def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[
             yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", predicted, 1)
 
 
-@dataclass(frozen=True)
-class Straight:
-    """A law's table with straight lines between its entries."""
-
-    law: MotionLaw
-
-    @property
-    def body(self) -> str:
-        """Return the driven body."""
-        return self.law.body
-
-    def at(self, time: ArrayLike) -> Driven:
-        """Return positions, rates and accelerations."""
-        law, time = self.law, np.asarray(time, np.float64)
-        knots, positions = np.array(law.times), np.array(law.positions)
-        k = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, len(knots) - 2)
-        rates = np.diff(positions) / np.diff(knots)
-        return Driven(positions[k] + rates[k] * (time - knots[k]), rates[k], np.zeros_like(time))
-
-
-def _curves(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
-    """Yield a law along straight lines; one entry of its table that is another."""
-    straight = Straight(law)
-    time = evidence.true["time"] % law.cycle
-    other = replace(scene, drive=straight)  # type: ignore[arg-type]
-    near = replace(
-        evidence.true, samples={**evidence.true.samples, "time": time, scene.drive_channel: straight.at(time).position}
-    )
-    predicted = solved(other, near, 4).samples
-    sentence = "the drive follows its law along straight lines"
-    yield Hypothesis(Kind.drive, "drive", "straight lines", sentence, predicted)
+def _entries(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
+    """Yield a law with one entry of its table that is another."""
     for number in range(len(law.positions)):
 
         def predict(x: Samples, number: int = number) -> Channels:
@@ -133,7 +101,7 @@ def _curves(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypoth
             if law.periodic and number in (0, len(moved) - 1):
                 moved[-1 - number] += float(x[0]) if len(moved) > 1 else 0.0
             drive = replace(law, positions=tuple(moved))
-            return _solved(evidence, replace(scene, drive=drive), drive.at(time).position)
+            return _solved(evidence, replace(scene, drive=drive), drive.at(evidence.true["time"]).position)
 
         (by,), predicted = fitted(evidence, predict, np.full(1, 1e-5 * np.ptp(law.extent)), 1)
         sentence = f"entry {number + 1} of the drive's law is off by {by:.3g}"

@@ -261,6 +261,8 @@ def fitted(
     for _ in range(rounds):
         channels = [c for c in now if c in evidence.names]
         ways = [predict(x + step) for step in np.diag(steps)]
+        if not all((now, *ways)):
+            return x, {}
         slopes = [_together(evidence, {c: way[c] - now[c] for c in channels}) for way in ways]
         off = np.concatenate([evidence.difference(c, now[c]) for c in channels])
         size = np.array([np.linalg.norm(slope) for slope in slopes])

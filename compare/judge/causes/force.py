@@ -25,7 +25,6 @@ from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
 Wrenches = Mapping[str, Wrench]  # by body; on the ground none
-STANDARD_GRAVITY = -9.81j  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -140,7 +139,7 @@ def percent(share: float) -> str:
 
 
 def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
-    """Yield another mass, moment of inertia or centre of mass of a body, or of all; two bodies' swapped."""
+    """Yield another mass, moment of inertia or centre of mass of a body, or of all; two bodies' masses swapped."""
     scene = carried.scene
     own = {name: carried.weights(body) for name, body in scene.bodies.items()}
 
@@ -181,15 +180,12 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
             yield Hypothesis(kind, "all", percent(amount), f"each body's {kind} is {percent(amount)}", predicted, 1)
     for one, two in combinations(own, 2):
         a, b = own[one], own[two]
-        scaled = [
-            v.inertia * m / v.mass if scene.bodies[n].inertia is None and v.mass else v.inertia
+        swapped = {
+            n: Weights(m, v.com, v.inertia * m / v.mass if scene.bodies[n].inertia is None and v.mass else v.inertia)
             for n, v, m in ((one, a, b.mass), (two, b, a.mass))
-        ]
-        ways = {Kind.mass: (Weights(b.mass, a.com, scaled[0]), Weights(a.mass, b.com, scaled[1]))}
-        ways[Kind.inertia] = (Weights(a.mass, a.com, b.inertia), Weights(b.mass, b.com, a.inertia))
-        for kind, (first, second) in ways.items():
-            sentence = f"{kind} of {one} and {two} are swapped"
-            yield Hypothesis(kind, one, f"swapped with {two}'s", sentence, changed({one: first, two: second}))
+        }
+        sentence = f"the masses of {one} and {two} are swapped"
+        yield Hypothesis(Kind.mass, one, f"swapped with {two}'s", sentence, changed(swapped))
 
 
 def _com(

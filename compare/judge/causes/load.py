@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from scenes.motion import Samples
 from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
 
-from ...engines.motion_vectors import AppliedForce, Vectors
+from ...engines.motion_vectors import Vectors
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
 from .force import Carried, Wrenches, both, percent
 
@@ -23,7 +24,6 @@ def load_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     yield from _gravity(evidence, carried)
     yield from _friction(evidence, carried)
     yield from _effort(evidence, carried)
-    yield from _added(evidence, carried)
 
 
 def _along(evidence: Evidence, carried: Carried, ways: Sequence[Wrenches]) -> tuple[Samples, dict[str, Samples]]:
@@ -36,7 +36,7 @@ def _along(evidence: Evidence, carried: Carried, ways: Sequence[Wrenches]) -> tu
     return amounts, dict(predicted)
 
 
-def _times(amount: float, wrenches: Wrenches) -> Wrenches:
+def _times(amount: float | Samples, wrenches: Wrenches) -> Wrenches:
     return {name: (amount * force, amount * moment) for name, (force, moment) in wrenches.items()}
 
 
@@ -163,66 +163,60 @@ def _gravity(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
             yield Hypothesis(Kind.gravity, name, how, f"gravity on {name} is {how}", predicted, 1)
 
 
-def _friction(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
-    """Friction in guides and pins: by the load, constant, or viscous."""
+class Rubbing(NamedTuple):
+    """A joint that may have friction."""
+
+    place: str
+    name: str
+    rate: Samples  # of its parts on each other, m/s or rad/s
+    load: Samples  # N
+    against: Wrenches  # a resistance of 1 N or 1 N m to a positive rate
+
+
+def _rubbing(evidence: Evidence, carried: Carried) -> Iterator[Rubbing]:
     scene, state = carried.scene, carried.state
     for body in scene.bodies.values():
-        if body.slide is None:
-            continue
-        rate, along = _sliding(carried, body)
-        given = f"{body.name}.guide_force"
-        load = np.abs(evidence.given[given]) if given in evidence.names else np.zeros_like(rate)
-        at = state.place(body.points[0])
-        for how, size in (("Coulomb", load * np.sign(rate)), ("constant", np.sign(rate)), ("viscous", rate)):
-            force = -size * along
-            pair = both(carried.push(body.name, force, at), carried.push(body.slide.on, -force, at))
-            (amount,), predicted = _along(evidence, carried, [pair])
-            how = f"{how}, {amount:.3g}"
-            yield Hypothesis(Kind.friction, body.name, how, f"{body.name}'s guide has friction ({how})", predicted, 1)
+        if body.slide is not None:
+            rate, along = _sliding(carried, body)
+            given, at = f"{body.name}.guide_force", state.place(body.points[0])
+            load = np.abs(evidence.given[given]) if given in evidence.names else np.zeros_like(rate)
+            against = both(carried.push(body.name, -along, at), carried.push(body.slide.on, along, at))
+            yield Rubbing(body.name, f"{body.name}'s guide", rate, load, against)
     for pin in scene.pins:
         rate = state.turning(pin.second)[1] - state.turning(pin.first)[1]
+        sides = {pin.second: np.ones_like(rate), pin.first: -np.ones_like(rate)}
+        against = {name: (np.zeros(rate.shape, complex), side) for name, side in sides.items() if name != GROUND}
         load = np.abs(state.vector(f"{pin.channel}.", "fx", "fy"))
+        yield Rubbing(pin.channel, f"the pin {pin.channel}", rate, load, against)
+
+
+def _friction(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Friction in guides and pins: by the load, constant, or viscous."""
+    for place, name, rate, load, against in _rubbing(evidence, carried):
         for how, size in (("Coulomb", load * np.sign(rate)), ("constant", np.sign(rate)), ("viscous", rate)):
-            sides = ((pin.second, 1.0), (pin.first, -1.0))
-            pair = {name: (np.zeros(rate.shape, complex), sign * size) for name, sign in sides if name != GROUND}
-            (amount,), predicted = _along(evidence, carried, [pair])
+            (amount,), predicted = _along(evidence, carried, [_times(size, against)])
             how = f"{how}, {amount:.3g}"
-            sentence = f"the pin {pin.channel} has friction ({how})"
-            yield Hypothesis(Kind.friction, pin.channel, how, sentence, predicted, 1)
+            yield Hypothesis(Kind.friction, place, how, f"{name} has friction ({how})", predicted, 1)
 
 
 def _effort(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     """Yield friction that the drive's effort alone has: in the drive itself, or by the power lost in a joint."""
-    scene, state = carried.scene, carried.state
+    scene = carried.scene
     effort = "drive.torque" if scene.driven_slide is None else "drive.force"
     if effort not in evidence.names or evidence.outside([effort]) > EXPLAINED:
         return
     rate = scene.drive.at(evidence.true["time"]).rate
     ways: dict[tuple[str, str], Samples] = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
-    for pin in scene.pins:
-        turning = np.abs(state.turning(pin.second)[1] - state.turning(pin.first)[1])
-        force = np.abs(state.vector(f"{pin.channel}.", "fx", "fy"))
-        ways |= _lost(pin.channel, turning, force, per_rate)
-    for body in scene.bodies.values():
-        if body.slide is not None:
-            force = np.abs(evidence.true[f"{body.name}.guide_force"])
-            ways |= _lost(body.name, np.abs(_sliding(carried, body)[0]), force, per_rate)
+    for joint in _rubbing(evidence, carried):
+        for how, resistance in (("Coulomb", joint.load), ("viscous", np.abs(joint.rate)), ("dry", 1.0)):
+            ways[joint.place, how] = resistance * np.abs(joint.rate) * per_rate
     for (place, how), course in ways.items():
         size = factor_of_change(evidence, effort, course)
         predicted = {effort: evidence.true[effort] + size * course}
         sentence = f"{effort} has {how} friction of {place} that no reaction has"
         if size > 0:
             yield Hypothesis(Kind.friction, place, f"{how}, {size:.3g}", sentence, predicted, 1 - (place == "drive"))
-
-
-def _lost(name: str, rate: Samples, force: Samples, per_rate: Samples) -> dict[tuple[str, str], Samples]:
-    """Return the courses of effort by which friction of a joint would be overcome."""
-    return {
-        (name, "Coulomb"): rate * force * per_rate,
-        (name, "viscous"): rate**2 * per_rate,
-        (name, "dry"): rate * per_rate,
-    }
 
 
 def _sliding(carried: Carried, body: Body) -> tuple[Samples, Vectors]:
@@ -235,17 +229,3 @@ def _sliding(carried: Carried, body: Body) -> tuple[Samples, Vectors]:
         first, rate, _ = carried.state.point(carrier.points[0])
         v = v - rate - 1j * carried.state.turning(carrier.name)[1] * (z - first)
     return (along.conj() * v).real, along
-
-
-def _added(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
-    """Yield a constant force on a body's centre of mass, or one against its velocity."""
-    for name, body in carried.scene.bodies.items():
-        push = AppliedForce(*carried.state.com(body))  # of its place and velocity alone
-        z, v = push.force, push.at
-        ones = np.ones_like(z)
-        amounts, predicted = _along(evidence, carried, [carried.push(name, ones, z), carried.push(name, 1j * ones, z)])
-        how = f"({amounts[0]:.3g}, {amounts[1]:.3g}) N"
-        yield Hypothesis(Kind.load, name, how, f"a force of {how} acts on {name}", predicted, 2)
-        (amount,), predicted = _along(evidence, carried, [carried.push(name, -v, z)])
-        how = f"{amount:.3g} N s/m"
-        yield Hypothesis(Kind.friction, name, how, f"a drag of {how} acts on {name}", predicted, 1)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import combinations, product
 from math import pi
 
 import numpy as np
@@ -183,13 +184,11 @@ def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     for channel in evidence.names:
         stems.setdefault(stem(channel), {})[quantity(channel)] = channel
     names = [name for name in stems if name != "drive"]
-    for number, one in enumerate(names):
-        for other in names[number + 1 :]:
-            shared = stems[one].keys() & stems[other].keys()
-            for order in (shared, *_ORDERS):
-                both = [(stems[one][q], stems[other][q]) for q in order if q in shared]
-                if not both or evidence.outside([c for pair in both for c in pair]) > EXPLAINED:
-                    continue
+    for one, other in combinations(names, 2):
+        shared = stems[one].keys() & stems[other].keys()
+        for order in (shared, *_ORDERS):
+            both = [(stems[one][q], stems[other][q]) for q in order if q in shared]
+            if both and evidence.outside([c for pair in both for c in pair]) <= EXPLAINED:
                 predicted = {a: evidence.true[b] for a, b in both} | {b: evidence.true[a] for a, b in both}
                 kind = Kind.pair if one.split("/")[0] == other.split("/")[0] else Kind.swap
                 yield Hypothesis(kind, one, other, f"{one} and {other} are swapped", predicted)
@@ -206,36 +205,25 @@ def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:
         pairs = _vectors(channels)
         if not pairs or {quantity(c) for c in channels} != {"ax", "ay"}:
             continue
-        for end in (0, -1):
-            for base in (0, -1):
-                for term, of in (("centripetal", lambda w, _: -(w**2)), ("tangential", lambda _, alpha: 1j * alpha)):
-                    added = {}
-                    for x, _ in pairs:
-                        body = scene.owners[stem(x)][end]
-                        _, omega, alpha = state.turning(body)
-                        other = scene.bodies[body].points[base] if body != GROUND else stem(x)
-                        added[x] = of(omega, alpha) * (state.place(stem(x)) - state.place(other))
-                    for times, how in ((1, "lacks its"), (2, "has the opposite sign of its")):
-                        vectors = {x: state.vector(x[:-1], "x", "y") - times * added[x] for x, _ in pairs}
-                        predicted = {x: v.real for x, v in vectors.items()}
-                        predicted |= {f"{x[:-1]}y": v.imag for x, v in vectors.items()}
-                        yield Hypothesis(Kind.term, place_of(part), term, f"{name} {how} {term} term", predicted)
+        terms = {"centripetal": lambda w, _: -(w**2), "tangential": lambda _, alpha: 1j * alpha}
+        ways = (("lacks its", 1), ("has the opposite sign of its", 2))
+        for end, (term, of), (how, times) in product((0, -1), terms.items(), ways):
+            predicted: dict[str, Samples] = {}
+            for x, y in pairs:
+                body = scene.owners[stem(x)][end]
+                _, omega, alpha = state.turning(body)
+                first = scene.bodies[body].points[0] if body != GROUND else stem(x)
+                added = of(omega, alpha) * (state.place(stem(x)) - state.place(first))
+                predicted |= {x: evidence.true[x] - times * added.real, y: evidence.true[y] - times * added.imag}
+            yield Hypothesis(Kind.term, place_of(part), term, f"{name} {how} {term} term", predicted)
 
 
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     """Moments of guides about another point than the slider's first."""
-    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
-    for body in scene.bodies.values():
-        channel, force = f"{body.name}.guide_moment", f"{body.name}.guide_force"
-        if channel not in evidence.names or evidence.outside([channel]) > EXPLAINED:
-            continue
-        arms = {"another point of the slider": np.ones_like(evidence.true[force])}
-        arms["the guide's `through`"] = state.on_guide(body).real
-        for about, arm in arms.items():
-            basis = {channel: arm * evidence.true[force]}
-            lever = factor_of_change(evidence, channel, basis[channel])
-            predicted = {channel: evidence.true[channel] + lever * basis[channel]}
-            sentence = f"{body.name}'s guide moment is about {about}, {1e3 * lever:.3g} mm away"
-            if about != "another point of the slider":
-                sentence = f"{body.name}'s guide moment is about {about}"
-            yield Hypothesis(Kind.moment, body.name, f"{lever:.4g}", sentence, predicted, 1)
+    for body in evidence.reference.scene.bodies:
+        channel, force = f"{body}.guide_moment", f"{body}.guide_force"
+        if channel in evidence.names and evidence.outside([channel]) <= EXPLAINED:
+            lever = factor_of_change(evidence, channel, evidence.true[force])
+            predicted = {channel: evidence.true[channel] + lever * evidence.true[force]}
+            sentence = f"{body}'s guide moment is about another point, {1e3 * lever:.3g} mm away"
+            yield Hypothesis(Kind.moment, body, f"{lever:.4g}", sentence, predicted, 1)
