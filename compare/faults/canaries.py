@@ -52,7 +52,7 @@ def canaries(judgement: Judgement) -> list[str]:
 
 def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     """Yield what is wrong with each copy, in words, and whether that is noticed; of the channels that there are."""
-    scene, count = first.reference.scene, first.sampling.count
+    scene, count = first.scene, first.sampling.count
     drive = scene.drive_channel
     channels = {channel for channel in first.excess(1.0) if channel != drive}
     sizes = {
@@ -91,13 +91,13 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
 
 def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
     """Return what lets the drive lag by an excess, and nothing else."""
-    drive = copy.reference.scene.drive_channel
+    drive = copy.scene.drive_channel
     return partial(spoilt.shifted, names=[drive], by=-float(copy.amounts()[drive].max()))
 
 
 def _another_mass(copy: Thinned) -> bool:
     """Return whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
-    scene, forces = copy.reference.scene, force_channels(copy.reference.scene)
+    scene, forces = copy.scene, force_channels(copy.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
     heavier = put(scene, ("bodies", heaviest, "mass"), (scene.bodies[heaviest].mass or 0.0) + 1.0)
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]

@@ -5,9 +5,9 @@ from dataclasses import asdict
 
 import pandas as pd
 
+from ..judge.causes.evidence import Kind
 from .table import Record
 
-UNKNOWN = "unknown"
 TOTAL = "all of the engines' answers"
 CODE = ("core", "shared", "comparison")  # families of wrong lines, which have no cause of the kind that triage names
 
@@ -27,7 +27,7 @@ def _row(family: str, faults: pd.DataFrame) -> dict[str, object]:
     above = faults[faults["above"]]
     found = above[above["found"]]
     placed, named = found["place"] == found["true_place"], found["cause"] == found["true_cause"]
-    known = (found["cause"] != UNKNOWN) & (found["cause"] != "")
+    known = (found["cause"] != Kind.unknown) & (found["cause"] != "")
     judged = family not in CODE
     return {
         "family": family,

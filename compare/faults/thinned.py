@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -20,6 +19,7 @@ from ..judge.measure import Measurement, assess
 from ..judge.round_off import Explained
 from ..judge.verdict import judged
 from . import spoilt_motion as spoilt
+from .fault import Clean
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
 CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself
@@ -29,32 +29,17 @@ ALONE = ("drive", "closure", "Newton")  # checks that have to notice by themselv
 
 
 @dataclass(frozen=True)
-class Thinned:
+class Thinned(Clean):
     """One ok run at a few rows."""
 
-    reference: Reference
-    sampling: Sampling
-    run: Run
     explained: Explained
-
-    @cached_property
-    def motion(self) -> Motion:
-        """What the copies are made of."""
-        assert self.run.motion is not None
-        return self.run.motion
-
-    @cached_property
-    def true(self) -> Motion:
-        """What the motion should be."""
-        scene = self.reference.scene
-        return self.reference.at(self.sampling.commanded(scene), self.sampling.times(scene))
 
     def excess(self, times: float) -> Mapping[str, Samples]:
         """Return relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
-        settings, drive = self.run.settings, self.reference.scene.drive_channel
-        assert settings is not None
+        assert self.run.settings is not None
+        drive_promise = self.run.settings.drive_promise
         return {
-            channel: min(times * (settings.drive_promise if channel == drive else settings.promise), MOST)
+            channel: min(times * (drive_promise if channel == self.drive else self.promise), MOST)
             + 10 * np.nan_to_num(self.explained.error(channel), posinf=0.0)
             for channel in self.motion.samples
             if channel in self.reference.scale and channel != "time"
@@ -70,7 +55,7 @@ class Thinned:
     @property
     def complete(self) -> bool:
         """Whether all channels are there: then its own output has to show that it is wrong."""
-        return self.motion.samples.keys() >= {*channels(self.reference.scene)}
+        return self.motion.samples.keys() >= {*channels(self.scene)}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
         """Return the judgement of another motion in place of the run's."""
@@ -121,7 +106,7 @@ def incomplete(spoil: Callable[[Motion], Motion]) -> Noticed:
 
     def noticed(copy: Thinned) -> bool:
         spoilt_run = replace(copy.run, motion=spoil(copy.motion))
-        itself = complete(spoilt_run, copy.reference.scene, copy.sampling)
+        itself = complete(spoilt_run, copy.scene, copy.sampling)
         return itself.status is not Status.ok and refused(spoil)(copy)
 
     return noticed
@@ -189,6 +174,6 @@ def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:
         for channel in copy.motion.samples
         if channel != "time" and channel in copy.reference.scale
     }
-    held = replace(copy.reference.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
+    held = replace(copy.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
     gated = [*gates(held, [found])]
     return {gate.group for gate in gated} == groups and len(missed([found], gated)) >= len(groups)

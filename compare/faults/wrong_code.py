@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes import InputError, Motion, Scene, Settings, Status, load
+from scenes import Motion, Settings, Status, load
 
 from ..engines import registry
 from ..engines.isolation import Ended, Limits, isolated
@@ -125,15 +125,7 @@ def _judged(family: str, item: Item) -> Record | None:
         is_above = wrong.samples.keys() < clean.true.samples.keys() or above(fault, clean, wrong)
         try:
             judged = judgement(establish(clean.scene), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
-        except (
-            InputError,
-            ArithmeticError,
-            LookupError,
-            TypeError,
-            ValueError,
-            AttributeError,
-            AssertionError,
-        ) as error:
+        except Exception as error:
             by = f"{type(error).__name__}: {error}"
             return _record(family, mutant, name, is_above, True, by, REFERENCE, "the reference cannot solve the scene")
     failed = [engine for engine, (status, _) in judged.verdicts.items() if status != Status.ok.name]
@@ -162,25 +154,18 @@ def _clean(name: str) -> Clean:
 @cache
 def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
     """Return a scene's judgement, and spoilt runs that it refuses."""
-    clean = _judgement_of(load(name))
+    clean = judgement(found(load(name)), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
     spoilt = []
     for measured in clean.measurements:
         of = Clean(clean.reference, SAMPLING, measured.run)
         faults = [fault for fault in catalogue(of) if fault.spoil is not None]
         for fault in faults[:: max(len(faults) // FAULTS, 1)]:
             assert fault.spoil is not None
-            motion = fault.spoil()
-            one = replace(measured.run, motion=motion)
-            if (
-                above(fault, of, motion)
-                and assess(clean.reference, SAMPLING, one, clean.explained).run.status is not Status.ok
-            ):
+            one = replace(measured.run, motion=fault.spoil())
+            found_out = assess(clean.reference, SAMPLING, one, clean.explained).run.status is not Status.ok
+            if found_out and one.motion is not None and above(fault, of, one.motion):
                 spoilt.append(one)
     return clean, tuple(spoilt)
-
-
-def _judgement_of(scene: Scene) -> Judgement:
-    return judgement(found(scene), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
 
 
 def _canaried(item: Item) -> Record | None:

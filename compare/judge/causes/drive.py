@@ -83,10 +83,8 @@ def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[
         other = replace(scene, drive=replace(drive, speed=rate))
         share = rate / drive.speed
         how = "backwards" if abs(share + 1) < 1e-3 else f"{100 * (share - 1):+.3g} %"
-        for position, what in (
-            (drive.start + rate * time, "runs at another speed"),
-            (asked, "has rates of another speed"),
-        ):
+        ways = {"runs at another speed": drive.start + rate * time, "has rates of another speed": asked}
+        for what, position in ways.items():
             predicted = _solved(evidence, other, position)
             yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", predicted, 1)
 
@@ -99,7 +97,7 @@ def _entries(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypot
             moved = list(law.positions)
             moved[number] += float(x[0])
             if law.periodic and number in (0, len(moved) - 1):
-                moved[-1 - number] += float(x[0]) if len(moved) > 1 else 0.0
+                moved[-1 - number] += float(x[0])
             drive = replace(law, positions=tuple(moved))
             return _solved(evidence, replace(scene, drive=drive), drive.at(evidence.true["time"]).position)
 

@@ -26,14 +26,9 @@ def load_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     yield from _effort(evidence, carried)
 
 
-def _along(evidence: Evidence, carried: Carried, ways: Sequence[Wrenches]) -> tuple[Samples, dict[str, Samples]]:
+def _along(evidence: Evidence, carried: Carried, ways: Sequence[Wrenches]) -> tuple[Samples, Channels]:
     """Return the amounts of wrenches that leave least over, and the channels then."""
-
-    def predict(x: Samples) -> dict[str, Samples]:
-        return dict(carried.changed(both(*(_times(a, way) for a, way in zip(x, ways, strict=True)))))
-
-    amounts, predicted = fitted(evidence, predict, np.ones(len(ways)))
-    return amounts, dict(predicted)
+    return fitted(evidence, lambda x: carried.changed(both(*map(_times, x, ways))), np.ones(len(ways)))
 
 
 def _times(amount: float | Samples, wrenches: Wrenches) -> Wrenches:
