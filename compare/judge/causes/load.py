@@ -1,13 +1,13 @@
 """Causes in the forces that act on a right motion from without: loads, springs, gravity, friction."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from scenes.motion import Samples
-from scenes.scene import GROUND, Body, Force, ForceTable, PressForce
+from scenes.scene import GROUND, Body, Force, ForceTable, Load, PressForce
 
 from ...engines.motion_vectors import Vectors
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
@@ -18,7 +18,8 @@ STANDARD_GRAVITY = -9.81j  # m/s^2
 
 def load_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     """Yield another load, spring, gravity, or a friction that should not be there."""
-    yield from _loads(evidence, carried)
+    for load in carried.scene.loads:
+        yield from _load(evidence, carried, load)
     yield from _switches(evidence, carried)
     yield from _springs(evidence, carried)
     yield from _gravity(evidence, carried)
@@ -35,45 +36,37 @@ def _times(amount: float | Samples, wrenches: Wrenches) -> Wrenches:
     return {name: (amount * force, amount * moment) for name, (force, moment) in wrenches.items()}
 
 
-def _loads(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
-    """Yield loads that are another, missing, at another point, on another body, or turning with their body."""
-    scene, state = carried.scene, carried.state
-    for load in scene.loads:
-        force = _force(carried, load.body, load)
-        at, name = state.place(load.at), f"the load at {load.at}"
-        own = carried.push(load.body, force, at)
-        (amount,), predicted = _along(evidence, carried, [own])
-        yield Hypothesis(Kind.load, load.at, percent(amount), f"{name} is {percent(amount)}", predicted, 1)
-        if isinstance(load, ForceTable):
-            yield from _tables(evidence, carried, load, own)
-        if isinstance(load, Force):
-            (amount, across), predicted = _along(evidence, carried, [own, carried.push(load.body, 1j * force, at)])
-            other = (1 + amount + 1j * across) * complex(*load.force)
-            how = f"{abs(other):.4g} N at {np.degrees(np.angle(other)):.3g} deg"
-            yield Hypothesis(Kind.load, load.at, how, f"{name} is {how}", predicted, 2)
-            turning = force * np.exp(1j * state.angle(load.body))
-            moved = both(carried.push(load.body, turning, at), _times(-1, own))
-            sentence = f"{name} turns with {load.body}"
-            yield Hypothesis(Kind.load, load.at, "in the body's frame", sentence, carried.changed(moved))
-        for point, owners in scene.owners.items():
-            for owner in owners:
-                if owner != GROUND and (owner, point) != (load.body, load.at):
-                    moved = both(carried.push(owner, force, state.place(point)), _times(-1, own))
-                    sentence = f"{name} acts at {point} of {owner}"
-                    yield Hypothesis(Kind.load, load.at, f"at {point}", sentence, carried.changed(moved))
-        com = state.com(scene.bodies[load.body])[0]
-        moved = both(carried.push(load.body, force, com), _times(-1, own))
-        sentence = f"{name} acts at {load.body}'s centre of mass"
-        yield Hypothesis(Kind.load, load.at, "at the centre of mass", sentence, carried.changed(moved))
+def _load(evidence: Evidence, carried: Carried, load: Load) -> Iterator[Hypothesis]:
+    """Yield a load that is another, missing, at another point, on another body, or turning with its body."""
+    scene, state, body = carried.scene, carried.state, load.body
+    force, at, name = _force(carried, load), state.place(load.at), f"the load at {load.at}"
+    own = carried.push(body, force, at)
+
+    def instead(owner: str, force: Vectors, at: Vectors) -> Channels:
+        return carried.changed(both(carried.push(owner, force, at), _times(-1, own)))
+
+    (amount,), predicted = _along(evidence, carried, [own])
+    yield Hypothesis(Kind.load, load.at, percent(amount), f"{name} is {percent(amount)}", predicted, 1)
+    if isinstance(load, ForceTable):
+        yield from _tables(evidence, load, lambda other: instead(body, _force(carried, other), at))
+    if isinstance(load, Force):
+        (amount, across), predicted = _along(evidence, carried, [own, carried.push(body, 1j * force, at)])
+        other = (1 + amount + 1j * across) * complex(*load.force)
+        how = f"{abs(other):.4g} N at {np.degrees(np.angle(other)):.3g} deg"
+        yield Hypothesis(Kind.load, load.at, how, f"{name} is {how}", predicted, 2)
+        turning = instead(body, force * np.exp(1j * state.angle(body)), at)
+        yield Hypothesis(Kind.load, load.at, "in the body's frame", f"{name} turns with {body}", turning)
+    owned = [(point, owner) for point, owners in scene.owners.items() for owner in owners if owner != GROUND]
+    places = {f"{p} of {owner}": (owner, state.place(p)) for p, owner in owned if (owner, p) != (body, load.at)}
+    places[f"{body}'s centre of mass"] = body, state.com(scene.bodies[body])[0]
+    for where, (owner, place) in places.items():
+        predicted = instead(owner, force, place)
+        yield Hypothesis(Kind.load, load.at, f"at {where}", f"{name} acts at {where}", predicted)
 
 
-def _tables(evidence: Evidence, carried: Carried, load: ForceTable, own: Wrenches) -> Iterator[Hypothesis]:
+def _tables(evidence: Evidence, load: ForceTable, instead: Callable[[ForceTable], Channels]) -> Iterator[Hypothesis]:
     """Yield a table that is shifted, or backwards."""
-    at, name = carried.state.place(load.at), f"the table of the load at {load.at}"
-    reach = float(np.ptp(load.displacements))
-
-    def instead(other: ForceTable) -> Channels:
-        return carried.changed(both(carried.push(load.body, _force(carried, load.body, other), at), _times(-1, own)))
+    reach, name = float(np.ptp(load.displacements)), f"the table of the load at {load.at}"
 
     def predict(x: Samples) -> Channels:
         return instead(replace(load, displacements=tuple(s + float(x[0]) for s in load.displacements)))
@@ -84,12 +77,12 @@ def _tables(evidence: Evidence, carried: Carried, load: ForceTable, own: Wrenche
     yield Hypothesis(Kind.load, load.at, "backwards", f"{name} is backwards", backwards)
 
 
-def _force(carried: Carried, name: str, load: Force | PressForce | ForceTable) -> Vectors:
+def _force(carried: Carried, load: Load) -> Vectors:
     """Return the force of one load."""
     scene = replace(carried.scene, loads=(load,), springs=(), gravity=None)
     presses = [one for one in carried.scene.loads if isinstance(one, PressForce)]
     acting = [a for a, one in zip(carried.state.acting, presses, strict=True) if one is load]
-    (push,) = replace(carried.state, scene=scene, acting=acting).applied(scene.bodies[name])
+    (push,) = replace(carried.state, scene=scene, acting=acting).applied(scene.bodies[load.body])
     return push.force
 
 
