@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from scenes.motion import Samples
 from scenes.scene import PressForce
 
 from ..judge.causes.evidence import Kind
@@ -47,6 +48,13 @@ def friction(clean: Clean) -> Iterator[Fault]:
     effort = next(name for name in motion.samples if name in ("drive.torque", "drive.force"))
     peak = clean.reference.scale[effort]
     grounded = [name for name, body in scene.bodies.items() if body.slide is not None and body.slide.on == "ground"]
+    rate = scene.drive.at(motion["time"]).rate
+    turns_on = scene.driven_slide is None and np.all(rate != 0)
+
+    def of_drive(kind: str, by: float, place: str, more: Samples) -> Fault:
+        spoil = partial(spoilt.replaced, motion, {effort: motion[effort] + more})
+        return Fault("friction", kind, by, Kind.friction, place, spoil)
+
     for by in (0.3, 0.03, 5 * clean.promise):
         for name in clean.some([one for one in grounded if one != scene.drive.body], f"guide {by}"):
             body = scene.bodies[name]
@@ -59,24 +67,15 @@ def friction(clean: Clean) -> Iterator[Fault]:
             pair = (PressForce(name, body.points[0], (-sign * x, -sign * y), always, sign) for sign in (1, -1))
             spoilt_scene = replace(scene, loads=(*scene.loads, *pair))
             yield Fault("friction", "dry friction at a guide", by, Kind.friction, name, scene=spoilt_scene)
-        rate = scene.drive.at(motion["time"]).rate
-        viscous = motion[effort] + by * peak * rate / scene.drive.peak_rate
-        dry = motion[effort] + by * peak * np.sign(rate)
-        for kind, samples in {"viscous": viscous, "dry": dry}.items():
-            change = partial(spoilt.replaced, motion, {effort: samples})
-            yield Fault("friction", f"{kind} friction in the drive", by, Kind.friction, "drive", change)
-        for name in clean.some(grounded, f"viscous {by}"):
+        yield of_drive("viscous friction in the drive", by, "drive", by * peak * rate / scene.drive.peak_rate)
+        yield of_drive("dry friction in the drive", by, "drive", by * peak * np.sign(rate))
+        for name in clean.some(grounded, f"viscous {by}") if turns_on else ():
             _, v, _ = clean.state.displacement(scene.bodies[name])
             size = by * float(np.abs(motion[f"{name}.guide_force"]).max())
             drag = size * np.abs(v) / np.abs(v).max()
-            change = partial(spoilt.replaced, motion, {effort: motion[effort] + drag * np.abs(v) / rate})
-            if scene.driven_slide is None and np.all(rate != 0):
-                kind = "viscous friction at a guide, by the drive alone"
-                yield Fault("friction", kind, by, Kind.friction, name, change)
-        for pin in clean.some(scene.pins, f"pin {by}"):
+            yield of_drive("viscous friction at a guide, by the drive alone", by, name, drag * np.abs(v) / rate)
+        for pin in clean.some(scene.pins, f"pin {by}") if turns_on else ():
             force = np.abs(clean.state.vector(f"{pin.channel}.", "fx", "fy"))
             turning = np.abs(clean.state.turning(pin.second)[1] - clean.state.turning(pin.first)[1])
             lost = by * 0.05 * clean.reference.stroke * force * turning
-            if scene.driven_slide is None and np.all(rate != 0):
-                change = partial(spoilt.replaced, motion, {effort: motion[effort] + lost / rate})
-                yield Fault("friction", "friction in a pin, by the drive alone", by, Kind.friction, pin.channel, change)
+            yield of_drive("friction in a pin, by the drive alone", by, pin.channel, lost / rate)

@@ -1,7 +1,6 @@
 """Causes in what is read from a right motion: signs, factors, frames, channels swapped, late or spoilt samples."""
 
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator, Mapping
 from itertools import combinations, product
 from math import pi
 
@@ -123,33 +122,28 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     vectors = {x: true[x] + 1j * true[y] for x, y in pairs}
     given = {x: evidence.given[x] + 1j * evidence.given[y] for x, y in pairs}
 
-    def turned(by: Callable[[str], Vectors]) -> Channels:
-        found = {x: vectors[x] * by(x) for x in vectors}
+    def turned(by: Mapping[str, Vectors]) -> Channels:
+        found = {x: vectors[x] * by[x] for x in vectors}
         return {x: v.real for x, v in found.items()} | {f"{x[:-1]}y": v.imag for x, v in found.items()}
 
     for body in scene.turning:
         for sign, whose in ((-1, f"the frame of {body}"), (1, f"the frame of {body}, turned the wrong way")):
             frame = np.exp(sign * 1j * state.angle(body))
-            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(partial(_same, frame)))
+            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(dict.fromkeys(vectors, frame)))
     if len(pairs) > 1:
         pins = {pin.channel: (pin.first, pin.second) for pin in scene.pins}
         for end, which in ((0, "first"), (-1, "last")):
             owner = {x: pins.get(stem(x), scene.owners.get(stem(x), (GROUND,)))[end] for x in vectors}
             whose = f"the frames of the {which} bodies at the joints"
             frames = {x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}
-            by_own = turned(frames.__getitem__)
-            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", by_own)
+            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(frames))
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
     amount = f"{np.degrees(angle):.4g} deg"
-    by_angle = turned(lambda _: np.exp(1j * np.array(angle)))
+    by_angle = turned(dict.fromkeys(vectors, np.exp(1j * np.array(angle))))
     yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, 1)
     swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
     yield Hypothesis(Kind.swap, place, "components", f"{name} has its components swapped", swapped)
-
-
-def _same(vectors: Vectors, _: str) -> Vectors:
-    return vectors
 
 
 def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
