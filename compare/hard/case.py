@@ -58,7 +58,7 @@ def examine(case: Case) -> list[Row]:
         scene = rung.scene()
     except InputError as error:
         return [_invalid(case, error, rung.status)]
-    samples = ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES if rung.turns == 1 else FEW
+    samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
     sampling = Sampling(samples, rung.turns)
     try:
         reference = found(scene)

@@ -23,6 +23,7 @@ from .round_off import EPS
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
+ROUNDINGS = 4  # of a difference of two places and of its length
 RELATIVE = "larger of its scale and magnitude"
 
 
@@ -107,7 +108,10 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     """
     gap = np.zeros(state.motion["time"].shape)
     for (p, q), length in distances(body).items():
-        gap = np.maximum(gap, np.abs(np.abs(state.place(p) - state.place(q)) - length) / stroke)
+        first, second = state.place(p), state.place(q)
+        off = np.abs(np.abs(first - second) - length)
+        rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the stroke
+        gap = np.maximum(gap, np.where(off <= rounding, 0.0, off) / stroke)
     if body.slide is not None:
         gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / stroke)
         if body.name in state.scene.turning:
