@@ -151,6 +151,7 @@ def _needed(whole: Decomposition, wanted: AbstractSet[str] | None, *, forces: bo
     return replace(whole, groups=whole.groups[:count])
 
 
+@np.errstate(invalid="ignore", divide="ignore", over="ignore")  # what hangs on a group that does not reach is NaN
 def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples) -> None:
     """Raise at the first position where a group does not reach.
 
