@@ -1,15 +1,14 @@
 """By how much a linkage that cannot be assembled fails to close: the joint that stays open when all others close."""
 
 from collections.abc import Iterable
+from functools import partial
 
 import numpy as np
 
 from scenes.motion import Samples
+from scenes.open_joint import open_joint
 
 from .constraints import LinkageConstraints, Poses
-
-HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
-OPEN = 1e-9  # of the linkage's size: a gap larger than roundings
 
 
 def misfit(linkage: LinkageConstraints, q: Poses, positions: Iterable[float]) -> str:
@@ -17,43 +16,16 @@ def misfit(linkage: LinkageConstraints, q: Poses, positions: Iterable[float]) ->
     scene = linkage.scene
     joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(linkage.slides, start=len(scene.pins))}
     joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
+    units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
+
+    def gaps(at: Samples, position: float) -> Samples:
+        return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
+
+    def jacobian(at: Samples) -> Samples:
+        return np.asarray(linkage.jacobian(at.reshape(q.shape))[0])
+
     for position in positions:
-        joint, gap = _open(linkage, q, position, joints)
-        if gap > OPEN * linkage.size:
+        joint, gap = open_joint(partial(gaps, position=position), jacobian, q.ravel(), units, joints, linkage.size)
+        if gap:
             return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
     return ""
-
-
-def _open(linkage: LinkageConstraints, q: Poses, position: float, joints: dict[str, list[int]]) -> tuple[str, float]:
-    """Return the joint that stays open, and its gap, m: none where all close, or where not one alone stays open.
-
-    By least squares all joints give way; then the worst of them alone, the last of equals.
-    """
-    from scipy.optimize import least_squares, minimize  # late: only a linkage that fails needs it
-
-    size, is_gap = linkage.size, np.isin(np.arange(q.size), np.concatenate([*joints.values()]))
-    scale, weights = np.where(is_gap, 1 / size, 1.0), np.where(is_gap, 1.0, HEAVY * max(1.0, 1 / size))
-    units = np.tile([size, size, 1.0], q.shape[1])
-
-    def gaps(x: Samples) -> Samples:
-        return np.asarray(scale * linkage.gaps((x * units).reshape(q.shape), np.array([position]))[0])
-
-    def slope(x: Samples) -> Samples:
-        return np.asarray(scale[:, np.newaxis] * linkage.jacobian((x * units).reshape(q.shape))[0] * units)
-
-    x = least_squares(
-        lambda x: weights * gaps(x), q.ravel() / units, lambda x: weights[:, np.newaxis] * slope(x), method="lm"
-    ).x
-    worst = max(reversed(joints), key=lambda joint: float(f"{np.linalg.norm(gaps(x)[joints[joint]]):.2g}"))
-    rows = joints[worst]
-    others = np.delete(np.arange(len(x)), rows)
-    closest = minimize(
-        lambda x: gaps(x)[rows] @ gaps(x)[rows],
-        x,
-        jac=lambda x: 2 * gaps(x)[rows] @ slope(x)[rows],
-        constraints={"type": "eq", "fun": lambda x: gaps(x)[others], "jac": lambda x: slope(x)[others]},
-        method="SLSQP",
-        options={"ftol": 1e-14},
-    )
-    left = gaps(closest.x)
-    return worst, float(np.linalg.norm(left[rows])) * size if np.abs(left[others]).max() <= OPEN else 0.0
