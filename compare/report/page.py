@@ -6,7 +6,7 @@ from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, cycle_name, position_name
 from ..speed.speed_table import SAMPLING
-from ..speed.work_precision import TIE
+from ..speed.work_precision import NEAR, TIE
 from ..study import Study
 from . import tables
 from .curves import over_angle, panels
@@ -60,6 +60,7 @@ def page(study: Study) -> str:
         speed=table_html(study.speed),
         speed_samples=SAMPLING.samples,
         cycle=cycle_name(scene),
+        level=f"{100 * NEAR:.0f} %",
         tie=f"{100 * TIE:.0f} %",
         stability=stability_section(study.maps),
         hard=hard_section(study.hard),

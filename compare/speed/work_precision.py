@@ -25,6 +25,9 @@ LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4":
 # Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
 # the processor time, pymunk's 1.35 times: a ratio of up to 1.3 between two settings may be the neighbour's.
 TIE = 0.5
+# What is named may change from run to run where a ratio is near the limit of a tie; up to this one it is called level
+# all the same, so that two runs differ in what they name only where both call it level.
+NEAR = 0.75
 DOUBT = 1.15  # ratio of the limit of a tie to a time, below which more rounds might move it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
 LEAST_POINTS = 3  # of a fit, so that it has a residual
@@ -52,15 +55,17 @@ def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
 
 
 def as_fast(points: pd.DataFrame, error: str, limit: float, tie: float = TIE) -> pd.DataFrame:
-    """Return the settings that are as fast as the fastest of those whose error is at most `limit`, the best first.
+    """Return the settings that are level with the fastest of those whose error is at most `limit`, the best first.
 
-    The best has the smallest error; of equal ones, the fewest steps; of these, the first of the table.
+    The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
+    first of the table.
     """
     times, errors = points["solve_min_s"].to_numpy(float), points[error].to_numpy(float)
     good = errors <= limit
-    fast = np.flatnonzero(good & (times <= (1 + tie) * times[good].min(initial=np.inf)))
+    fastest = times[good].min(initial=np.inf)
+    level = np.flatnonzero(good & (times <= (1 + NEAR) * fastest))
     steps = points["steps_made"].fillna(0).to_numpy(float)
-    return points.take(fast[np.lexsort((steps[fast], errors[fast]))])
+    return points.take(level[np.lexsort((steps[level], errors[level], times[level] > (1 + tie) * fastest))])
 
 
 def front(points: pd.DataFrame, error: str, tie: float = TIE) -> pd.DataFrame:

@@ -18,17 +18,30 @@ def names(points: pd.DataFrame, limit: float) -> list[str]:
 
 def test_the_cheapest() -> None:
     points = table(
-        ("a", "coarse", 1.0, 1e-1), ("a", "fine", 3.1, 1e-3), ("b", "good", 2.0, 1e-3), ("b", "odd", 0.1, nan)
+        ("a", "coarse", 1.0, 1e-1), ("a", "fine", 3.6, 1e-3), ("b", "good", 2.0, 1e-3), ("b", "odd", 0.1, nan)
     )
     found = {limit: names(points, limit) for limit in (1.0, 1e-1, 1e-2, 1e-3, 1e-4)}
     assert found == {1.0: ["coarse"], 1e-1: ["coarse"], 1e-2: ["good"], 1e-3: ["good"], 1e-4: []}
 
 
 def test_of_level_settings_the_most_accurate_is_named() -> None:
-    """Whichever of them a run finds faster, by up to a half; beyond that the faster one is the cheapest."""
+    """Whichever of them a run finds faster, by up to a half; beyond that the faster one, level up to three quarters."""
     for first, second in ((1.0, 1.49), (1.49, 1.0)):
         assert names(table(("a", "rough", first, 1e-3), ("b", "good", second, 1e-6)), 1e-2) == ["good", "rough"]
-    assert names(table(("a", "rough", 1.0, 1e-3), ("b", "good", 1.51, 1e-6)), 1e-2) == ["rough"]
+    assert names(table(("a", "rough", 1.0, 1e-3), ("b", "good", 1.74, 1e-6)), 1e-2) == ["rough", "good"]
+    assert names(table(("a", "rough", 1.0, 1e-3), ("b", "good", 1.76, 1e-6)), 1e-2) == ["rough"]
+
+
+def test_two_runs_name_the_same_setting_or_both_call_it_level() -> None:
+    """Times of two runs are up to a sixth apart, which is what lies between the two limits."""
+    random = np.random.default_rng(0)
+    for _ in range(300):
+        times, errors = np.exp(random.normal(0, 1, 6)), 10 ** random.uniform(-6, -3, 6)
+        apart = np.exp(random.uniform(-0.5, 0.5, (2, 6)) * np.log(1.75 / 1.5))
+        one, other = (
+            names(table(*(("a", str(n), time, errors[n]) for n, time in enumerate(times * run))), 1e-2) for run in apart
+        )
+        assert one[0] == other[0] or (len(one) > 1 and len(other) > 1)
 
 
 def test_of_level_settings_with_equal_errors_the_fewest_steps_are_named() -> None:
