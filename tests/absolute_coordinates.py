@@ -129,9 +129,9 @@ class Absolute:
         Q = sketched(self.scene, self.local)
         for _ in range(ITERATIONS):
             step = self.correction(Q, self.scene.sketch.drive)
-            length = np.abs(step).max()
-            Q[:-1] -= step / max(1.0, length / (0.1 * self.span))
-            if length < 1e-13 * self.span:
+            size = float(np.abs(step.reshape(-1, 4) / (self.span, self.span, 1, 1)).max())
+            Q[:-1] -= step / max(1.0, 10 * size)
+            if size < 1e-13:
                 return Q
         raise AssertionError("does not assemble near the sketch")
 
