@@ -87,8 +87,8 @@ class Truth:
             x, v, _ = self._displacement(load, self.solve(self.scene, time))
             way, speed, change = self._displacement(load, self._cycle)
             last = way.argmax()
-            beyond = speed[last] ** 2 / (2 * np.abs(change[last]))  # to the dead point, if one is near
-            end = way[last] + (beyond if 0 < last < SAMPLES else 0.0)
+            dead_point = 0 < last < SAMPLES  # near, and beyond this sample
+            end = way[last] + (speed[last] ** 2 / (2 * np.abs(change[last])) if dead_point else 0.0)
             near, turns = HAIR * np.ptp(way), np.abs(v) / np.abs(speed).max()
             switches |= (np.abs(end - x - load.last) <= near) | (turns <= HAIR)
             switches |= (np.abs(end - x) <= near) & (turns <= TURNING)
