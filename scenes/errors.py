@@ -3,9 +3,29 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+LONGEST = 1000  # characters of a message: all the keys of a table, and a path, fit in
+
 
 class InputError(Exception):
-    """Bad input from the user: a scene file, an argument, an output folder. Its text is one line."""
+    """Bad input from the user: a scene file, an argument, an output folder. Its text is one harmless line."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(one_line(text, LONGEST))
+
+
+def one_line(text: str, most: int = 300) -> str:
+    """Return a text as one line for a terminal, a page or a file, whoever wrote it.
+
+    Args:
+        text: any text; it may hold lines, control characters, turned writing directions and halves of surrogate pairs.
+        most: the largest number of characters of the line.
+
+    Returns:
+        The words with single spaces between them, what cannot be printed as its escape, and '…' where it was cut.
+    """
+    line = " ".join(text.split(maxsplit=most))
+    line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line[: most + 1])
+    return line if len(line) <= most else line[: most - 1] + "…"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
