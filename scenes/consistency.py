@@ -1,11 +1,12 @@
 """Whether a scene's parts fit together: names, joints, mobility. Counts and names only; no pose is computed."""
 
-from collections.abc import Iterable, Iterator
 from itertools import combinations, pairwise
 from math import pi, remainder
 
-from .errors import InputError, nearest
-from .scene import GROUND, Body, Drive, ForceTable, MotionLaw, PressForce, Scene
+from .errors import InputError, nearest, path_in_file
+from .limits import POINTS
+from .scene import GROUND, Body, Drive, ForceTable, MotionLaw, Scene, Vector
+from .sizes import check_sizes
 
 
 def check(scene: Scene, *, output_slides: bool) -> None:
@@ -14,11 +15,13 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
     """
+    _check_count(scene)
     _check_slides(scene)
     _check_driven_body(scene)
-    _check_sizes(scene)
+    check_sizes(scene)
     for body in scene.bodies.values():
-        _check_body(scene, body)
+        _check_body(body)
+    _check_masses(scene)
     _check_drive(scene.drive, slides=scene.driven_slide is not None)
     _check_connected(scene)
     _check_mobility(scene)
@@ -28,74 +31,27 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     _check_output(scene, output_slides)
 
 
-def _check_sizes(scene: Scene) -> None:
-    """Refuse numbers whose products leave what a double can hold, long before they do."""
-    for place, value, smallest, largest in _sizes(scene):
-        if value != 0 and not smallest <= abs(value) <= largest:
-            raise InputError(
-                f"{place}: expected a size from {smallest:.0e} to {largest:.0e} in SI units, found {value:g}"
-            )
+def _check_count(scene: Scene) -> None:
+    count = len(scene.ground) + sum(len(body.points) for body in scene.bodies.values())
+    if count > POINTS:
+        raise InputError(f"bodies: expected {POINTS} points at most, of all bodies and the ground, found {count}")
 
 
-def _sizes(scene: Scene) -> Iterator[tuple[str, float, float, float]]:
-    """Yield place in the file, value, smallest and largest size; zero is for others to judge."""
-    for body in scene.bodies.values():
-        for pair, length in (body.lengths or {}).items():
-            yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", length, 1e-15, 1e15
-        yield f"bodies.{body.name}.mass", body.mass or 0.0, 1e-15, 1e15
-        yield f"bodies.{body.name}.inertia", body.inertia or 0.0, 1e-45, 1e45
-    if isinstance(scene.drive, MotionLaw):
-        for number, time in enumerate(scene.drive.times):
-            yield f"drive.law.{number}.0", time, 1e-15, 1e15
-    else:
-        yield "drive.speed", scene.drive.speed, 1e-15, 1e15
-    for number, load in enumerate(scene.loads):
-        if isinstance(load, PressForce):
-            yield f"loads.{number}.last", load.last, 1e-15, 1e15
-    for number, spring in enumerate(scene.springs):
-        yield f"springs.{number}.stiffness", spring.stiffness, 1e-15, 1e15
-        yield f"springs.{number}.length", spring.length, 1e-15, 1e15
-    for place, values in _coordinates(scene):
-        yield from ((place, value, 0.0, 1e15) for value in values)
-
-
-def _coordinates(scene: Scene) -> Iterator[tuple[str, Iterable[float]]]:
-    """Yield the numbers that may be as near to zero as they like."""
-    for point, xy in scene.ground.items():
-        yield f"ground.points.{point}", xy
-    for body in scene.bodies.values():
-        for point, xy in (body.local or {}).items():
-            yield f"bodies.{body.name}.points.{point}", xy
-        yield f"bodies.{body.name}.com", body.com or ()
-        yield f"bodies.{body.name}.slides.through", body.slide.through if body.slide is not None else ()
-    if isinstance(scene.drive, MotionLaw):
-        yield "drive.law", scene.drive.positions
-    else:
-        yield "drive.start", (scene.drive.start,)
-        yield "drive.end", (scene.drive.end or 0.0,)
-    for number, load in enumerate(scene.loads):
-        if isinstance(load, ForceTable):
-            yield f"loads.{number}.table", (*load.displacements, *load.forces)
-        else:
-            yield f"loads.{number}.force", load.force
-    yield "gravity", scene.gravity or ()
-    yield "sketch.angle" if scene.driven_slide is None else "sketch.displacement", (scene.sketch.drive,)
-    for point, xy in scene.sketch.points.items():
-        yield f"sketch.{point}", xy
-
-
-def _check_body(scene: Scene, body: Body) -> None:
+def _check_body(body: Body) -> None:
     place = f"bodies.{body.name}"
     if body.name in (GROUND, "drive"):
         raise InputError(f"{place}: the name '{body.name}' is taken; choose another")
     if body.lengths is not None:
         _check_lengths(body)
-    if body.local is not None:
-        for a, b in combinations(body.points, 2):
-            if body.local[a] == body.local[b]:
-                raise InputError(f"{place}.points: {a} and {b} are the same point")
+    at: dict[Vector, str] = {}
+    for point, xy in (body.local or {}).items():
+        if at.setdefault(xy, point) != point:
+            raise InputError(f"{place}.points: {at[xy]} and {point} are the same point")
     if (body.com is None) and len(body.points) > 3:
         raise InputError(f"{place}: expected 'com' and 'inertia', since it has more than three points")
+
+
+def _check_masses(scene: Scene) -> None:
     missing = [other.name for other in scene.bodies.values() if other.mass is None]
     if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
         why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
@@ -134,18 +90,22 @@ def _check_triangle(place: str, sides: list[float]) -> None:
 def _check_slides(scene: Scene) -> None:
     on = {body.name: body.slide.on for body in scene.bodies.values() if body.slide is not None}
     for name, carrier in on.items():
-        if carrier not in (GROUND, *scene.bodies):
+        if carrier != GROUND and carrier not in scene.bodies:
             known = [other for other in (GROUND, *scene.bodies) if other != name]
             raise InputError(f"bodies.{name}.slides.on: no body '{carrier}'{nearest(carrier, known)}")
+    leads = {GROUND, *scene.bodies} - on.keys()  # to where slides may lead
     for name in on:
-        path = [name]
-        while path[-1] in on and path[-1] not in path[:-1]:
-            path.append(on[path[-1]])
-        if path[-1] in path[:-1]:
-            raise InputError(
-                f"bodies.{name}.slides.on: expected slides to lead to the ground, or to a body that does not slide,"
-                f" found {' on '.join(path)}"
-            )
+        path = {name: None}  # in order
+        last = name
+        while last not in leads:
+            last = on[last]
+            if last in path:
+                raise InputError(
+                    f"bodies.{name}.slides.on: expected slides to lead to the ground, or to a body that does not slide,"
+                    f" found {' on '.join((*path, last))}"
+                )
+            path[last] = None
+        leads |= path.keys()
 
 
 def _check_driven_body(scene: Scene) -> None:
@@ -190,13 +150,17 @@ def _check_law(law: MotionLaw, *, slides: bool) -> None:
 
 
 def _check_connected(scene: Scene) -> None:
-    joints = [{pin.first, pin.second} for pin in scene.pins]
-    joints += [{body.name, body.slide.on} for body in scene.bodies.values() if body.slide is not None]
-    reached = {GROUND}
-    for _ in scene.bodies:
-        for joint in joints:
-            if joint & reached:
-                reached |= joint
+    joints = [(pin.first, pin.second) for pin in scene.pins]
+    joints += [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+    joined: dict[str, list[str]] = {name: [] for name in (GROUND, *scene.bodies)}
+    for one, other in joints:
+        joined[one].append(other)
+        joined[other].append(one)
+    reached, ahead = {GROUND}, [GROUND]
+    while ahead:
+        new = set(joined[ahead.pop()]) - reached
+        reached |= new
+        ahead += new
     for body in scene.bodies.values():
         if body.name not in reached:
             points = ", ".join(body.points)
@@ -242,26 +206,26 @@ def _check_springs(scene: Scene) -> None:
 def _check_attack(scene: Scene, place: str, body: str, point: str) -> None:
     """Check that there is such a point on the body, which may be the ground for a spring."""
     springs = place.startswith("springs")
-    bodies = (GROUND, *scene.bodies) if springs else tuple(scene.bodies)
-    if body not in bodies:
+    if body not in scene.bodies and not (springs and body == GROUND):
+        bodies = (GROUND, *scene.bodies) if springs else scene.bodies
         raise InputError(f"{place}{'' if springs else '.body'}: no body '{body}'{nearest(body, bodies)}")
-    points = tuple(scene.ground) if body == GROUND else scene.bodies[body].points
+    points = scene.ground if body == GROUND else scene.bodies[body].points
     if point not in points:
         raise InputError(f"{place}{'' if springs else '.at'}: '{body}' has no point '{point}'{nearest(point, points)}")
 
 
 def _check_sketch(scene: Scene) -> None:
+    moving = dict.fromkeys(scene.moving_points)
     for point in scene.sketch.points:
-        if point not in scene.moving_points:
-            raise InputError(f"sketch.{point}: no moving point '{point}'{nearest(point, scene.moving_points)}")
-    pinned = {pin.point for pin in scene.pins}
-    by_lengths = {point for body in scene.bodies.values() if body.lengths is not None for point in body.points}
-    for point in scene.moving_points:
-        if point in pinned | by_lengths and point not in scene.sketch.points:
+        if point not in moving:
+            raise InputError(f"sketch.{path_in_file([point])}: no such moving point{nearest(point, moving)}")
+    needed = {pin.point for pin in scene.pins}
+    needed |= {point for body in scene.bodies.values() if body.lengths is not None for point in body.points}
+    for point in moving:
+        if point in needed and point not in scene.sketch.points:
             raise InputError(f"sketch.{point}: missing; its rough position picks the assembly branch")
     known = {*scene.sketch.points, *scene.ground}
-    for name in scene.turning:
-        group = scene.aligned[name]
+    for group in dict.fromkeys(scene.aligned[name] for name in scene.turning):
         if scene.drive.body not in group and not any(
             len(known & set(scene.bodies[other].points)) > 1 for other in group
         ):

@@ -28,6 +28,11 @@ def one_line(text: str, most: int = 300) -> str:
     return line if len(line) <= most else line[: most - 1] + "…"
 
 
+def path_in_file(parts: Iterable[object]) -> str:
+    """Return the path in a file as messages name it: `bodies.rod.mass`."""
+    return one_line(".".join(map(str, parts)), 200)
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return `; did you mean 'x'?` for the closest of the `known` names, or the whole list when none is close."""
     choices = sorted(set(known))

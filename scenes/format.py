@@ -7,13 +7,16 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, Strict, StringConstraints, ValidationError
 from pydantic_core import PydanticCustomError
 
-from .errors import nearest
+from . import limits
+from .errors import nearest, one_line, path_in_file
 from .scene import GROUND
 
 NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
-Name = Annotated[str, StringConstraints(pattern=NAME)]
-PointPair = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*-[A-Za-z][A-Za-z0-9_]*$")]
-BodyPoint = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]*\.[A-Za-z][A-Za-z0-9_]*$")]
+_NAMES = 2 * limits.NAME + 1  # characters of two names and what joins them
+Name = Annotated[str, StringConstraints(pattern=NAME, max_length=limits.NAME)]
+Known = Annotated[str, StringConstraints(max_length=limits.NAME)]  # a name that is looked up
+PointPair = Annotated[str, StringConstraints(pattern=rf"{NAME[:-1]}-{NAME[1:]}", max_length=_NAMES)]
+BodyPoint = Annotated[str, StringConstraints(pattern=rf"{NAME[:-1]}\.{NAME[1:]}", max_length=_NAMES)]
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
@@ -57,7 +60,7 @@ class GroundTable(Table):
 class SlideTable(Table):
     """A straight guide, in the frame of the body `on`."""
 
-    on: str = GROUND
+    on: Known = GROUND
     through: Pair
     along: Pair
 
@@ -76,22 +79,22 @@ class BodyTable(Table):
 class DriveTable(Table):
     """The driven body, a crank or a slider, and its speed or its motion law: [time in s, angle or displacement]."""
 
-    body: str
+    body: Known
     speed: Number | None = None
     start: Number | None = None
     end: Number | None = None
-    law: Annotated[list[Pair], Field(min_length=4)] | None = None
+    law: Annotated[list[Pair], Field(min_length=4, max_length=limits.ROWS)] | None = None
     periodic: bool | None = None
 
 
 class LoadTable(Table):
     """A force on a point of a body: constant, only in the last part of the closing stroke, or a table against it."""
 
-    body: str
-    at: str
+    body: Known
+    at: Known
     force: Pair | None = None
     last: Positive | None = None
-    table: Annotated[list[Pair], Field(min_length=2)] | None = None
+    table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = None
 
 
 class SpringTable(Table):
@@ -115,8 +118,8 @@ class SketchTable(Table):
 class OutputTable(Table):
     """The point that the report is about."""
 
-    slider: str | None = None
-    point: str | None = None
+    slider: Known | None = None
+    point: Known | None = None
 
 
 class TolerancesTable(Table):
@@ -134,15 +137,15 @@ class SceneFile(Table):
 
     format: Literal[1]
     name: Name
-    title: str = ""
-    source: str = ""
+    title: Annotated[str, Field(max_length=limits.TITLE)] = ""
+    source: Annotated[str, Field(max_length=limits.SOURCE)] = ""
     units: Units = Units()
     gravity: Pair | None = None
     ground: GroundTable
-    bodies: Annotated[dict[Name, BodyTable], Field(min_length=1)]
+    bodies: Annotated[dict[Name, BodyTable], Field(min_length=1, max_length=limits.BODIES)]
     drive: DriveTable
-    loads: list[LoadTable] = []
-    springs: list[SpringTable] = []
+    loads: Annotated[list[LoadTable], Field(max_length=limits.LOADS)] = []
+    springs: Annotated[list[SpringTable], Field(max_length=limits.LOADS)] = []
     sketch: SketchTable
     output: OutputTable
     tolerances: dict[Name, TolerancesTable] = {}
@@ -169,9 +172,8 @@ class LadderFile(Table):
 
 def explain(error: ValidationError, file: type[Table]) -> str:
     """Return a line on the first of the errors in a file; the rest is counted, since one slip often causes several."""
-    first, *rest = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    first, *rest = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
     location = [part for part in first["loc"] if part != "[key]"]
-    place = ".".join(str(part) for part in location)
     entries = "points, each as 'body.point'" if "between" in location else "numbers"
     match first["type"]:
         case "extra_forbidden":
@@ -182,8 +184,12 @@ def explain(error: ValidationError, file: type[Table]) -> str:
             text = "missing; the file needs it"
         case "too_short":
             text = f"expected {first['ctx']['min_length']} or more entries, found {first['ctx']['actual_length']}"
-        case "too_long":
+        case "too_long" if first["ctx"]["max_length"] == 2:
             text = f"expected two {entries}"
+        case "too_long":
+            text = f"expected {first['ctx']['max_length']} entries at most, found {len(first['input'])}"
+        case "string_too_long":
+            text = f"expected {first['ctx']['max_length']} characters at most, found {len(first['input'])}"
         case "string_pattern_mismatch":
             wanted = "letters, digits and '_', starting with a letter"
             wanted = "two point names joined by '-'" if "lengths" in location else wanted
@@ -192,10 +198,10 @@ def explain(error: ValidationError, file: type[Table]) -> str:
         case "model_type" | "dict_type":
             text = "expected a table"
         case "greater_than" | "greater_than_equal" | "literal_error":
-            text = f"{first['msg'].replace('Input should be', 'expected')}, found {first['input']!r}"
+            text = f"{first['msg'].replace('Input should be', 'expected')}, found {one_line(repr(first['input']), 40)}"
         case _:
-            text = f"{first['msg'].replace('Input should be', 'expected')}, found {str(first['input'])[:40]!r}"
-    return f"{place}: {text}" + (f" (and {len(rest)} more)" if rest else "")
+            text = f"{first['msg'].replace('Input should be', 'expected')}, found '{one_line(str(first['input']), 40)}'"
+    return f"{path_in_file(location)}: {text}" + (f" (and {len(rest)} more)" if rest else "")
 
 
 def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]:

@@ -29,8 +29,9 @@ from .changes import Value, as_text, change
 from .engine import Status
 from .errors import InputError, nearest
 from .format import LadderFile, explain
-from .reader import LIBRARY, load, read_toml, tables_of
+from .reader import LIBRARY, load, tables_of
 from .scene import Scene
+from .toml_file import read_toml
 
 HARD = LIBRARY / "hard"
 TURNS = "turns"

@@ -1,26 +1,24 @@
 """TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
-from functools import cache
 from importlib.resources import files
 from math import hypot
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import ValidationError
 
 from .changes import Value, change, label, numbers
 from .consistency import check
 from .drive import ConstantSpeed, Drive, MotionLaw
-from .errors import InputError, nearest
-from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, Units, explain
+from .errors import InputError, one_line
+from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, explain
+from .limits import SOURCE, TITLE
 from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
 from .scene import GROUND, Body, Scene, Sketch, Slide
-
-if TYPE_CHECKING:
-    from pint import UnitRegistry
+from .toml_file import read_toml
+from .units import si_factors
 
 LIBRARY = Path(str(files("scenes"))) / "library"
 
@@ -50,9 +48,9 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
         change(tables, changes)
         return _scene(SceneFile.model_validate(tables), file)
     except ValidationError as error:
-        raise InputError(f"{file}: {explain(error, SceneFile)}") from None
+        raise InputError(f"{one_line(file)}: {explain(error, SceneFile)}") from None
     except InputError as error:
-        raise InputError(f"{file}: {error}") from None
+        raise InputError(f"{one_line(file)}: {error}") from None
 
 
 def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
@@ -68,7 +66,7 @@ def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
     try:
         return numbers(tables_of(name_or_path), paths)
     except InputError as error:
-        raise InputError(f"{name_or_path}: {error}") from None
+        raise InputError(f"{one_line(str(name_or_path))}: {error}") from None
 
 
 def tables_of(name_or_path: str | Path) -> dict[str, Any]:
@@ -80,73 +78,20 @@ def tables_of(name_or_path: str | Path) -> dict[str, Any]:
     return read_toml(name_or_path, shipped(), "scene")
 
 
-def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) -> dict[str, Any]:
-    """Return the tables of a file: one of the known by its name, any other by its path; messages name its `kind`.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    path = known.get(str(name_or_path), Path(name_or_path))
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{name_or_path}: no such {kind} or file{nearest(path.stem, known)}") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{name_or_path}: not valid TOML: {_first_line(error)}") from None
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"{name_or_path}: cannot be read as a text file ({_first_line(error)})") from None
-
-
-def _first_line(error: Exception) -> str:
-    return (str(error) or type(error).__name__).splitlines()[0]
-
-
 # --- numbers into SI -------------------------------------------------------------------------------------------------
-
-_UNIT_EXAMPLES = {
-    "length": ("meter", ("m", "mm", "cm", "um", "km", "in", "ft")),
-    "mass": ("kilogram", ("kg", "g", "t", "lb")),
-    "force": ("newton", ("N", "kN", "MN", "lbf")),
-    "angle": ("radian", ("rad", "deg")),
-    "speed": ("radian / second", ("rad/s", "deg/s", "rpm")),
-}
-_SLIDING_SPEED = ("meter / second", ("m/s", "mm/s", "m/min", "in/s"))
-
-
-@cache
-def _unit_registry() -> "UnitRegistry[float]":
-    from pint import UnitRegistry  # late, and once: by far the slowest import here
-
-    return UnitRegistry()
-
-
-def _si_factors(units: Units, *, slider_driven: bool) -> dict[str, float]:
-    """Return what to multiply each quantity's number by to have it in SI."""
-    registry = _unit_registry()
-    factors = {}
-    known = _UNIT_EXAMPLES | ({"speed": _SLIDING_SPEED} if slider_driven else {})
-    for name, (si, examples) in known.items():
-        unit = getattr(units, name) or si
-        try:
-            factors[name] = float(registry.Quantity(1.0, registry.parse_units(unit)).to(si).magnitude)
-        except Exception:  # pint raises its own, ValueError, AttributeError or a tokenizer's error, by kind of nonsense
-            hint = nearest(unit, examples)
-            of = "speed of a driven slider" if known[name] is _SLIDING_SPEED else name
-            raise InputError(f"units.{name}: '{unit}' is not a unit of {of} that is known{hint}") from None
-    return factors
 
 
 def _scene(table: SceneFile, file: str) -> Scene:
     driven = table.bodies.get(table.drive.body)
     slider_driven = driven is not None and driven.slides is not None and driven.slides.on == GROUND
-    factor = _si_factors(table.units, slider_driven=slider_driven)
+    factor = si_factors(table.units, slider_driven=slider_driven)
     length, mass, force = (factor[name] for name in ("length", "mass", "force"))
     drive_unit = length if slider_driven else factor["angle"]
     bodies = {name: _body(name, body, length, mass) for name, body in table.bodies.items()}
     scene = Scene(
         name=table.name,
-        title=table.title or table.name,
-        source=table.source,
+        title=one_line(table.title or table.name, TITLE),
+        source=one_line(table.source, SOURCE),
         file=file,
         ground=MappingProxyType({name: _times(length, point) for name, point in table.ground.points.items()}),
         bodies=MappingProxyType(bodies),
@@ -249,8 +194,10 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
             raise InputError(f"bodies.{name}.lengths: a distance is given twice")
     if table.slides is not None:
         norm = hypot(*table.slides.along)
-        if not norm > 0:
-            raise InputError(f"bodies.{name}.slides.along: expected a direction, not zero")
+        if not 1e-15 <= norm <= 1e15:
+            raise InputError(
+                f"bodies.{name}.slides.along: expected a direction of a size from 1e-15 to 1e15, found {norm:g}"
+            )
         slide = Slide(table.slides.on, _times(length, table.slides.through), _times(1 / norm, table.slides.along))
     return Body(
         name=name,

@@ -67,8 +67,18 @@ class Body:
 
     def bases(self, point: str) -> tuple[str, ...]:
         """Return the earlier points from which a point of a body given by lengths has a distance: two, or fewer."""
-        earlier = self.points[: self.points.index(point)]
-        return tuple(p for p in earlier if self.lengths is not None and frozenset((p, point)) in self.lengths)
+        return self._bases.get(point, ())
+
+    @cached_property
+    def _bases(self) -> Mapping[str, tuple[str, ...]]:
+        order = {point: number for number, point in enumerate(self.points)}
+        pairs = sorted(sorted(map(order.__getitem__, pair)) for pair in self.lengths or ())
+        found: dict[str, tuple[str, ...]] = {}
+        for earlier, *later in pairs:
+            for number in later:
+                point = self.points[number]
+                found[point] = (*found.get(point, ()), self.points[earlier])
+        return found
 
 
 @dataclass(frozen=True)
@@ -117,8 +127,11 @@ class Scene:
     def owners(self) -> Mapping[str, tuple[str, ...]]:
         """The bodies that name each point, in file order, the ground first."""
         named = {GROUND: tuple(self.ground)} | {name: body.points for name, body in self.bodies.items()}
-        points = dict.fromkeys(point for body_points in named.values() for point in body_points)
-        return {point: tuple(body for body in named if point in named[body]) for point in points}
+        owners: dict[str, list[str]] = {}
+        for body, points in named.items():
+            for point in points:
+                owners.setdefault(point, []).append(body)
+        return {point: tuple(bodies) for point, bodies in owners.items()}
 
     @cached_property
     def pins(self) -> tuple[Pin, ...]:
@@ -139,7 +152,7 @@ class Scene:
                 groups |= dict.fromkeys(joined, joined)
         return groups
 
-    @property
+    @cached_property
     def turning(self) -> tuple[str, ...]:
         """The bodies that can turn: all but those that slides keep parallel to the ground."""
         return tuple(name for name in self.bodies if name not in self.aligned[GROUND])
@@ -173,7 +186,7 @@ class Scene:
             return f"crank angle {degrees(position):.4f} deg"
         return f"{self.drive.body} at {self.length(position, 6)}"
 
-    @property
+    @cached_property
     def moving_points(self) -> tuple[str, ...]:
         """The points that are not on the ground."""
         return tuple(point for point, owners in self.owners.items() if owners[0] != GROUND)

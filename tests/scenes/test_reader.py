@@ -1,7 +1,6 @@
 """The scene file: what is read, and numbers that are changed before it is checked."""
 
 from math import pi
-from pathlib import Path
 
 import pytest
 
@@ -48,23 +47,9 @@ def test_units_are_free(toggle_press: scenes.Scene) -> None:
     assert force_of(scene)[1] == pytest.approx(1e3 * force_of(toggle_press)[1], rel=1e-15)
 
 
-@pytest.mark.parametrize("name", ["toggle_pres", "no/such/file.toml", ".", "", "\0"])
-def test_a_file_that_cannot_be_read(name: str) -> None:
-    with pytest.raises(InputError) as caught:
-        scenes.load(name)
-    assert "\n" not in str(caught.value)
-
-
 def test_the_nearest_scene_is_named() -> None:
     with pytest.raises(InputError, match="did you mean 'toggle_press'"):
         scenes.load("toggle_pres")
-
-
-def test_not_text(tmp_path: Path) -> None:
-    file = tmp_path / "binary.toml"
-    file.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="text file"):
-        scenes.load(file)
 
 
 # --- numbers that are changed before the file is checked -------------------------------------------------------------

@@ -1,0 +1,15 @@
+"""How much a file may ask for, and why no more. Beyond each of these a file is refused before any work is done."""
+
+FILE_BYTES = 1_000_000  # a scene at all of the limits below has half of it; reading it takes 2 s
+NESTING = 32  # of tables and lists; a scene needs five
+KEY_PARTS = 20  # of a key such as `a.b.c`; a scene needs four, and the parser's time goes with their square
+INTEGER_BITS = 64  # what TOML asks of every reader
+
+NAME = 64  # characters: names of folders and files are made of them, which file systems limit to 255 bytes
+TITLE = 200  # characters: it is the heading of a page
+SOURCE = 2000  # characters: a paragraph of a page
+
+BODIES = 200  # the models' time goes with their square or cube
+POINTS = 1000  # of all bodies and the ground, a pin's once for each: as many channels, pins and rows of equations
+LOADS = 200  # and as many springs: each is evaluated at every step
+ROWS = 10_000  # of a table of forces, and of a motion law: far beyond what is measured on a press
