@@ -7,7 +7,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from scenes import InputError, Sampling, Scene
-from scenes.errors import nearest
+from scenes.errors import nearest, one_line
 from scenes.motion import channels
 
 from .command_line import Parser
@@ -19,6 +19,8 @@ USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
 )
+
+MOST_VALUES = 50_000_000  # samples times channels of one engine's motion: 0.4 GB as doubles, and a file of 1 GB
 
 
 def parser() -> argparse.ArgumentParser:
@@ -66,8 +68,8 @@ def _engines(text: str) -> list[str]:
 
 def _count(least: int, most: int) -> Callable[[str], int]:
     def parse(text: str) -> int:
-        if not (text.isdecimal() and least <= int(text) <= most):
-            raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{text}'")
+        if not (text.isdecimal() and len(text) < 20 and least <= int(text) <= most):
+            raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{one_line(text, 40)}'")
         return int(text)
 
     return parse
@@ -86,7 +88,9 @@ def accuracy(text: str) -> Accuracy:
     except ValueError:
         level = 0.0
     if not 0 < level < 1:
-        raise ArgumentTypeError(f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{text}'")
+        raise ArgumentTypeError(
+            f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{one_line(text, 40)}'"
+        )
     return level
 
 
@@ -94,11 +98,19 @@ def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | N
     """Return the sampling of a scene, for the channels that match one of the patterns, or all.
 
     Raises:
-        InputError: a pattern matches no channel, or there are to be several cycles of a run that has one.
+        InputError: a pattern matches no channel, there are to be several cycles of a run that has one, or more values
+            than fit.
     """
     if turns > 1 and not scene.drive.repeats:
         raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
-    return Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
+    request = Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
+    width = len(request.wanted(scene))
+    if request.count * width > MOST_VALUES:
+        raise InputError(
+            f"arguments: --samples {samples} --turns {turns}: expected {MOST_VALUES} values at most, found"
+            f" {request.count} samples of {width} channels of {scene.name}; --channels asks for fewer"
+        )
+    return request
 
 
 def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:

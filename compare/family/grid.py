@@ -8,8 +8,9 @@ from math import isfinite, prod
 import numpy as np
 
 from scenes import InputError
+from scenes.errors import one_line
 
-MOST_MEMBERS = 200
+MOST_MEMBERS = 200  # each takes a second or more, a curve in every figure, and its engines' motions in memory
 
 
 @dataclass(frozen=True)
@@ -27,16 +28,17 @@ def variation(text: str) -> Variation:
         InputError: it does not read so.
     """
     path, _, span = text.partition("=")
+    shown = one_line(text, 100)
     try:
         first, last, count = span.split(":")
         start, stop, members = float(first), float(last), int(count)
     except ValueError:
         example = "bodies.rocker.lengths.O-P3=280:320:5"
-        raise InputError(f"--vary {text}: expected PATH=FROM:TO:COUNT, as in {example}") from None
-    if not (isfinite(start) and isfinite(stop)) or start == stop:
-        raise InputError(f"--vary {text}: expected two different values, FROM and TO")
+        raise InputError(f"--vary {shown}: expected PATH=FROM:TO:COUNT, as in {example}") from None
+    if not isfinite(stop - start) or start == stop:
+        raise InputError(f"--vary {shown}: expected two different values, FROM and TO")
     if not 2 <= members <= MOST_MEMBERS:
-        raise InputError(f"--vary {text}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
+        raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
     return Variation(path, tuple(np.linspace(start, stop, members).tolist()))
 
 

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from compare.arguments import sampling
 from compare.run import main
+from scenes import Scene
 from tests import scene_files
 
 
@@ -25,6 +27,13 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--samples", "ten"], ["--samples", "whole number", "'ten'"]),
         (["--samples", "-5"], ["--samples"]),
         (["--turns", "0"], ["--turns", "from 1"]),
+        (["--turns", "9" * 5000], ["--turns", "from 1 to 10000", "99…'"]),
+        (["--samples", "100000", "--turns", "10000"], ["50000000 values", "1000000001 samples of 53 channels"]),
+        (["--samples", "36000", "--turns", "30"], ["50000000 values at most", "--channels"]),
+        (["--new", ""], ["--new", "is not a name"]),
+        (["two\nlines\x1b"], [r"two lines\x1b: no such scene"]),
+        (["x" * 5000], ["xxx…: cannot be read (File name too long)"]),
+        (["a\0b"], [r"a\x00b: cannot be read (embedded null byte)"]),
         (["--nonsense"], ["--nonsense", "usage"]),
         (["toggle_pres"], ["toggle_pres", "did you mean 'toggle_press'"]),
         (["no/such/scene.toml"], ["no/such/scene.toml", "no such"]),
@@ -36,6 +45,13 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--vary", "drive.speed=1:2:3:4"], ["PATH=FROM:TO:COUNT"]),
         (["--vary", "drive.speed=1:1:3"], ["two different values"]),
         (["--vary", "drive.speed=1:inf:3"], ["two different values"]),
+        (["--vary", "drive.speed=nan:1:3"], ["two different values"]),
+        (["--vary", "drive.speed=-1e308:1e308:3"], ["two different values"]),
+        (["--vary", ""], ["PATH=FROM:TO:COUNT"]),
+        (["--vary", "=1:2:3"], ["toggle_press: : the file has no ''"]),
+        (["--vary", f"{'x' * 5000}=1:2:three"], ["xxx…: expected PATH=FROM:TO:COUNT"]),
+        (["--vary", "drive.speed=1:2:1000000000"], ["COUNT from 2 to 200, found 1000000000"]),
+        (["--vary", f"drive.speed=1:2:{'9' * 5000}"], ["PATH=FROM:TO:COUNT"]),
         (["--vary", "drive.speed=1:2:1"], ["COUNT from 2 to 200", "1"]),
         (["--vary", "drive.speed=1:2:15", "--vary", "drive.start=0:1:14"], ["200 members at most", "210"]),
         (["--vary", "drive.sped=1:2:3"], ["toggle_press: drive.sped", "did you mean 'speed'"]),
@@ -58,6 +74,11 @@ def test_bad_arguments(
     for part in expected:
         assert part in line
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("samples", "turns"), [(36_000, 1), (360, 1000)])
+def test_a_large_request_is_no_bad_input(samples: int, turns: int, toggle_press: Scene) -> None:
+    assert sampling(toggle_press, samples, turns).count == samples * turns + 1
 
 
 def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,7 +1,6 @@
 """The command line: what it writes, what it says, how it exits."""
 
 import json
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,8 +12,6 @@ from compare.run import main
 from scenes import Scene
 from scenes.motion import channels, header
 from tests import scene_files
-
-from .test_bad_input import refused
 
 
 @pytest.fixture(scope="module")
@@ -203,22 +200,3 @@ def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert main([str(file), "--check", "--out", str(tmp_path)]) == 0
     summary = json.loads((tmp_path / "mine" / "summary.json").read_text(encoding="utf-8"))
     assert {engine["status"] for engine in summary["engines"].values()} == {"ok"}
-    capsys.readouterr()
-    file.write_text("changed by its user", encoding="utf-8")
-    assert "exists" in refused(["--new", str(tmp_path / "mine.toml")], capsys)
-    assert file.read_text(encoding="utf-8") == "changed by its user"
-
-
-@pytest.mark.parametrize("name", ["two words", "1st", "no/such/folder/mine"])
-def test_a_new_scene_that_cannot_be(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--new" in refused(["--new", str(tmp_path / name)], capsys)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_the_schema_describes_the_format(tmp_path: Path) -> None:
-    """The schema that editors get knows the shipped scene's keys, and that there are no others."""
-    main(["--new", str(tmp_path / "mine")])
-    schema = json.loads((tmp_path / "scene.schema.json").read_text(encoding="utf-8"))
-    assert set(tomllib.loads(scene_files.text("toggle_press"))) <= set(schema["properties"])
-    assert schema["additionalProperties"] is False
-    assert "mass" in schema["$defs"]["BodyTable"]["properties"]

@@ -1,0 +1,97 @@
+"""`--new`: a first scene and its schema, both or neither, and nothing of the user's is written over."""
+
+import json
+import os
+import tomllib
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+
+import scenes
+from scenes import InputError, write_starter
+from tests import scene_files
+
+
+def refused(folder: Path, name: str) -> str:
+    """Ask for a scene that cannot be written, and return the line."""
+    before = sorted(folder.iterdir())
+    with pytest.raises(InputError) as caught:
+        write_starter(folder / name)
+    assert sorted(folder.iterdir()) == before
+    line = str(caught.value)
+    assert line.isprintable()
+    assert line.startswith("--new ")
+    return line
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("two words", "'two words' is not a name"),
+        ("1st", "'1st' is not a name"),
+        ("mine.v2", "'mine.v2' is not a name"),
+        ("mine\n", "is not a name"),
+        ("x" * 65, "is not a name: expected letters, digits and '_', a letter first, 64 at most"),
+        ("x" * 300, "is not a name"),
+        ("\x1b[31m", "is not a name"),
+        ("\0", "is not a name"),
+        ("no/such/folder/mine", "cannot be written (No such file or directory)"),
+        ("x" * 300 + "/mine", "cannot be written (File name too long)"),
+        ("\0/mine", "cannot be written (embedded null byte)"),
+    ],
+)
+def test_names_that_cannot_be(name: str, why: str, tmp_path: Path) -> None:
+    assert why in refused(tmp_path, name)
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "/"])
+def test_no_name(name: str) -> None:
+    with pytest.raises(InputError, match="is not a name"):
+        write_starter(Path(name))
+
+
+def test_a_scene_is_not_written_over(tmp_path: Path) -> None:
+    scene, schema = write_starter(tmp_path / "mine")
+    scene.write_text("changed by its user", encoding="utf-8")
+    for name in ("mine", "mine.toml"):
+        assert "the file exists; expected a new name" in refused(tmp_path, name)
+    assert scene.read_text(encoding="utf-8") == "changed by its user"
+    longest = "x" * 64
+    assert write_starter(tmp_path / longest) == [tmp_path / f"{longest}.toml", schema]
+
+
+def test_a_schema_is_not_written_over(tmp_path: Path) -> None:
+    schema = tmp_path / "scene.schema.json"
+    schema.write_text("{}", encoding="utf-8")
+    assert "another scene.schema.json is beside it" in refused(tmp_path, "mine")
+    assert schema.read_text(encoding="utf-8") == "{}"
+    schema.unlink()
+    os.mkfifo(schema)  # which no one may read from
+    assert "another scene.schema.json is beside it" in refused(tmp_path, "mine")
+
+
+def test_a_full_disk_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second file no longer fits."""
+    written, open_file = list[Path](), Path.open
+
+    def full(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:
+        if mode == "x" and written:
+            raise OSError(28, "No space left on device")
+        if mode == "x":
+            written.append(path)
+        return open_file(path, mode, *arguments, **options)
+
+    monkeypatch.setattr(Path, "open", full)
+    assert "cannot be written (No space left on device)" in refused(tmp_path, "mine")
+    assert written == [tmp_path / "mine.toml"]
+
+
+def test_the_schema_describes_the_format(tmp_path: Path) -> None:
+    """The schema that editors get knows the shipped scene's keys, and that there are no others."""
+    scene, schema = write_starter(tmp_path / "mine")
+    assert scenes.load(scene).name == "mine"
+    tables = json.loads(schema.read_text(encoding="utf-8"))
+    assert set(tomllib.loads(scene_files.text("toggle_press"))) <= set(tables["properties"])
+    assert tables["additionalProperties"] is False
+    assert "mass" in tables["$defs"]["BodyTable"]["properties"]
