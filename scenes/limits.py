@@ -1,6 +1,6 @@
 """How much a file may ask for, and why no more. Beyond each of these a file is refused before any work is done."""
 
-FILE_BYTES = 1_000_000  # a scene at all of the limits below has half of it; reading it takes 2 s
+FILE_BYTES = 1_000_000  # a table of 10,000 rows in full digits has half of it; reading it takes 2 s
 NESTING = 32  # of tables and lists; a scene needs five
 KEY_PARTS = 20  # of a key such as `a.b.c`; a scene needs four, and the parser's time goes with their square
 INTEGER_BITS = 64  # what TOML asks of every reader

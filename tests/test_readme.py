@@ -6,13 +6,16 @@ from pathlib import Path
 import pytest
 
 import compare
+from compare.arguments import MOST_VALUES
 from compare.engines.registry import DEFAULT_ENGINES, REFERENCE
 from compare.engines.settings import settings_of
+from compare.family.grid import MOST_MEMBERS
 from compare.judge.errors import SHOWN_GROUPS, group_floors
 from compare.judge.judgement import Judgement
 from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget
 from compare.speed.work_precision import choices
+from scenes import limits
 from tests.comparisons import SLOW
 
 ROOT = Path(__file__).parents[1]
@@ -71,6 +74,12 @@ def test_what_is_published(name: str, title: str) -> None:
 def test_how_many_settings() -> None:
     (printed,) = re.findall(r"`--full` measures (\d+) settings", README)
     assert int(printed) == sum(len(settings_of(engine, full=True)) for engine in DEFAULT_ENGINES)
+
+
+def test_limits() -> None:
+    printed = [int(row["at most"].replace(",", "")) for row in table(README, "<!-- limits -->")]
+    of_a_scene = [limits.FILE_BYTES, limits.BODIES, limits.POINTS, limits.LOADS, limits.ROWS, limits.NAME]
+    assert printed == [*of_a_scene, MOST_VALUES, MOST_MEMBERS]
 
 
 @SLOW
