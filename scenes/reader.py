@@ -1,6 +1,7 @@
 """TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.resources import files
 from math import hypot
 from pathlib import Path
@@ -23,7 +24,8 @@ from .units import si_factors
 LIBRARY = Path(str(files("scenes"))) / "library"
 
 
-def shipped() -> dict[str, Path]:
+@cache
+def shipped() -> Mapping[str, Path]:
     """Return the scenes that come with the project, name -> file."""
     return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
 
