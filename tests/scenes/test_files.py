@@ -18,6 +18,11 @@ TOGGLE_PRESS = scene_files.text("toggle_press")
 AT_ONCE = 2.0  # s of the processor; the slowest here takes 0.2 s
 
 
+def short(value: object) -> str:
+    """Return the id of a parameter, which may be of a megabyte."""
+    return ascii(value)[:30]
+
+
 def refused(name: str | Path, path: object = None) -> str:
     """Load what is no scene, and return what the line has after the file, or after another name of it."""
     started = process_time()
@@ -79,6 +84,7 @@ def test_a_file_that_must_not_be_read(tmp_path: Path, monkeypatch: pytest.Monkey
         ("no/such/file.toml", None, "no such scene or file"),
         ("pyproject.toml/a.toml", None, "Not a directory"),
     ],
+    ids=short,
 )
 def test_odd_names(name: str, shown: str | None, why: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(Path(__file__).parents[2])
@@ -117,6 +123,7 @@ def test_odd_names(name: str, shown: str | None, why: str, monkeypatch: pytest.M
         (TOGGLE_PRESS.replace("along = [0, 1]", "along = [0, 1e-320]").encode(), "slides.along: expected a direction"),
         (TOGGLE_PRESS.replace("along = [0, 1]", "along = [0, 1e308]").encode(), "slides.along: expected a direction"),
     ],
+    ids=short,
 )
 def test_odd_contents(content: bytes, why: str, tmp_path: Path) -> None:
     file = tmp_path / "a.toml"
@@ -176,6 +183,7 @@ def test_a_title_is_one_line(tmp_path: Path) -> None:
             "m**.5",
         ),
     ],
+    ids=short,
 )
 def test_no_units_of_length(unit: str) -> None:
     with pytest.raises(InputError) as caught:
