@@ -21,7 +21,7 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
     Raises:
         InputError: the file cannot be read, or holds more than any such file needs.
     """
-    shown = one_line(str(name_or_path))
+    shown = one_line(str(name_or_path)) or "''"
     path = known.get(str(name_or_path), Path(name_or_path))
     try:
         tables = tomllib.loads(_text(path))

@@ -80,7 +80,7 @@ def test_a_file_that_must_not_be_read(tmp_path: Path, monkeypatch: pytest.Monkey
         ("two\nlines.toml", "two lines.toml", "no such scene or file"),
         ("\x1b[31mred", r"\x1b[31mred", "no such scene or file"),
         ("half\udc80", r"half\udc80", "no such scene or file"),
-        ("", None, "found a folder"),
+        ("", "''", "found a folder"),
         ("no/such/file.toml", None, "no such scene or file"),
         ("pyproject.toml/a.toml", None, "Not a directory"),
     ],
