@@ -51,9 +51,10 @@ def _run(options: argparse.Namespace) -> int:
     _check(options, scenes)
 
     from .report import files  # late: slow to import, and bad input should be named at once
+    from .report.placing import check_writable
 
-    files.check_writable(options.out)
-    run = _family if options.vary else _report
+    run, own = (_family, files.FAMILY) if options.vary else (_report, files.REPORT)
+    check_writable(options.out, [f"{scene.name}{end}" for scene in scenes for end in ("", files.PARTIAL)], own)
     with Console(stderr=True).status("") as status:  # prints nothing when it is not a terminal
         missed = [run(scene, request, options, status) for scene, request in zip(scenes, requests, strict=True)]
     if options.full:
@@ -110,7 +111,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     status.update(f"{scene.name}: writing the report")
-    folder = output.write(result, options.out)
+    folder = output.write(result, options.out, complete=not stopped)
     _print_result(result)
     page = folder / "report.html"
     print(f"report: {page}")

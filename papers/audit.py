@@ -10,7 +10,8 @@ from rich.console import Console
 
 from compare.command_line import Parser, command
 from compare.judge.floor import establish
-from compare.report.files import check_writable, json_text, placed
+from compare.report.files import json_text
+from compare.report.placing import check_writable, placed
 from compare.report.tables import floors
 from scenes import load
 
@@ -22,6 +23,8 @@ from .page import page
 from .toggle_press import claims as toggle_press
 from .toggle_press import figures as toggle_press_figures
 
+FILES = ("audit.html", "audit.json")
+
 
 @command
 def main(arguments: list[str] | None = None) -> int:
@@ -29,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("python -m papers.audit", "python -m papers.audit [--out DIR]", "Audit the two source papers.")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the audit (results)")
     options = parser.parse_args(arguments)
-    check_writable(options.out)
+    check_writable(options.out, ["audit"], FILES)
     with Console(stderr=True).status("") as status:  # silent when it is not a terminal
         claims, notes = audit(lambda doing: status.update(f"audit: {doing}"))
         status.update("audit: writing the page")
@@ -66,7 +69,7 @@ def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: P
         for source, of in claims.items()
         for claim in of
     ]  # printed numbers keep their digits as text
-    with placed(folder, "audit", "audit.*") as aside:
+    with placed(folder, "audit", FILES) as aside:
         (aside / "audit.json").write_text(json_text(rows), encoding="utf-8")
         (aside / "audit.html").write_text(page(claims, figures, notes), encoding="utf-8")
     return folder / "audit"

@@ -8,12 +8,12 @@ from time import perf_counter
 from rich.console import Console
 
 from compare.command_line import Parser, command
-from compare.report.files import check_writable
+from compare.report.placing import check_writable
 
 from .clamp.formulas import Design
 from .clamp.optimisation import tables
 from .clamp.optimisation.recheck import ENGINES, rechecks
-from .clamp.optimisation.report import Outcome, write
+from .clamp.optimisation.report import FILES, Outcome, write
 from .clamp.optimisation.study import AHEAD, AS_PRINTED, MAIN, MET, RATIOS, SIX, THREE, Effort, Point, study
 
 
@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("python -m papers.optimise", "python -m papers.optimise [--out DIR]", "Optimise the clamp again.")
     parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the report (results)")
     options = parser.parse_args(arguments)
-    check_writable(options.out)
+    check_writable(options.out, ["design"], FILES)
     with Console(stderr=True).status("optimising") as status:  # silent when it is not a terminal
         started = perf_counter()
         points = study(Effort(), RATIOS, status.update)

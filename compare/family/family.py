@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import prod
 from pathlib import Path
 
 from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
@@ -43,6 +44,11 @@ class Family:
     variations: Sequence[Variation]
     engines: Sequence[str]
     members: list[Member] = field(default_factory=list)
+
+    @property
+    def asked(self) -> int:
+        """How many members were asked for."""
+        return prod(len(variation.values) for variation in self.variations)
 
 
 def members(

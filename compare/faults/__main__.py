@@ -11,7 +11,8 @@ from scenes import load
 
 from ..command_line import Parser, command
 from ..report.faults.page import page
-from ..report.files import check_writable, json_text, placed
+from ..report.files import json_text
+from ..report.placing import check_writable, placed
 from .rates import let_through, rates
 from .table import Record, answer_faults
 from .wrong_code import comparison_faults, core_faults, shared_faults
@@ -20,6 +21,7 @@ USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
 SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
 CORE = 40  # wrong lines
 COMPARISON = 60
+FILES = ("faults.html", "faults.json")
 
 
 @command
@@ -32,7 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
     scenes = [name.strip() for name in options.scenes.split(",")]
     for name in scenes:
         load(name)
-    check_writable(options.out)
+    check_writable(options.out, ["faults"], FILES)
     records: list[Record] = []
     with Console(stderr=True).status("") as status:  # silent when it is not a terminal
 
@@ -59,7 +61,7 @@ def write(records: Sequence[Record], folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    with placed(folder, "faults", "faults.*") as aside:
+    with placed(folder, "faults", FILES) as aside:
         (aside / "faults.json").write_text(json_text([asdict(record) for record in records]), encoding="utf-8")
         (aside / "faults.html").write_text(page(records), encoding="utf-8")
     return folder / "faults"

@@ -1,19 +1,16 @@
-"""The files of studies and families. They are written aside and moved in place when all are complete."""
+"""The files of studies and families, and what becomes of those of a stopped run."""
 
 import json
-import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from math import isfinite
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 
-from scenes import InputError
 from scenes.motion import header
 
 from ..engines.axis import axis
@@ -29,19 +26,17 @@ from .family.page import page as family_page
 from .family.tables import in_si
 from .hard import tables as hard_tables
 from .page import page
+from .placing import placed, remove
+
+PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
+REPORT = ("report.html", "summary.json", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv", "hard.csv")
+FAMILY = ("family.html", "family.json", "family.csv")
 
 
-def check_writable(folder: Path) -> None:
-    """Raise InputError when the folder is sure not to take files; nothing is created."""
-    existing = next(parent for parent in (folder, *folder.absolute().parents) if parent.exists())
-    if not existing.is_dir():
-        raise InputError(f"--out {folder}: expected a folder, and {existing} is a file")
-    if not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError(f"--out {folder}: expected a folder that can be written, and {existing} cannot")
-
-
-def write(study: Study, folder: Path) -> Path:
+def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
     """Write a study's files into `folder/<scene>/` and return that folder.
+
+    One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
 
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
@@ -51,46 +46,57 @@ def write(study: Study, folder: Path) -> Path:
     for engine, motion in study.motions.items():
         named = {header(channel): values for channel, values in motion.samples.items()}
         tables[f"motion.{engine}"] = pd.DataFrame(named)
-    stale = ("motion.*.csv", "stability.csv", "hard.csv")  # what was not run this time must not look as if it had
-    with placed(folder, study.scene.name, *stale) as aside:
+    with _result(folder, study.scene.name, REPORT, complete=complete) as (aside, place):
         for name, table in tables.items():
             table.to_csv(aside / f"{name}.csv", index=False)
-        (aside / "summary.json").write_text(json_text(_summary(study)), encoding="utf-8")
+        summary = {"complete": complete} | _summary(study)
+        (aside / "summary.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "report.html").write_text(page(study), encoding="utf-8")
-    return folder / study.scene.name
+    return place
 
 
 def write_family(family: Family, folder: Path) -> Path:
-    """Write `family.html` and `family.csv` into `folder/<scene>/` and return that folder.
+    """Write `family.html`, `family.json` and `family.csv` into `folder/<scene>/` and return that folder.
+
+    One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
 
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    with placed(folder, family.scene.name, "family.*") as aside:
+    complete = len(family.members) == family.asked
+    with _result(folder, family.scene.name, FAMILY, complete=complete) as (aside, place):
         in_si(family).to_csv(aside / "family.csv", index=False)
+        varied = {variation.path: variation.values for variation in family.variations}
+        summary = {"complete": complete, "varied": varied, "engines": family.engines, "environment": environment()}
+        (aside / "family.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "family.html").write_text(family_page(family), encoding="utf-8")
-    return folder / family.scene.name
+    return place
 
 
 @contextmanager
-def placed(folder: Path, name: str, *stale: str) -> Iterator[Path]:
-    """Yield a folder to write files into; once all are complete they go to `folder/<name>/` in place of the stale ones.
+def _result(folder: Path, name: str, own: Sequence[str], *, complete: bool) -> Iterator[tuple[Path, Path]]:
+    """Yield a folder to write a result into, and its place, which is another where a partial one meets a complete one.
 
-    Raises:
-        InputError: the folder cannot be written; what it held is then unchanged.
+    `own` is what its files match; the one that ends in `.json` has whether the result is complete.
     """
-    target = folder / name
+    place, partial = folder / name, folder / f"{name}{PARTIAL}"
+    if not complete and _may_be_complete(place, own):
+        place = partial
+    with placed(folder, place.name, own) as aside:
+        yield aside, place
+    if complete:
+        remove(partial, own)
+
+
+def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
+    """Return whether a folder has a result that is not known to be partial."""
+    if not any(list(place.glob(pattern)) for pattern in own):
+        return False
+    summary = next(name for name in own if name.endswith(".json"))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=f".{name}-", dir=folder) as aside:
-            yield Path(aside)
-            target.mkdir(exist_ok=True)
-            for path in (path for pattern in stale for path in target.glob(pattern)):
-                path.unlink()
-            for path in Path(aside).iterdir():
-                path.replace(target / path.name)
-    except OSError as error:
-        raise InputError(f"--out {folder}: cannot be written ({error.strerror})") from None
+        return json.loads((place / summary).read_text(encoding="utf-8"))["complete"] is not False
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return True
 
 
 def _summary(study: Study) -> dict[str, Any]:

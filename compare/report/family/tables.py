@@ -157,4 +157,6 @@ def notes(family: Family) -> list[str]:
     for member in family.members:
         failed = (m.run for m in member.measurements if m.run.status is not Status.ok)
         sentences += [f"{label(family, member)}: {run.engine}: {run.status.name}: {run.reason}" for run in failed]
+    if len(family.members) < family.asked:
+        sentences.append(f"stopped by the user: {len(family.members)} of {family.asked} members were done")
     return sentences

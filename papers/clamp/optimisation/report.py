@@ -9,8 +9,9 @@ from typing import Any
 import pandas as pd
 
 from compare.engines.environment import environment
-from compare.report.files import json_text, placed
+from compare.report.files import json_text
 from compare.report.html import figure_html, head, list_html, table_html, template, versions_html
+from compare.report.placing import placed
 
 from ..constraints import ALONE, BOTH, LITERAL, slacks
 from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design
@@ -19,6 +20,7 @@ from .figures import coordination, over_stroke
 from .recheck import Recheck
 from .study import AHEAD, ASSUMPTIONS, LENGTHS, MAIN, Point
 
+FILES = ("design.html", "design.json", "design.csv")
 CLEARANCES = {MAIN: BOTH, "sizes that allow scheme 4": ALONE}
 
 
@@ -39,7 +41,7 @@ def write(outcome: Outcome, folder: Path) -> Path:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
     rows = tables.rows(outcome.points)
-    with placed(folder, "design", "design.*") as aside:
+    with placed(folder, "design", FILES) as aside:
         pd.DataFrame(rows).to_csv(aside / "design.csv", index=False)
         (aside / "design.json").write_text(json_text(_all(outcome, rows)), encoding="utf-8")
         (aside / "design.html").write_text(page(outcome), encoding="utf-8")

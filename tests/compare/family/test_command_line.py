@@ -18,7 +18,7 @@ def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str
     arguments = [str(CRANK_SLIDER), "--vary", f"{rod}=130:250:2", "--vary", f"{offset}=0:40:2", "--engines", "analytic"]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
     folder = tmp_path / "out" / "offset_slider_crank"
-    assert sorted(path.name for path in folder.iterdir()) == ["family.csv", "family.html"]
+    assert sorted(path.name for path in folder.iterdir()) == ["family.csv", "family.html", "family.json"]
     table = pd.read_csv(folder / "family.csv")
     assert table[[rod, offset]].to_numpy().tolist() == [[130, 0], [130, 40], [250, 0], [250, 40]]
     assert list(table["status"]) == ["ok", "cannot_assemble", "ok", "ok"]

@@ -1,0 +1,283 @@
+"""Results appear whole or not at all, whatever is in their place, fails, or goes on at the same time."""
+
+import fcntl
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from compare.report import placing
+from compare.report.placing import OLDER, check_writable, placed, remove
+from scenes import InputError
+
+OWN = ("page.html", "motion.*.csv")
+LEFT = ".name-0123abcd"
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Return all files below a folder."""
+    return {str(p.relative_to(folder)): p.read_text(encoding="utf-8") for p in folder.rglob("*") if p.is_file()}
+
+
+def fill(folder: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+OLDER_RESULT = {"page.html": "older", "motion.a.csv": "1", "motion.b.csv": "2"}
+OTHERS = {"notes.txt": "the user's", "more/deep/figure.svg": "the user's too", "family.html": "of another kind"}
+
+
+@pytest.fixture
+def older(tmp_path: Path) -> Path:
+    """Return a folder that holds an older result and what else is there."""
+    return fill(tmp_path / "name", OLDER_RESULT | OTHERS)
+
+
+def replace(folder: Path) -> None:
+    with placed(folder, "name", OWN) as aside:
+        fill(aside, {"page.html": "new", "motion.a.csv": "3"})
+
+
+NEW = {"page.html": "new", "motion.a.csv": "3"}
+
+
+def test_a_first_result_makes_its_folders(tmp_path: Path) -> None:
+    replace(tmp_path / "new" / "out")
+    assert contents(tmp_path) == {f"new/out/name/{name}": text for name, text in NEW.items()}
+    beside = tmp_path / "new" / "out" / "beside"
+    beside.mkdir()
+    assert (tmp_path / "new" / "out" / "name").stat().st_mode == beside.stat().st_mode
+
+
+def no_exchange(*_: object) -> bool:
+    return False
+
+
+def no_links(*_: object, **__: object) -> None:
+    raise OSError(1, "Operation not permitted")
+
+
+@pytest.mark.parametrize("cannot", ["", "exchange", "link", "lock"])
+def test_the_older_stays_until_the_new_takes_its_place(
+    cannot: str, older: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On file systems that cannot exchange folders, link files, or lock, too."""
+    if cannot == "exchange":
+        monkeypatch.setattr(placing, "_exchanged", no_exchange)
+    if cannot == "link":
+        monkeypatch.setattr(os, "link", no_links)
+    if cannot == "lock":
+        monkeypatch.setattr(fcntl, "flock", no_links)
+    (older / "link").symlink_to("nowhere")
+    older.chmod(0o750)
+    with placed(older.parent, "name", OWN) as aside:
+        assert aside.parent == older.parent
+        fill(aside, NEW)
+        assert contents(older) == OLDER_RESULT | OTHERS
+    assert contents(older) == NEW | OTHERS
+    assert (older / "link").readlink() == Path("nowhere")
+    assert older.stat().st_mode & 0o777 == 0o750
+    assert list(older.parent.iterdir()) == [older]
+
+
+def test_two_folders_are_exchanged_in_one_step(older: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No rename is needed where the system can."""
+    monkeypatch.setattr(Path, "rename", no_links)
+    replace(older.parent)
+    assert contents(older) == NEW | OTHERS
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt(), ValueError("a slip")])
+def test_a_failure_leaves_the_older_one(
+    error: BaseException, exchange: bool, older: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not exchange:
+        monkeypatch.setattr(placing, "_exchanged", no_exchange)
+
+    def fail() -> None:
+        with placed(older.parent, "name", OWN) as aside:
+            fill(aside, NEW)
+            raise error
+
+    expected = InputError if isinstance(error, OSError) else type(error)
+    with pytest.raises(expected, match="No space left" if isinstance(error, OSError) else None):
+        fail()
+    assert contents(older) == OLDER_RESULT | OTHERS
+    assert list(older.parent.iterdir()) == [older]
+
+
+@pytest.mark.parametrize("error", [OSError(5, "Input/output error"), KeyboardInterrupt()])
+def test_a_swap_that_fails_halfway_puts_the_older_one_back(
+    error: BaseException, older: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = Path.rename
+
+    def second_fails(path: Path, to: Path) -> Path:
+        if path.name.startswith(".name-") and not path.name.endswith(OLDER):
+            raise error
+        return real(path, to)
+
+    monkeypatch.setattr(placing, "_exchanged", no_exchange)
+    monkeypatch.setattr(Path, "rename", second_fails)
+    with pytest.raises(InputError if isinstance(error, OSError) else KeyboardInterrupt):
+        replace(older.parent)
+    assert contents(older) == OLDER_RESULT | OTHERS
+    assert list(older.parent.iterdir()) == [older]
+
+
+def test_a_link_to_a_folder_is_followed(tmp_path: Path) -> None:
+    real = fill(tmp_path / "real" / "folder", OLDER_RESULT | OTHERS)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "name").symlink_to(real)
+    check_writable(out, ["name"], OWN)
+    replace(out)
+    assert (out / "name").readlink() == real
+    assert contents(real) == NEW | OTHERS
+    assert list(real.parent.iterdir()) == [real]
+
+
+def test_what_killed_runs_left_goes_and_what_others_need_stays(older: Path) -> None:
+    out = older.parent
+    for name in (LEFT, ".name-89abcdef", ".name-backup", ".another-0123abcd"):
+        fill(out / name, {"page.html": "half"})
+    running = os.open(out / ".name-89abcdef", os.O_RDONLY)
+    fcntl.flock(running, fcntl.LOCK_EX)
+    replace(out)
+    os.close(running)
+    assert sorted(path.name for path in out.iterdir()) == [
+        ".another-0123abcd",
+        ".name-89abcdef",
+        ".name-backup",
+        "name",
+    ]
+    assert contents(older) == NEW | OTHERS
+
+
+def test_a_run_killed_between_two_renames_loses_nothing(older: Path) -> None:
+    older.rename(older.with_name(f"{LEFT}{OLDER}"))
+    fill(older.with_name(LEFT), NEW)
+    replace(older.parent)
+    assert contents(older) == NEW | OTHERS
+    assert list(older.parent.iterdir()) == [older]
+
+
+@pytest.mark.parametrize("exchange", [True, False])
+def test_runs_at_the_same_time_leave_one_whole_result(
+    exchange: bool, older: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not exchange:
+        monkeypatch.setattr(placing, "_exchanged", no_exchange)
+
+    def run(number: int) -> None:
+        with placed(older.parent, "name", OWN) as aside:
+            for name in ("page.html", "motion.a.csv", f"motion.{number}.csv"):
+                fill(aside, {name: str(number)})
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(run, range(40)))
+    found = contents(older)
+    last = found["page.html"]
+    assert found == OTHERS | {"page.html": last, "motion.a.csv": last, f"motion.{last}.csv": last}
+    assert list(older.parent.iterdir()) == [older]
+
+
+def test_a_partial_result_goes_with_its_folder_unless_more_is_there(tmp_path: Path) -> None:
+    alone = fill(tmp_path / "alone", OLDER_RESULT)
+    remove(alone, OWN)
+    assert not alone.exists()
+    shared = fill(tmp_path / "shared", OLDER_RESULT | OTHERS)
+    remove(shared, OWN)
+    assert contents(shared) == OTHERS
+    remove(tmp_path / "no such", OWN)
+
+
+# --- what is in the way is found before -------------------------------------------------------------------------------
+
+
+def a_file(place: Path) -> None:
+    place.write_text("", encoding="utf-8")
+
+
+def a_folder_for_a_file(place: Path) -> None:
+    (place / "page.html").mkdir(parents=True)
+
+
+def a_folder_for_a_pattern(place: Path) -> None:
+    (place / "motion.x.csv").mkdir(parents=True)
+
+
+def a_link_to_nowhere(place: Path) -> None:
+    place.symlink_to(place.parent / "not there")
+
+
+def a_loop(place: Path) -> None:
+    place.symlink_to(place)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (a_file, "name is a file"),
+        (a_folder_for_a_file, "page.html is a folder"),
+        (a_folder_for_a_pattern, "motion.x.csv is a folder"),
+        (a_link_to_nowhere, "name is a link to what is not there"),
+        (a_loop, "name is a link to what is not there"),
+    ],
+)
+def test_what_is_in_the_way(make: Callable[[Path], None], words: str, tmp_path: Path) -> None:
+    make(tmp_path / "name")
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InputError, match=f"^--out {tmp_path}: expected a folder .*{words}$"):
+        check_writable(tmp_path, ["first", "name"], OWN)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("file", "file is a file"),
+        ("file/below", "file is a file"),
+        ("nowhere/below", "nowhere is a link to what is not there"),
+        ("x" * 300, "File name too long"),
+        ("new/" + "x" * 300, "a name has 255 bytes at most there"),
+        ("new/" + "é" * 130, "a name has 255 bytes at most there"),
+    ],
+)
+def test_a_path_that_cannot_be(out: str, words: str, tmp_path: Path) -> None:
+    a_file(tmp_path / "file")
+    a_link_to_nowhere(tmp_path / "nowhere")
+    with pytest.raises(InputError, match=words):
+        check_writable(tmp_path / out, ["name"], OWN)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "nowhere"]
+
+
+def test_a_folder_that_cannot_be_written(older: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the place nor what it is in; the superuser can, so that the answer is given here."""
+    for locked in (older, older.parent):
+        monkeypatch.setattr(os, "access", lambda path, _, locked=locked: path != locked)
+        with pytest.raises(InputError, match=f"{locked} cannot$"):
+            check_writable(older.parent, ["name"], OWN)
+
+
+def test_nothing_is_in_the_way(older: Path) -> None:
+    before = sorted(older.parent.rglob("*"))
+    check_writable(older.parent, ["name", "other"], OWN)
+    check_writable(older.parent / "new" / "folder", ["name"], OWN)
+    assert sorted(older.parent.rglob("*")) == before
+
+
+def test_a_working_folder_that_is_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    with pytest.raises(InputError, match="the working folder is gone"):
+        check_writable(Path("results"), ["name"], OWN)
+    check_writable(tmp_path, ["name"], OWN)
