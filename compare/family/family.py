@@ -50,6 +50,11 @@ class Family:
         """How many members were asked for."""
         return prod(len(variation.values) for variation in self.variations)
 
+    @property
+    def complete(self) -> bool:
+        """Whether all of them were run."""
+        return len(self.members) == self.asked
+
 
 def members(
     file: str | Path,

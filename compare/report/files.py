@@ -63,11 +63,15 @@ def write_family(family: Family, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    complete = len(family.members) == family.asked
-    with _result(folder, family.scene.name, FAMILY, complete=complete) as (aside, place):
+    with _result(folder, family.scene.name, FAMILY, complete=family.complete) as (aside, place):
         in_si(family).to_csv(aside / "family.csv", index=False)
         varied = {variation.path: variation.values for variation in family.variations}
-        summary = {"complete": complete, "varied": varied, "engines": family.engines, "environment": environment()}
+        summary = {
+            "complete": family.complete,
+            "varied": varied,
+            "engines": family.engines,
+            "environment": environment(),
+        }
         (aside / "family.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "family.html").write_text(family_page(family), encoding="utf-8")
     return place

@@ -1,6 +1,7 @@
 """Ctrl-C: what is done is kept, and a second one is not asked twice."""
 
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from signal import SIGINT, default_int_handler, getsignal, raise_signal
 
@@ -10,6 +11,7 @@ import scenes
 from compare.engines import registry
 from compare.engines.registry import DEFAULT_ENGINES
 from compare.engines.stopping import Stopped, kept, stoppable
+from compare.report.files import REPORT, _may_be_complete
 from compare.run import main
 from compare.speed.timing import Budget
 from compare.study import study
@@ -86,7 +88,44 @@ def test_a_stopped_run_leaves_a_report(
     plug(motion)
     stub = registry.engine("stub")
     monkeypatch.setattr(type(stub), "read", read)
-    assert main(["toggle_press", "--engines", "analytic,stub", "--samples", "72", "--out", str(tmp_path)]) == 130
-    page = tmp_path / "toggle_press" / "report.html"
+    arguments = ["toggle_press", "--samples", "72", "--out", str(tmp_path), "--engines"]
+    place, partial = tmp_path / "toggle_press", tmp_path / "toggle_press.partial"
+    assert main([*arguments, "analytic,stub"]) == 130
+    page = place / "report.html"
     assert f"stopped; {page} has what was done" in capsys.readouterr().err
     assert "had been measured, and none timed" in page.read_text(encoding="utf-8")
+    assert not is_complete(place)
+
+    page.write_text("the complete one", encoding="utf-8")
+    (place / "summary.json").write_text('{"complete": true}', encoding="utf-8")
+    assert main([*arguments, "analytic,stub"]) == 130
+    assert page.read_text(encoding="utf-8") == "the complete one"
+    assert f"stopped; {partial / 'report.html'} has what was done" in capsys.readouterr().err
+    assert not is_complete(partial)
+    assert main([*arguments, "analytic"]) == 0
+    assert is_complete(place)
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def is_complete(place: Path) -> bool:
+    return bool(json.loads((place / "summary.json").read_text(encoding="utf-8"))["complete"])
+
+
+@pytest.mark.parametrize(
+    ("files", "complete"),
+    [
+        ({}, False),
+        ({"notes.txt": ""}, False),
+        ({"report.html": ""}, True),  # by another version, or another program
+        ({"summary.json": "{}"}, True),
+        ({"summary.json": '{"complete": true}'}, True),
+        ({"summary.json": '{"complete": false}', "report.html": ""}, False),
+        ({"summary.json": "[" * 100_000}, True),
+        ({"summary.json": "null"}, True),
+        ({"summary.json": "\udcff"}, True),
+    ],
+)
+def test_what_may_be_complete_is_not_replaced(files: Mapping[str, str], complete: bool, tmp_path: Path) -> None:
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8", errors="surrogateescape")
+    assert _may_be_complete(tmp_path, REPORT) is complete

@@ -1,7 +1,7 @@
 """A family's tables and sentences: one row per member, for the terminal, the page and `family.csv`."""
 
 from collections.abc import Callable
-from math import degrees, floor, isnan, log10, nan, prod
+from math import degrees, floor, isnan, log10, nan
 
 import numpy as np
 import pandas as pd
@@ -138,8 +138,7 @@ def setup(family: Family) -> str:
 def verdict(family: Family) -> str:
     """Return how many members run, and how far each engine is from the reference in the worst of them."""
     able = [member for member in family.members if member.cycle is not None]
-    count = prod(len(variation.values) for variation in family.variations)
-    stopped = f"Stopped after {len(family.members)} of {count} members. " if len(family.members) < count else ""
+    stopped = "" if family.complete else f"Stopped after {len(family.members)} of {family.asked} members. "
     sentences = [f"{stopped}{len(able)} of {len(family.members)} members run."]
     for number, engine in enumerate(family.engines):
         if engine != REFERENCE:
@@ -157,6 +156,4 @@ def notes(family: Family) -> list[str]:
     for member in family.members:
         failed = (m.run for m in member.measurements if m.run.status is not Status.ok)
         sentences += [f"{label(family, member)}: {run.engine}: {run.status.name}: {run.reason}" for run in failed]
-    if len(family.members) < family.asked:
-        sentences.append(f"stopped by the user: {len(family.members)} of {family.asked} members were done")
     return sentences

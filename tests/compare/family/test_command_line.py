@@ -1,5 +1,6 @@
 """A family by the command line: its files, its exit status, and what a stop leaves."""
 
+import json
 from itertools import pairwise
 from pathlib import Path
 
@@ -80,6 +81,33 @@ def test_a_stop_keeps_the_members_that_are_done(
     assert "2 of 5 members" in capsys.readouterr().err
     page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
     assert "Stopped after 2 of 5 members" in page
+
+
+def test_a_stopped_family_does_not_replace_a_complete_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from compare.family import family
+
+    def stopping(*arguments: object) -> object:
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return solve_member(*arguments)  # type: ignore[arg-type]
+
+    solve_member = family._member
+    monkeypatch.setattr(family, "_member", stopping)
+    arguments = [str(CRANK_SLIDER), "--vary", "drive.speed=10:50:2", "--engines", "analytic", "--out", str(tmp_path)]
+    place, partial = tmp_path / "offset_slider_crank", tmp_path / "offset_slider_crank.partial"
+    for members, status in ((2, 0), (1, 130)):
+        left = iter(range(members))
+        assert main(arguments) == status
+        assert json.loads((place / "family.json").read_text(encoding="utf-8"))["complete"]
+    assert not json.loads((partial / "family.json").read_text(encoding="utf-8"))["complete"]
+    assert len(pd.read_csv(place / "family.csv")) == 2
+    assert len(pd.read_csv(partial / "family.csv")) == 1
+    assert f"stopped; {partial / 'family.html'} has the 1 of 2" in capsys.readouterr().err
+    left = iter(range(2))
+    assert main(arguments) == 0
+    assert list(tmp_path.iterdir()) == [place]
 
 
 def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
