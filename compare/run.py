@@ -128,7 +128,8 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
     to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).rungs]
     maps = stability_table(result.scene, able, to_lock, progress)
-    return replace(result, maps=maps, hard=hard_cases(catalogue(), able, options.out, progress))
+    hard = hard_cases(catalogue(), able, options.out, progress, result.reasons.append)
+    return replace(result, maps=maps, hard=hard)
 
 
 def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status: Status) -> bool:

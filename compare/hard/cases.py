@@ -1,6 +1,7 @@
 """The hard cases: every engine on every rung of every ladder, in processes of their own, kept as they come."""
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -23,12 +24,16 @@ def cases(ladders: Iterable[str], engines: Sequence[str]) -> list[Case]:
 
 
 def hard_cases(
-    ladders: Sequence[str], engines: Sequence[str], folder: Path, progress: Callable[[str], None]
+    ladders: Sequence[str],
+    engines: Sequence[str],
+    folder: Path,
+    progress: Callable[[str], None],
+    note: Callable[[str], None],
 ) -> pd.DataFrame:
     """Return one row an attempt, in the order of the ladders.
 
     Results are kept in `folder` as they come, and what is kept there is not done again until `forget` is called. A stop
-    leaves what is done, there and in what is returned.
+    leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
     limits = Limits()
     wanted = cases(ladders, engines)
@@ -40,12 +45,15 @@ def hard_cases(
 
     for case, result in until_stopped(isolated(examine, left, limits, poll)):
         kept.add(str(case), [_ended(case, result)] if isinstance(result, Ended) else result)
+    if kept.trouble:
+        note(kept.trouble)
     return pd.DataFrame([row for case in wanted for row in kept.rows.get(str(case), [])])
 
 
 def forget(folder: Path) -> None:
     """Drop what is kept: a command that came to its end starts anew the next time."""
-    (folder / PARTIAL).unlink(missing_ok=True)
+    with suppress(OSError):
+        (folder / PARTIAL).unlink()
 
 
 def _ended(case: Case, ended: Ended) -> Row:

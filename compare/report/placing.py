@@ -17,7 +17,6 @@ from secrets import token_hex
 
 from scenes import InputError
 
-PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, beside a complete result
 OLDER = (
     "-older"  # after the name of a folder aside: the older result, where two folders cannot be exchanged in one step
 )

@@ -15,7 +15,6 @@ from compare.engines.stopping import Stopped
 from compare.hard import case as hard_case
 from compare.hard import cases as hard
 from compare.hard.case import Case, examine
-from compare.hard.kept import Kept
 from compare.report.hard import tables as hard_tables
 from compare.report.hard.section import hard_section
 from scenes import Failure, Motion, Sampling, Settings, Status
@@ -152,44 +151,28 @@ def test_a_stopped_run_goes_on_where_it_was(ladder: str, tmp_path: Path, examine
         if "2 of 6" in doing:
             raise Stopped
 
-    first = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, progress)
+    first = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, progress, print)
     assert examined == ["shorter analytic", "shorter exudyn"]
     assert list(first["rung"]) == ["shorter", "shorter"]
     examined.clear()
-    second = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None)
+    second = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None, print)
     assert examined == ["as_is analytic", "as_is exudyn", "locking analytic", "locking exudyn"]
     assert list(second["rung"]) == ["shorter", "shorter", "as_is", "as_is", "locking", "locking"]
     assert list(second["outcome"][4:]) == ["not certified", "refused"]
     assert list(second["status"][4:]) == ["timed_out"] * 2
     examined.clear()
-    assert hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None).equals(second)
+    assert hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None, print).equals(second)
     assert examined == []
     hard.forget(tmp_path)
-    hard.hard_cases([ladder], ["analytic"], tmp_path, lambda _: None)
+    hard.hard_cases([ladder], ["analytic"], tmp_path, lambda _: None, print)
     assert len(examined) == 3
-
-
-def test_results_of_another_version_do_not_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file = tmp_path / "kept"
-    Kept(file, "key").add("a", [{"x": 1}])
-    assert Kept(file, "key").rows == {"a": [{"x": 1}]}
-    with file.open("a") as cut:
-        cut.write('["b", [{"x"')
-    again = Kept(file, "key")
-    assert again.rows == {"a": [{"x": 1}]}
-    again.add("c", [])
-    assert Kept(file, "key").rows == {"a": [{"x": 1}], "c": []}
-    assert Kept(file, "other key").rows == {}
-    Kept(file, "key").add("a", [{"x": 1}])
-    monkeypatch.setattr("compare.hard.kept._version", lambda: "another")
-    assert Kept(file, "key").rows == {}
 
 
 # --- what is said of them ---------------------------------------------------------------------------------------------
 
 
 def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) -> None:
-    cases = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None)
+    cases = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None, print)
     assert examined
     by_engine = {row["engine"]: row for row in hard_tables.counts(cases).to_dict("records")}
     assert by_engine["analytic"]["not certified"] == 1

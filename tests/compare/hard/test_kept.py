@@ -1,0 +1,154 @@
+"""Hard cases kept in a file: by the same version, by several runs at a time, whatever else is in the file."""
+
+import json
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from compare.hard.kept import MOST, Kept
+
+ROWS = [{"x": 1.5, "reason": "é", "none": None, "nan": float("inf")}]
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "out" / "kept.jsonl"
+
+
+def test_results_are_read_again(file: Path) -> None:
+    Kept(file, "key").add("a", ROWS)
+    Kept(file, "key").add("b", [])
+    assert Kept(file, "key").rows == {"a": ROWS, "b": []}
+    assert Kept(file, "key").trouble == ""
+
+
+def test_results_of_another_version_or_key_do_not_count(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    Kept(file, "key").add("a", ROWS)
+    assert Kept(file, "other key").rows == {}
+    monkeypatch.setattr("compare.hard.kept._version", lambda: "another")
+    assert Kept(file, "key").rows == {}
+    Kept(file, "key").add("b", [])
+    monkeypatch.undo()
+    assert Kept(file, "key").rows == {"a": ROWS}
+
+
+def cut(line: bytes) -> bytes:
+    return line[: len(line) // 2]
+
+
+def changed(line: bytes) -> bytes:
+    return line.replace(b"1.5", b"2.5")
+
+
+def without_digest(line: bytes) -> bytes:
+    return line.partition(b" ")[2]
+
+
+@pytest.mark.parametrize("spoil", [cut, changed, without_digest, bytes.upper])
+def test_a_line_that_is_spoilt_takes_no_other_with_it(spoil: Callable[[bytes], bytes], file: Path) -> None:
+    for name in "abc":
+        Kept(file, "key").add(name, ROWS)
+    *_, second, third = file.read_bytes().split(b"\n")
+    file.write_bytes(file.read_bytes().replace(second, spoil(second)))
+    assert set(Kept(file, "key").rows) == {"a", "c"}
+    file.write_bytes(file.read_bytes().replace(third, spoil(third)))
+    Kept(file, "key").add("d", ROWS)
+    assert set(Kept(file, "key").rows) == {"a", "d"}
+
+
+@pytest.mark.parametrize(
+    "junk",
+    [
+        *(b"\xff\xfe\x00", b"3.14", b"null", b"[1, 2]", b"{}", b'"text"', b"[[", b"[" * 100_000, b"\x00" * 1000, b""),
+        *(b'["a", [{"x": 1}]]', b'["a", {"x": []}]', b" ", b"\xef\xbb\xbf", b"\r", b"9" * 10_000),
+        json.dumps({"of": "an earlier version", "key": "key"}).encode() + b'\n["a", [{"x": 1}]]',
+    ],
+)
+def test_junk_in_the_file_does_not_count(junk: bytes, file: Path) -> None:
+    file.parent.mkdir()
+    file.write_bytes(junk)
+    kept = Kept(file, "key")
+    assert kept.rows == {}
+    kept.add("a", ROWS)
+    assert (Kept(file, "key").rows, kept.trouble) == ({"a": ROWS}, "")
+
+
+def test_a_file_that_is_too_large_is_dropped(file: Path) -> None:
+    file.parent.mkdir()
+    with file.open("wb") as junk:
+        junk.truncate(2**30)  # which takes no room
+    kept = Kept(file, "key")
+    kept.add("a", ROWS)
+    assert file.stat().st_size < MOST
+    assert Kept(file, "key").rows == {"a": ROWS}
+
+
+def a_folder(file: Path) -> None:
+    file.mkdir(parents=True)
+
+
+def a_pipe(file: Path) -> None:
+    file.parent.mkdir()
+    os.mkfifo(file)
+
+
+def a_device(file: Path) -> None:
+    file.parent.mkdir()
+    file.symlink_to("/dev/zero")
+
+
+def a_file_for_its_folder(file: Path) -> None:
+    file.parent.write_text("", encoding="utf-8")
+
+
+def a_loop(file: Path) -> None:
+    file.parent.mkdir()
+    file.symlink_to(file)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (a_folder, "not a file"),
+        (a_pipe, "not a file"),
+        (a_device, "not a file"),
+        (a_file_for_its_folder, "exists|Not a directory"),
+        (a_loop, "Too many levels"),
+    ],
+)
+def test_what_cannot_be_kept_is_still_there(make: Callable[[Path], None], words: str, file: Path) -> None:
+    make(file)
+    kept = Kept(file, "key")
+    kept.add("a", ROWS)
+    assert kept.rows == {"a": ROWS}
+    with pytest.raises(AssertionError, match=f"no hard case is kept for another run in {file}: .*({words})"):
+        raise AssertionError(kept.trouble)
+
+
+def test_a_full_disk_is_no_loss_for_the_run(file: Path) -> None:
+    kept = Kept(file, "key")
+    kept.add("a", ROWS)
+    file.unlink()
+    file.symlink_to("/dev/full")
+    kept.add("b", ROWS)
+    kept.add("c", ROWS)
+    assert set(kept.rows) == {"a", "b", "c"}
+    assert kept.trouble.endswith(f"{file}: No space left on device")
+
+
+def test_runs_at_the_same_time(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Results of more than a buffer each: none is cut by another's."""
+    monkeypatch.setattr("compare.hard.kept._version", lambda: "the same")
+    rows = [{"text": "x" * 30_000}]
+
+    def run(number: int) -> None:
+        kept = Kept(file, "key")
+        for case in range(10):
+            kept.add(f"{number} {case}", rows)
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(run, range(8)))
+    assert Kept(file, "key").rows == {f"{number} {case}": rows for number in range(8) for case in range(10)}
