@@ -29,7 +29,7 @@ def main() -> None:
     """Run the toggle press with all settings of every engine, and write tables and pictures."""
     scene = scenes.load("toggle_press")
     result = study(scene, DEFAULT_ENGINES, scenes.Sampling(360), Budget(100, 30.0, full=True), print)
-    hard = hard_cases(catalogue(), DEFAULT_ENGINES, FOLDER, print)
+    hard = hard_cases(catalogue(), DEFAULT_ENGINES, FOLDER, print, print)
     forget(FOLDER)
     FOLDER.mkdir(exist_ok=True)
     for panel in panels(result.reference, result.sampling):

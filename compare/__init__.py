@@ -4,16 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scenes import Scene, load
-
 if TYPE_CHECKING:
+    from scenes import Scene
+
     from .judge.judgement import Judgement
 
 __all__ = ["check"]
 
 
 def check(
-    scene_or_name: Scene | str | Path,
+    scene_or_name: "Scene | str | Path",
     engines: Sequence[str] = ("analytic", "exudyn", "pymunk"),
     samples: int = 360,
     turns: int = 1,
@@ -37,7 +37,9 @@ def check(
     Raises:
         InputError: no such scene or engine, an argument out of range, or a scene that the reference cannot solve.
     """
-    from .arguments import parser, sampling  # late: tables are slow to import
+    from scenes import Scene, load  # late, as all imports here: the commands report what stops those
+
+    from .arguments import parser, sampling
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)

@@ -34,7 +34,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
     parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples per cycle of the drive (360)")
     parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the reports (results)")
+    parser.add_out("the reports")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
     parser.add_argument(
         "--accuracy",

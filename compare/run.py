@@ -1,25 +1,28 @@
 """`python -m compare.run`: from scene names to reports."""
 
-import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.status import Status
+from .command_line import command, starting
 
-from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
-from scenes.hard import catalogue, ladder
+with starting(__name__):
+    import argparse
+    from collections.abc import Callable, Mapping, Sequence
+    from dataclasses import replace
+    from typing import TYPE_CHECKING
 
-from .arguments import parser, sampling
-from .command_line import command
-from .engines import registry
-from .family.grid import grid
+    from rich.console import Console
+    from rich.status import Status
 
-if TYPE_CHECKING:
-    from .judge.judgement import Judgement
-    from .study import Study
+    from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
+    from scenes.hard import catalogue, ladder
+
+    from .arguments import parser, sampling
+    from .engines import registry
+    from .family.grid import grid
+
+    if TYPE_CHECKING:
+        from .judge.judgement import Judgement
+        from .study import Study
 
 TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
 

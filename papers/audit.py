@@ -1,27 +1,30 @@
 """`python -m papers.audit`: what the two source papers print against what is computed."""
 
 import sys
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
-from pathlib import Path
 
-from rich.console import Console
+from compare.command_line import Parser, command, starting
 
-from compare.command_line import Parser, command
-from compare.judge.floor import establish
-from compare.report.files import json_text
-from compare.report.placing import check_writable, placed
-from compare.report.tables import floors
-from scenes import load
+with starting(__name__):
+    from collections import Counter
+    from collections.abc import Callable, Mapping, Sequence
+    from dataclasses import asdict
+    from pathlib import Path
 
-from .claims import Claim
-from .clamp import claims as clamp
-from .clamp import figures as clamp_figures
-from .clamp.printed import SCENES
-from .page import page
-from .toggle_press import claims as toggle_press
-from .toggle_press import figures as toggle_press_figures
+    from rich.console import Console
+
+    from compare.judge.floor import establish
+    from compare.report.files import json_text
+    from compare.report.placing import check_writable, placed
+    from compare.report.tables import floors
+    from scenes import load
+
+    from .claims import Claim
+    from .clamp import claims as clamp
+    from .clamp import figures as clamp_figures
+    from .clamp.printed import SCENES
+    from .page import page
+    from .toggle_press import claims as toggle_press
+    from .toggle_press import figures as toggle_press_figures
 
 FILES = ("audit.html", "audit.json")
 
@@ -30,7 +33,7 @@ FILES = ("audit.html", "audit.json")
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, or 2 for bad input."""
     parser = Parser("python -m papers.audit", "python -m papers.audit [--out DIR]", "Audit the two source papers.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the audit (results)")
+    parser.add_out("the audit")
     options = parser.parse_args(arguments)
     check_writable(options.out, ["audit"], FILES)
     with Console(stderr=True).status("") as status:  # silent when it is not a terminal

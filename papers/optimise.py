@@ -1,27 +1,29 @@
 """`python -m papers.optimise`: the clamp's optimisation, from nothing to the report."""
 
 import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from time import perf_counter
 
-from rich.console import Console
+from compare.command_line import Parser, command, starting
 
-from compare.command_line import Parser, command
-from compare.report.placing import check_writable
+with starting(__name__):
+    from collections.abc import Mapping, Sequence
+    from time import perf_counter
 
-from .clamp.formulas import Design
-from .clamp.optimisation import tables
-from .clamp.optimisation.recheck import ENGINES, rechecks
-from .clamp.optimisation.report import FILES, Outcome, write
-from .clamp.optimisation.study import AHEAD, AS_PRINTED, MAIN, MET, RATIOS, SIX, THREE, Effort, Point, study
+    from rich.console import Console
+
+    from compare.report.placing import check_writable
+
+    from .clamp.formulas import Design
+    from .clamp.optimisation import tables
+    from .clamp.optimisation.recheck import ENGINES, rechecks
+    from .clamp.optimisation.report import FILES, Outcome, write
+    from .clamp.optimisation.study import AHEAD, AS_PRINTED, MAIN, MET, RATIOS, SIX, THREE, Effort, Point, study
 
 
 @command
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a point that is no optimum, 2 for bad input."""
     parser = Parser("python -m papers.optimise", "python -m papers.optimise [--out DIR]", "Optimise the clamp again.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the report (results)")
+    parser.add_out("the report")
     options = parser.parse_args(arguments)
     check_writable(options.out, ["design"], FILES)
     with Console(stderr=True).status("optimising") as status:  # silent when it is not a terminal

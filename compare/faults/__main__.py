@@ -1,21 +1,24 @@
 """`python -m compare.faults`: what is wrong on purpose, and whether the comparison finds it."""
 
 import sys
-from collections.abc import Sequence
-from dataclasses import asdict
-from pathlib import Path
 
-from rich.console import Console
+from ..command_line import Parser, command, starting
 
-from scenes import load
+with starting(__name__):
+    from collections.abc import Sequence
+    from dataclasses import asdict
+    from pathlib import Path
 
-from ..command_line import Parser, command
-from ..report.faults.page import page
-from ..report.files import json_text
-from ..report.placing import check_writable, placed
-from .rates import let_through, rates
-from .table import Record, answer_faults
-from .wrong_code import comparison_faults, core_faults, shared_faults
+    from rich.console import Console
+
+    from scenes import load
+
+    from ..report.faults.page import page
+    from ..report.files import json_text
+    from ..report.placing import check_writable, placed
+    from .rates import let_through, rates
+    from .table import Record, answer_faults
+    from .wrong_code import comparison_faults, core_faults, shared_faults
 
 USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
 SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
@@ -28,7 +31,7 @@ FILES = ("faults.html", "faults.json")
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 if a fault is let through, 2 for bad input."""
     parser = Parser("python -m compare.faults", USAGE, "Check the checker: spoil what it judges, and its own lines.")
-    parser.add_argument("--out", type=Path, default=Path("results"), help="folder for the table (results)")
+    parser.add_out("the table")
     parser.add_argument("--scenes", default=SCENES, help=f"comma-separated ({SCENES})")
     options = parser.parse_args(arguments)
     scenes = [name.strip() for name in options.scenes.split(",")]
