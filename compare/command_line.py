@@ -127,6 +127,26 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
     return ended
 
 
+@contextmanager
+def shown_progress(doing: str = "") -> Iterator[Callable[[str], None]]:
+    """Yield a function that shows what is being done on a line of the terminal; elsewhere nothing is shown.
+
+    Lines that are printed meanwhile stay whole, and go where standard output goes.
+    """
+    from rich.console import Console
+    from rich.live import Live
+    from rich.spinner import Spinner
+    from rich.text import Text
+
+    def show(doing: str) -> None:
+        spinner.update(text=Text(doing, no_wrap=True, overflow="ellipsis"))
+
+    spinner = Spinner("line", Text(doing))
+    together = sys.stdout is not None and sys.stdout.isatty()
+    with Live(spinner, console=Console(stderr=True, soft_wrap=True), transient=True, redirect_stdout=together):
+        yield show
+
+
 def _end(error: BaseException) -> int:
     """Report what ended a command in one line, and return the exit status."""
     if isinstance(error, SystemExit):  # of `--help`

@@ -2,16 +2,13 @@
 
 import sys
 
-from .command_line import command, starting
+from .command_line import command, shown_progress, starting
 
 with starting(__name__):
     import argparse
     from collections.abc import Callable, Mapping, Sequence
     from dataclasses import replace
     from typing import TYPE_CHECKING
-
-    from rich.console import Console
-    from rich.status import Status
 
     from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
     from scenes.hard import catalogue, ladder
@@ -58,8 +55,8 @@ def _run(options: argparse.Namespace) -> int:
 
     run, own = (_family, files.FAMILY) if options.vary else (_report, files.REPORT)
     check_writable(options.out, [f"{scene.name}{end}" for scene in scenes for end in ("", files.PARTIAL)], own)
-    with Console(stderr=True).status("") as status:  # prints nothing when it is not a terminal
-        missed = [run(scene, request, options, status) for scene, request in zip(scenes, requests, strict=True)]
+    with shown_progress() as show:
+        missed = [run(scene, request, options, show) for scene, request in zip(scenes, requests, strict=True)]
     if options.full:
         from .hard.cases import forget
 
@@ -84,7 +81,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
 
 
-def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status: Status) -> bool:
+def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
     """Write one scene's report, and return whether it misses a tolerance.
 
     Raises:
@@ -98,7 +95,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
     def progress(doing: str) -> None:
         if stopping():
             raise Stopped
-        status.update(f"{scene.name}: {doing}")
+        show(f"{scene.name}: {doing}")
 
     budget = Budget(rounds=20, seconds=1.0)
     if options.full:
@@ -113,7 +110,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, status
         raise KeyboardInterrupt from None
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
-    status.update(f"{scene.name}: writing the report")
+    show(f"{scene.name}: writing the report")
     folder = output.write(result, options.out, complete=not stopped)
     _print_result(result)
     page = folder / "report.html"
@@ -135,7 +132,7 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     return replace(result, maps=maps, hard=hard)
 
 
-def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status: Status) -> bool:
+def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
     """Write one scene's family, and return whether a member misses a tolerance, or none runs.
 
     Raises:
@@ -146,7 +143,7 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, status
     from .report.family.tables import label, on_a_line
 
     def progress(doing: str) -> None:
-        status.update(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
+        show(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
 
     changes = grid(options.vary)
     family = Family(scene, options.vary, options.engines)

@@ -2,15 +2,13 @@
 
 import sys
 
-from compare.command_line import Parser, command, starting
+from compare.command_line import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections import Counter
     from collections.abc import Callable, Mapping, Sequence
     from dataclasses import asdict
     from pathlib import Path
-
-    from rich.console import Console
 
     from compare.judge.floor import establish
     from compare.report.files import json_text
@@ -36,9 +34,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_out("the audit")
     options = parser.parse_args(arguments)
     check_writable(options.out, ["audit"], FILES)
-    with Console(stderr=True).status("") as status:  # silent when it is not a terminal
-        claims, notes = audit(lambda doing: status.update(f"audit: {doing}"))
-        status.update("audit: writing the page")
+    with shown_progress() as show:
+        claims, notes = audit(lambda doing: show(f"audit: {doing}"))
+        show("audit: writing the page")
         folder = write(claims, notes, options.out)
     for source, rows in claims.items():
         counts = Counter(claim.verdict for claim in rows)

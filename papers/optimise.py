@@ -2,13 +2,11 @@
 
 import sys
 
-from compare.command_line import Parser, command, starting
+from compare.command_line import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections.abc import Mapping, Sequence
     from time import perf_counter
-
-    from rich.console import Console
 
     from compare.report.placing import check_writable
 
@@ -26,14 +24,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_out("the report")
     options = parser.parse_args(arguments)
     check_writable(options.out, ["design"], FILES)
-    with Console(stderr=True).status("optimising") as status:  # silent when it is not a terminal
+    with shown_progress("optimising") as show:
         started = perf_counter()
-        points = study(Effort(), RATIOS, status.update)
+        points = study(Effort(), RATIOS, show)
         seconds = perf_counter() - started
         chosen = chosen_from(points)
         curve = {point.at: point.optimum.design for point in tables.of(points, MAIN)}
         checked = {**chosen, "curve_at_1_10": curve["R_S = 1.10"]}
-        found = list(rechecks(checked, ENGINES, lambda doing: status.update(f"checking {doing}")))
+        found = list(rechecks(checked, ENGINES, lambda doing: show(f"checking {doing}")))
         page = write(Outcome(points, found, chosen, seconds), options.out) / "design.html"
     improved = tables.improved(points)
     for sentence in tables.findings(points):

@@ -2,14 +2,12 @@
 
 import sys
 
-from ..command_line import Parser, command, starting
+from ..command_line import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections.abc import Sequence
     from dataclasses import asdict
     from pathlib import Path
-
-    from rich.console import Console
 
     from scenes import load
 
@@ -39,10 +37,10 @@ def main(arguments: list[str] | None = None) -> int:
         load(name)
     check_writable(options.out, ["faults"], FILES)
     records: list[Record] = []
-    with Console(stderr=True).status("") as status:  # silent when it is not a terminal
+    with shown_progress() as show:
 
         def poll() -> None:
-            status.update(f"faults: {len(records)} judged")
+            show(f"faults: {len(records)} judged")
 
         for found in (
             answer_faults(scenes, poll),
