@@ -19,7 +19,7 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from errno import ENOMEM
 from functools import wraps
 from pathlib import Path
-from signal import SIGTERM, signal
+from signal import SIGINT, SIGTERM, signal
 from typing import Any, NoReturn, ParamSpec, TextIO, cast
 
 P = ParamSpec("P")
@@ -69,15 +69,22 @@ def starting(name: str) -> Iterator[None]:
         yield
         return
     try:
-        signal(SIGTERM, _terminate)
+        for number in (SIGINT, SIGTERM):
+            signal(number, _stop)
         _prepare()
         yield
+        if _stops:
+            raise _stops[0]
     except BaseException as error:
         sys.exit(_end(error))
 
 
-def _terminate(*_: object) -> None:
-    raise Terminated
+_stops: list[BaseException] = []  # what signals raised: C code can make another error of it, or drop it
+
+
+def _stop(number: int, _: object) -> None:
+    _stops.append(KeyboardInterrupt() if number == SIGINT else Terminated())
+    raise _stops[-1]
 
 
 def _prepare() -> None:
@@ -151,6 +158,8 @@ def _end(error: BaseException) -> int:
     """Report what ended a command in one line, and return the exit status."""
     if isinstance(error, SystemExit):  # of `--help`
         return int(error.code or 0)
+    if _stops and not isinstance(error, KeyboardInterrupt):
+        error = _stops[-1]
     if os.environ.get(TRACEBACK):
         import traceback
 

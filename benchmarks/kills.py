@@ -1,0 +1,64 @@
+"""Kill -9 at random moments: `python -m benchmarks.kills [--moments N] [--jobs main,family,full] [--seed S]`.
+
+An older, complete result is in place each time. It must be whole after the kill, or a new one must; no process may go
+on, and the next run must be whole and leave nothing else. The main run and the family take 30 moments in ten minutes;
+`--full` takes a minute and a half a moment.
+"""
+
+import argparse
+import random
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from tests.killed import compared, completed, digests, killed
+
+JOBS = {
+    "main": ["toggle_press"],
+    "family": ["toggle_press", "--vary", "bodies.rocker.lengths.O-P3=290:310:3", "--samples", "72"],
+    "full": ["toggle_press", "--full"],
+}
+KEPT = "hard.partial.jsonl"  # may stay after a kill, for the next run
+
+
+def main() -> int:
+    """Print a line a kill, and return 1 if one of them broke something."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--moments", type=int, default=30)
+    parser.add_argument("--jobs", default="main,family,full")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    draw = random.Random(options.seed)
+    return 1 if sum(broken(name, options.moments, draw) for name in options.jobs.split(",")) else 0
+
+
+def broken(name: str, moments: int, draw: random.Random) -> int:
+    """Kill a job at random moments, and return how many kills broke something."""
+    count = 0
+    with TemporaryDirectory() as folder:
+        out = Path(folder)
+        place, job = out / "toggle_press", ["-m", "compare.run", *JOBS[name], "--out", folder]
+        whole = completed(job)
+        print(f"{name}: a whole run takes {whole:.1f} s", flush=True)
+        for _ in range(moments):
+            found = killed(job, place, draw.uniform(0, whole))
+            older = digests(place)
+            if name != "full":
+                completed(job)
+            after = compared(older, place) if name != "full" else "new"
+            rest = {path.name for path in out.iterdir()} - {place.name, KEPT if name == "full" else ""}
+            fine = found.result in ("older", "new") and after == "new" and not found.processes and not rest
+            count += not fine
+            told = "" if fine else f"; BROKEN: {after}, {sorted(rest)}"
+            print(f"{name}: {found}{told}", flush=True)
+        if name == "full":
+            older = digests(place)
+            completed(job)
+            after, rest = compared(older, place), {path.name for path in out.iterdir()} - {place.name}
+            print(f"{name}: the next run: {after}, beside it {sorted(rest)}")
+            count += after != "new" or bool(rest)
+        print(f"{name}: {count} of {moments} kills broke something", flush=True)
+    return count
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

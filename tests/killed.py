@@ -1,0 +1,82 @@
+"""Runs of the command line that are killed, and what they leave."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from signal import SIGKILL
+from time import perf_counter, sleep
+
+CHANGING = ("speed.csv", "summary.json", "report.html", "family.html", "stability.csv", "hard.csv")  # they have times
+PATIENCE = 10.0  # s, for the processes of a killed run to end
+
+
+@dataclass(frozen=True)
+class Killed:
+    """What a run that was killed left."""
+
+    after: float  # s
+    finished: bool  # before that
+    result: str  # 'older', 'new', or what is wrong with the files
+    left: tuple[str, ...]  # what else is in the folder
+    processes: int  # that went on
+
+
+def completed(job: Sequence[str]) -> float:
+    """Have Python run a job to its end, and return how long that takes, in s."""
+    started = perf_counter()
+    subprocess.run([sys.executable, *job], check=True, capture_output=True)
+    return perf_counter() - started
+
+
+def digests(folder: Path) -> Mapping[str, str]:
+    """Return a digest of every file in a folder."""
+    return {path.name: sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
+
+
+def killed(job: Sequence[str], place: Path, after: float) -> Killed:
+    """Start a job whose older result is in `place`, and kill its first process after so many seconds."""
+    older = digests(place)
+    process = subprocess.Popen(
+        [sys.executable, *job], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    with suppress(subprocess.TimeoutExpired):
+        process.wait(after)
+    finished = process.poll() is not None
+    process.kill()
+    process.wait()
+    deadline = perf_counter() + PATIENCE
+    while (others := list(of_session(process.pid))) and perf_counter() < deadline:
+        sleep(0.1)
+    for other in others:
+        with suppress(ProcessLookupError):
+            os.kill(other, SIGKILL)
+    left = tuple(sorted(path.name for path in place.parent.iterdir() if path != place))
+    return Killed(after, finished, compared(older, place), left, len(others))
+
+
+def of_session(leader: int) -> Iterator[int]:
+    """Yield the processes of a session, but those that have ended and nobody waited for."""
+    for process in Path("/proc").iterdir():
+        if process.name.isdecimal():
+            with suppress(OSError):
+                state, _, _, session = (process / "stat").read_text().rpartition(")")[2].split()[:4]
+                if int(session) == leader and state != "Z":
+                    yield int(process.name)
+
+
+def compared(older: Mapping[str, str], place: Path) -> str:
+    """Return whether a folder holds the older result or a whole new one; their motions and errors are the same."""
+    if not place.is_dir():
+        return "gone"
+    found = digests(place)
+    if found == older:
+        return "older"
+    differ = [name for name in {*found, *older} if name not in CHANGING and found.get(name) != older.get(name)]
+    cut = [page.name for page in place.glob("*.html") if not page.read_text(encoding="utf-8").endswith("</html>\n")]
+    mixed = [name for name in found if name in CHANGING and found[name] == older.get(name)]
+    return "new" if found.keys() == older.keys() and not (differ or cut or mixed) else f"{differ=} {cut=} {mixed=}"
