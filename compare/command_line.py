@@ -166,9 +166,7 @@ def _end(error: BaseException) -> int:
         traceback.print_exception(error)
     status, line = _ending(error)
     _report(line)
-    exec(
-        ""
-    )  # CPython ends by SIGINT after one that met code from a string, as a named tuple's, unless more such code runs
+    exec("")  # else CPython ends by SIGINT where that met code from a string, as a named tuple's is
     return status
 
 

@@ -25,10 +25,10 @@ RUNNING = IMPORTING.format("pass") + "def run():\n    {}\n    return 0\nsys.exit
 STOPPED, ENDED = "stopped; nothing more was written", "terminated; nothing more was written"
 
 
-def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) -> tuple[int, str, str]:
+def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) -> tuple[int, str | None, str]:
     """Return exit status, output and errors of a program."""
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
-    environment = {**os.environ, **(settings or {})}
+    environment = {**os.environ, "PYTHONUNBUFFERED": "", **(settings or {})}  # a buffer is flushed at the exit
     done = subprocess.run([sys.executable, "-c", code], encoding="utf-8", env=environment, check=False, **streams)
     return done.returncode, done.stdout, done.stderr
 
@@ -113,12 +113,12 @@ def test_the_status_of_a_check_outlives_its_output() -> None:
     code = RUNNING.format("print('x' * 10**6); return 1")
     with Path("/dev/full").open("w") as full:
         assert ended(code, stdout=full)[0] == 1
-    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        assert process.stdout is not None
-        assert process.stderr is not None
-        process.stdout.close()
-        assert process.stderr.read() == b""
-    assert process.returncode == 1
+    reader, writer = os.pipe()
+    os.close(reader)
+    for size in (1, 10**6):
+        code = RUNNING.format(f"print('x' * {size}); return 1")
+        assert ended(code, stdout=writer) == (1, None, "")
+    os.close(writer)
 
 
 @pytest.mark.parametrize("closed", [(2,), (1, 2), (0, 1, 2)])
@@ -138,7 +138,7 @@ def test_streams_that_are_closed(closed: tuple[int, ...], tmp_path: Path) -> Non
 
 def test_an_error_that_cannot_be_printed_keeps_its_status() -> None:
     with Path("/dev/full").open("w") as full:
-        assert ended(RUNNING.format("raise ValueError"), stderr=full)[:2] == (70, "")
+        assert ended(RUNNING.format("raise ValueError"), stderr=full)[0] == 70
 
 
 def test_letters_that_an_output_does_not_have() -> None:

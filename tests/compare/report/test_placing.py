@@ -145,7 +145,8 @@ def test_a_link_to_a_folder_is_followed(tmp_path: Path) -> None:
 
 def test_what_killed_runs_left_goes_and_what_others_need_stays(older: Path) -> None:
     out = older.parent
-    for name in (LEFT, ".name-89abcdef", ".name-backup", ".another-0123abcd"):
+    others = {".name-backup", ".name-0123abcd.bak", ".another-0123abcd"}
+    for name in (LEFT, ".name-89abcdef", *others):
         fill(out / name, {"page.html": "half"})
     running = os.open(out / ".name-89abcdef", os.O_RDONLY)
     fcntl.flock(running, fcntl.LOCK_EX)
@@ -264,6 +265,8 @@ def test_a_folder_that_cannot_be_written(older: Path, monkeypatch: pytest.Monkey
         monkeypatch.setattr(os, "access", lambda path, _, locked=locked: path != locked)
         with pytest.raises(InputError, match=f"{locked} cannot$"):
             check_writable(older.parent, ["name"], OWN)
+    with pytest.raises(InputError, match=f"{older.parent} cannot$"):
+        check_writable(older.parent / "new", ["name"], OWN)
 
 
 def test_nothing_is_in_the_way(older: Path) -> None:
