@@ -41,7 +41,6 @@ def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) 
     ("stop", "status", "line"),
     [
         ("os.kill(os.getpid(), signal.SIGINT)", 130, STOPPED),
-        ("exec('os.kill(os.getpid(), signal.SIGINT)')", 130, STOPPED),
         ("os.kill(os.getpid(), signal.SIGTERM)", 143, ENDED),
         ("import no_such_package", 2, "cannot be imported: No module named 'no_such_package'"),
         (
@@ -63,6 +62,14 @@ def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) 
 )
 def test_one_line_and_a_status(program: str, stop: str, status: int, line: str) -> None:
     assert ended(program.format(stop)) == (status, "", f"{line}\n")
+
+
+def test_a_stop_of_code_from_a_string_ends_a_module_that_is_run_with_the_same_status(tmp_path: Path) -> None:
+    """As what makes named tuples, of which there are many in imports."""
+    program = IMPORTING.format("exec('os.kill(os.getpid(), signal.SIGINT)')")
+    (tmp_path / "program.py").write_text(program, encoding="utf-8")
+    done = subprocess.run([sys.executable, "-m", "program"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, f"{STOPPED}\n")
 
 
 def test_a_stop_that_a_library_drops_while_it_is_imported_still_stops() -> None:
