@@ -8,7 +8,9 @@ import pandas as pd
 from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
+from .engines.registry import ORACLE
 from .engines.settings import Accuracy, settings_of, tiers
+from .engines.workers import workers
 from .faults.canaries import canaries
 from .judge.escalation import offers, promising
 from .judge.floor import establish
@@ -35,11 +37,12 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    reference = establish(scene, sampling.channels)
-    speed = pd.DataFrame()
-    if not isinstance(accuracy, str):
-        speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels)
-    found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None)
+    with workers([*engines, ORACLE], lambda: None) as runs:
+        reference = establish(scene, sampling.channels, runs)
+        speed = pd.DataFrame()
+        if not isinstance(accuracy, str):
+            speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
+        found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
     found.let_through.extend(canaries(found))
     return found
 
@@ -59,15 +62,22 @@ def study(
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    progress("solving and certifying the reference")
-    reference = establish(scene, sampling.channels)
-    able = _able(engines)
-    if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
-        judged = judgement(reference, engines, sampling, _offers(accuracy, pd.DataFrame()), progress)
-        speed = speed_table(reference, able, budget, progress, sampling.channels)
-    else:
-        speed = speed_table(reference, able, budget, progress, sampling.channels)
-        judged = judgement(reference, engines, sampling, _offers(accuracy, speed), progress)
+    doing, able = "solving and certifying the reference", _able(engines)
+
+    def report(now: str) -> None:
+        nonlocal doing
+        doing = now
+        progress(doing)
+
+    report(doing)
+    with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
+        reference = establish(scene, sampling.channels, runs)
+        if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
+            judged = judgement(reference, engines, sampling, _offers(accuracy, pd.DataFrame()), report, runs)
+            speed = speed_table(reference, able, budget, report, sampling.channels, runs)
+        else:
+            speed = speed_table(reference, able, budget, report, sampling.channels, runs)
+            judged = judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs)
     judged.reasons.extend(_left_out(engines, judged.measurements, able, speed, budget))
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
     known = {field.name: getattr(judged, field.name) for field in fields(judged)}

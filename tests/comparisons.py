@@ -14,9 +14,9 @@ from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.settings import settings_of
 from compare.judge.errors import SHOWN_GROUPS
-from compare.speed.timing import Budget, Times, take_turns
+from compare.speed.timing import Again, Budget, Times, take_turns
 from compare.study import Study, study
-from scenes import Motion, Sampling, Scene, Settings, Simulation
+from scenes import Motion, Sampling, Scene, Settings
 from scenes.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
@@ -35,8 +35,8 @@ def only_few_settings() -> Iterator[None]:
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
 
-    def once(builds: Sequence[Callable[[], Simulation]], _: Budget, *others: Any) -> list[Times]:
-        return take_turns(builds, Budget(1, 0.0), *others)
+    def once(engines: Sequence[str], again: Again, _: Budget, *others: Any) -> list[Times]:
+        return take_turns(engines, again, Budget(1, 0.0), *others)
 
     with pytest.MonkeyPatch.context() as patch:
         for module in ("speed.speed_table", "study"):

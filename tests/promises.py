@@ -1,7 +1,7 @@
 """Whether verdicts keep their word: runs called ok within what was promised, and no run refused that is."""
 
 from collections.abc import Callable, Hashable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
 from unittest.mock import patch
@@ -9,9 +9,10 @@ from unittest.mock import patch
 import analytic
 import compare
 from compare import study
+from compare.engines import runner
 from compare.engines.runner import Run
 from compare.engines.settings import TIERS, Accuracy
-from compare.judge import judgement, measure
+from compare.judge import judgement
 from scenes import Sampling, Scene
 from scenes.scene import ForceTable, MotionLaw, PressForce
 
@@ -114,7 +115,10 @@ def features(scene: Scene) -> Iterator[str]:
 @contextmanager
 def _shared() -> Iterator[None]:
     """Let the judgements of one scene share its reference, what round-off explains, the speed table and equal runs."""
-    places = ((measure, "run"), (judgement, "explain"), (study, "establish"), (study, "speed_table"))
+    places = (
+        *((runner, "run"), (judgement, "explain")),
+        *((study, "establish"), (study, "speed_table"), (study, "workers")),
+    )
     real = {name: getattr(module, name) for module, name in places}
     kept: dict[Hashable, Any] = {}
 
@@ -132,6 +136,7 @@ def _shared() -> Iterator[None]:
         "explain": lambda reference, sampling: once("explain", sampling, reference, sampling),
         "establish": lambda *of: once("establish", None, *of),
         "speed_table": lambda *of: once("speed_table", None, *of),
+        "workers": lambda *_: nullcontext(runner),
     }
     with ExitStack() as stack:
         for module, name in places:

@@ -1,32 +1,51 @@
-"""Runs what may crash, hang or eat all memory in processes of its own; whatever happens there is an outcome here."""
+"""Processes for what may crash, hang or eat all memory; whatever happens there is an outcome here."""
 
+import faulthandler
+import gc
+import os
+import pickle
 import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from ctypes import CDLL
 from dataclasses import dataclass
-from math import ceil
-from multiprocessing import get_context
-from time import process_time
-from typing import TypeVar
-
-from pebble import ProcessExpired, ProcessPool
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import ForkingPickler
+from pathlib import Path
+from threading import Thread
+from time import clock_gettime, monotonic
+from types import MappingProxyType
+from typing import Any, Generic, TypeVar
 
 from scenes import Status
 
-SIGXCPU = getattr(signal, "SIGXCPU", 24)  # which Windows lacks
+from .reasons import described
+
+LINUX = sys.platform == "linux"
+CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
+PR_SET_PDEATHSIG = 1  # of Linux' sys/prctl.h: which signal a process gets when its parent dies
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 POLL = 0.2  # s, between two looks at whether the user asked to stop
-WAIT = 10.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
+WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
+
+
+def _read_only(mapping: Mapping[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(mapping)
+
+
+ForkingPickler.register(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))  # scenes hold them
 
 
 @dataclass(frozen=True)
 class Limits:
     """What one item may take."""
 
-    seconds: float = 30.0  # of processor time
-    memory: int = 3 * 2**30  # bytes of address space, of which much is reserved and never touched
+    seconds: float = 30.0  # of processor time, where that is known of another process
+    memory: int = 3 * 2**30  # bytes of address space beyond what its process begins with; much of it is never touched
     workers: int = 2
 
 
@@ -36,6 +55,92 @@ class Ended:
 
     status: Status
     reason: str
+    at_limit: bool = False  # of time or memory
+
+
+@dataclass(frozen=True)
+class Answer(Generic[Result]):
+    """What the function returned."""
+
+    result: Result
+
+
+class Worker(Generic[Item, Result]):
+    """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
+
+    def __init__(self, function: Callable[[Item], Result]) -> None:
+        """Begin the process."""
+        self.connection, theirs = CONTEXT.Pipe()
+        self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
+        with _uninterrupted():
+            self._process.start()
+        theirs.close()
+        self._limits, self._due, self._used = Limits(), 0.0, 0.0
+        self.busy = False  # whether it was asked for something whose outcome is not known
+
+    def ask(self, item: Item, limits: Limits) -> None:
+        """Have the function called, when the outcome of the last time is known."""
+        self.busy = True
+        self._limits, self._due, self._used = limits, monotonic() + WAIT * limits.seconds, self._processor_time()
+        with suppress(OSError):  # its process has died, which is the outcome
+            self.connection.send_bytes(ForkingPickler.dumps((limits, item)))
+
+    def outcome(self) -> Answer[Result] | Ended | None:
+        """Return what came of it, or None while the function is running."""
+        outcome = self._outcome()
+        self.busy = outcome is None
+        return outcome
+
+    def wait(self, poll: Callable[[], None]) -> Answer[Result] | Ended:
+        """Return what came of it, once that is known. `poll` is called again and again; it may raise."""
+        while True:
+            wait([self.connection], POLL)
+            if (outcome := self.outcome()) is not None:
+                return outcome
+            poll()
+
+    def end(self) -> None:
+        """End the process, whatever it is doing."""
+        self._process.kill()
+        self._process.join()
+        self.connection.close()
+
+    def _outcome(self) -> Answer[Result] | Ended | None:
+        if self.connection.poll():
+            try:
+                answer: Answer[Result] | Ended = pickle.loads(self.connection.recv_bytes())
+            except (EOFError, OSError):
+                return self._died()
+            except Exception as error:
+                return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
+            return answer
+        if self._process.exitcode is not None and not self.connection.poll():
+            return self._died()
+        if monotonic() >= self._due:
+            return self._late(f"{WAIT * self._limits.seconds:.3g} s")
+        if self._processor_time() - self._used >= self._limits.seconds:
+            return self._late(f"{self._limits.seconds:.3g} s of processor time")
+        return None
+
+    def _late(self, time: str) -> Ended:
+        self.end()
+        return Ended(Status.timed_out, f"no answer within {time}", at_limit=True)
+
+    def _processor_time(self) -> float:
+        """Return what the process has used, s. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
+        try:
+            return clock_gettime(~(self._process.pid or 0) << 3 | 2) if LINUX else 0.0  # as of clock_getcpuclockid(3)
+        except OSError:  # it has just ended
+            return 0.0
+
+    def _died(self) -> Ended:
+        """Return how it ended that gave no answer; it may go on, its connection closed."""
+        self.end()  # which leaves the exit code of what has ended
+        code = self._process.exitcode or 0
+        if code == -signal.SIGKILL:
+            return Ended(Status.crashed, "its process was killed, as where memory runs out, or fell silent")
+        cause = signal.Signals(-code).name if code < 0 else f"exit status {code}"
+        return Ended(Status.crashed, f"its process ended by {cause}")
 
 
 def isolated(
@@ -45,57 +150,107 @@ def isolated(
 
     `poll` is called again and again and may raise: then no more is begun, and what runs is ended.
     """
-    with ProcessPool(
-        limits.workers, initializer=_limit, initargs=(limits.memory,), context=get_context("spawn")
-    ) as pool:
+    left, idle, busy = list(reversed(items)), list[Worker[Item, Result]](), dict[Worker[Item, Result], Item]()
+    try:
+        while left or busy:
+            poll()
+            while left and len(busy) < limits.workers:
+                worker = idle.pop() if idle else Worker(function)
+                busy[worker] = left.pop()
+                worker.ask(busy[worker], limits)
+            wait([worker.connection for worker in busy], POLL)
+            for worker, item in [*busy.items()]:
+                outcome = worker.outcome()
+                if outcome is None:
+                    continue
+                del busy[worker]
+                if isinstance(outcome, Answer):
+                    idle.append(worker)
+                else:  # whatever state it is in
+                    worker.end()
+                yield item, outcome.result if isinstance(outcome, Answer) else outcome
+    finally:
+        for worker in (*idle, *busy):
+            worker.end()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Have Ctrl-C wait, so that it does not reach a process that does not ignore it yet."""
+    if not LINUX:
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+# --- in the process ---------------------------------------------------------------------------------------------------
+
+
+def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int) -> None:
+    """Answer until the parent has gone."""
+    _prepare(parent)
+    size = _address_space()
+    while True:
         try:
-            pending: dict[Future[Result], Item] = {
-                pool.schedule(_within, args=[limits.seconds, function, item], timeout=WAIT * limits.seconds): item
-                for item in items
-            }
-            while pending:
-                poll()
-                for future in wait(pending, POLL, FIRST_COMPLETED).done:
-                    yield pending.pop(future), _outcome(future.result, limits)
-        finally:
-            pool.stop()  # type: ignore[no-untyped-call]  # does nothing to a pool that has finished
+            limits, item = pickle.loads(connection.recv_bytes())
+        except EOFError:
+            return
+        _limit(size + limits.memory)
+        connection.send_bytes(_answer(function, item, limits))
+
+
+def _answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> memoryview:
+    outcome: Answer[Result] | Ended
+    try:
+        return ForkingPickler.dumps(Answer(function(item)))
+    except MemoryError:
+        outcome = Ended(Status.crashed, f"it needed more than {limits.memory / 2**30:.3g} GiB of memory", at_limit=True)
+    except BaseException as error:  # also what ends a process, or its result cannot be sent
+        outcome = Ended(Status.crashed, described(error))
+    return ForkingPickler.dumps(outcome)
+
+
+def _prepare(parent: int) -> None:
+    """End with the parent, leave Ctrl-C to it, and print nothing."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if LINUX:
+        CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it died before
+            os._exit(1)
+    else:
+        Thread(target=_end_with_parent, daemon=True).start()
+    faulthandler.disable()
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in range(3):
+        os.dup2(nowhere, stream)
+    sys.stdout = sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
+    gc.freeze()  # what came from the parent is not looked at again, and so not copied
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    wait([parent.sentinel])
+    os._exit(1)
+
+
+def _address_space() -> int:
+    """Return the bytes of address space that the process has, where that is known."""
+    if not LINUX:
+        return 0
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _limit(memory: int) -> None:
-    """Prepare a worker: Ctrl-C is for the process that waits for it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Let the process have so much address space, and leave no file where it crashes."""
     try:
         import resource
     except ImportError:  # not on Windows
         return
-    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash is expected and leaves no file
-
-
-def _within(seconds: float, function: Callable[[Item], Result], item: Item) -> Result:
-    """Call a function; the process is ended by SIGXCPU when that has taken so much processor time."""
-    try:
-        import resource
-    except ImportError:
-        return function(item)
-    resource.setrlimit(resource.RLIMIT_CPU, (ceil(process_time() + seconds), resource.RLIM_INFINITY))
-    return function(item)
-
-
-def _outcome(result: Callable[[], Result], limits: Limits) -> Result | Ended:
-    try:
-        return result()
-    except TimeoutError:
-        return Ended(Status.timed_out, f"no answer within {WAIT * limits.seconds:g} s")
-    except ProcessExpired as error:
-        if error.exitcode == -SIGXCPU:
-            return Ended(Status.timed_out, f"no answer within {limits.seconds:g} s of processor time")
-        return Ended(Status.crashed, f"its process ended by {_cause(error.exitcode)}")
-    except MemoryError:
-        return Ended(Status.crashed, f"it needed more than {limits.memory / 2**30:g} GiB of memory")
-    except Exception as error:
-        return Ended(Status.crashed, f"{type(error).__name__}: {str(error).strip().partition(chr(10))[0]}")
-
-
-def _cause(exitcode: int) -> str:
-    return signal.Signals(-exitcode).name if exitcode < 0 else f"exit status {exitcode}"
+    for limit, value in ((resource.RLIMIT_CORE, 0), *([(resource.RLIMIT_AS, memory)] if LINUX else [])):
+        _, hard = resource.getrlimit(limit)
+        resource.setrlimit(limit, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))

@@ -1,15 +1,17 @@
 """Runs one engine on one scene. However it ends, the outcome is a row of data."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from time import process_time
+from time import perf_counter, process_time
+from typing import Any, Protocol
 
 import numpy as np
 
-from scenes import Failure, Motion, Request, Scene, Settings, Status
+from scenes import Engine, Failure, Motion, Request, Scene, Settings, Status
 from scenes.motion import kinematic_channels, quantity
 
 from . import registry
+from .reasons import described, text_of
 
 ON_TIME = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
 
@@ -22,12 +24,13 @@ class Run:
     settings: Settings | None
     status: Status
     reason: str = ""
-    found_by: str = ""  # who noticed that it is not ok: the engine, the checks of its output, or the reference
+    found_by: str = ""  # who noticed that it is not ok: the engine, its isolation, the checks, or the reference
     version: str = ""
     motion: Motion | None = None
-    build_s: float = float("nan")
+    build_s: float = float("nan")  # of processor time, as solve and read
     solve_s: float = float("nan")
     read_s: float = float("nan")
+    wall_s: float = float("nan")  # of the solve, by a clock on the wall
     counters: Mapping[str, int] = field(default_factory=dict)
     residuals: Mapping[str, float] = field(default_factory=dict)
 
@@ -37,10 +40,32 @@ class Run:
         return self.build_s + self.solve_s + self.read_s
 
 
+class Runs(Protocol):
+    """What runs engines: this module in this process, `workers` each engine in one of its own."""
+
+    def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None, /) -> Run:
+        """Build, solve and read; see `run`."""
+
+    def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings], /) -> list[Run]:
+        """Run one after the other, for the times alone; see `timed`."""
+
+
 def run(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
     """Build, solve and read, each timed apart; `settings` of None means the engine's default.
 
     What comes back is not looked at, see `complete`.
+    """
+    try:
+        return attempt(name, scene, request, settings)
+    except MemoryError as error:
+        return Run(name, settings, Status.crashed, described(error), "engine", registry.ENTRIES[name].version)
+
+
+def attempt(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
+    """Return what `run` does.
+
+    Raises:
+        MemoryError: there was not enough.
     """
     entry = registry.ENTRIES[name]
     failed = Run(name, settings, Status.unsupported, entry.missing or "", "engine", entry.version)
@@ -48,30 +73,52 @@ def run(name: str, scene: Scene, request: Request, settings: Settings | None = N
         return failed
     try:
         engine = registry.engine(name)
-        settings = settings or engine.DEFAULT
-        failed = replace(failed, settings=settings, version=engine.version())  # imports what no clock shall time
+        failed = replace(failed, settings=settings or engine.DEFAULT, version=text_of(engine.version()))
+        return _solved(engine, scene, request, failed)  # the version is known: no clock times an import
+    except MemoryError:
+        raise
+    except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
+        return replace(failed, status=Status.crashed, reason=described(error))
+
+
+def timed(name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
+    """Run one after the other, for the times alone: no motion comes back."""
+    return [replace(run(name, scene, request, each), motion=None) for each in settings]
+
+
+def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) -> Run:
+    """Return the run, or the failed one completed by what the engine reports."""
+    try:
         started = process_time()
-        simulation = engine.build(scene, settings, request)
-        built = process_time()
+        simulation = engine.build(scene, failed.settings, request)
+        on_wall, built = perf_counter(), process_time()
         simulation.solve()
-        solved = process_time()
+        solved, done_on_wall = process_time(), perf_counter()
         motion = simulation.read()
         read = process_time()
     except Failure as failure:
-        return replace(failed, status=failure.status, reason=failure.reason, motion=_finite(failure.motion))
-    except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
-        text = (str(error) or "no message").strip().splitlines()[0]
-        return replace(failed, status=Status.crashed, reason=f"{type(error).__name__}: {text}")
+        computed = None if failure.motion is None else _finite(_plain(failure.motion))
+        return replace(failed, status=Status(failure.status), reason=text_of(failure.reason), motion=computed)
     return replace(
         failed,
         status=Status.ok,
+        reason="",
         found_by="",
-        motion=motion,
+        motion=_plain(motion),
         build_s=built - started,
         solve_s=solved - built,
         read_s=read - solved,
-        counters=simulation.counters,
-        residuals=simulation.residuals,
+        wall_s=done_on_wall - on_wall,
+        counters={text_of(counted): int(count) for counted, count in simulation.counters.items()},
+        residuals={text_of(checked): float(residual) for checked, residual in simulation.residuals.items()},
+    )
+
+
+def _plain(motion: Motion) -> Motion:
+    """Return an engine's motion as arrays and clean text, whatever classes of its own it took for them."""
+    return Motion(
+        {channel: np.asarray(samples) for channel, samples in motion.samples.items()},
+        {channel: text_of(reason) for channel, reason in motion.unsupported.items()},
     )
 
 
@@ -103,15 +150,16 @@ def _check_complete(scene: Scene, request: Request, motion: Motion, *, everythin
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
-            if everything or quantity(channel) in given or channel == scene.drive_channel:
+            needed = ("time", scene.drive_channel)
+            if everything or quantity(channel) in given or channel in needed:
                 why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
-                raise Failure(Status.unsupported, why, motion if scene.drive_channel in motion else None)
+                raise Failure(Status.unsupported, why, motion if all(each in motion for each in needed) else None)
             continue
         values = motion[channel]
         if values.dtype != np.float64:  # the reference would be evaluated at its precision
             raise Failure(Status.crashed, f"{channel} is of {values.dtype}, expected float64")
         if values.shape != (request.count,):
-            raise Failure(Status.crashed, f"{channel} has {len(values)} samples, expected {request.count}")
+            raise Failure(Status.crashed, f"{channel} is of shape {values.shape}, expected {(request.count,)}")
         bad = ~np.isfinite(values)
         if bad.any():
             where = scene.where(float(request.commanded(scene)[bad.argmax()]))

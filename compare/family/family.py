@@ -10,6 +10,9 @@ from scenes.changes import label
 from scenes.motion import Samples
 
 from ..engines import registry
+from ..engines.reasons import described
+from ..engines.runner import Runs
+from ..engines.workers import workers
 from ..judge.escalation import offers
 from ..judge.floor import establish
 from ..judge.judgement import Judgement, judgement
@@ -64,15 +67,16 @@ def members(
     progress: Callable[[str], None],
 ) -> Iterator[Member]:
     """Yield one member after the other, those that cannot run too."""
-    for change in changes:
-        try:
-            yield _member(load(file, change), change, engines, sampling, progress)
-        except InputError as error:
-            yield Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
-        except Failure as failure:
-            yield Member(change, failure.status.name, failure.reason)
-        except Exception as error:  # one odd linkage must not take the others with it
-            yield Member(change, Status.crashed.name, f"{type(error).__name__}: {error}".splitlines()[0])
+    with workers([*engines, registry.ORACLE], lambda: None) as runs:
+        for change in changes:
+            try:
+                yield _member(load(file, change), change, engines, sampling, progress, runs)
+            except InputError as error:
+                yield Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
+            except Failure as failure:
+                yield Member(change, failure.status.name, failure.reason)
+            except Exception as error:  # one odd linkage must not take the others with it
+                yield Member(change, Status.crashed.name, described(error))
 
 
 def _member(
@@ -81,6 +85,7 @@ def _member(
     engines: Sequence[str],
     sampling: Sampling,
     progress: Callable[[str], None],
+    runs: Runs,
 ) -> Member:
     """Solve, certify and cross-check one member.
 
@@ -94,5 +99,6 @@ def _member(
         return reference_at(scene.drive.at(time).position, time)
 
     found = cycle(scene, solve(SAMPLING.times(scene)), solve)
-    judged = judgement(establish(scene), engines, sampling, lambda engine: (offers(engine, "balanced"), ""), progress)
+    reference = establish(scene, runs=runs)
+    judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
     return Member(change, Status.ok.name, "", found, judged)

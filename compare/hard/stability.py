@@ -20,9 +20,11 @@ import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Settings
 
-from ..engines import registry
+from ..engines import registry, runner
 from ..engines.reference import Reference
+from ..engines.runner import Runs
 from ..engines.stopping import kept
+from ..engines.workers import workers
 from ..judge.errors import SHOWN_GROUPS
 from ..judge.floor import establish
 from ..judge.measure import Measurement, checked_run, measure
@@ -63,26 +65,34 @@ def stability_table(
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    return pd.DataFrame([*kept(_cells(scene, engines, to_lock, progress))])
-
-
-def _cells(scene: Scene, engines: Iterable[str], to_lock: Sequence[Variant], progress: Progress) -> Iterator[Cell]:
     able = [engine for engine in engines if registry.engine(engine).at_steps]
     if not able:
-        return
-    reference = establish(scene)
+        return pd.DataFrame()
+    with workers([*able, registry.ORACLE], lambda: None) as runs:
+        return pd.DataFrame([*kept(_cells(scene, able, to_lock, progress, runs))])
+
+
+def _cells(
+    scene: Scene, able: Sequence[str], to_lock: Sequence[Variant], progress: Progress, runs: Runs
+) -> Iterator[Cell]:
+    reference = establish(scene, runs=runs)
     for engine in able:
         if registry.engine(engine).iterations_needed:
-            yield from over_sweeps(reference, engine, progress)
-    yield from over_variants("lock", to_lock, able, progress)
+            yield from over_sweeps(reference, engine, progress, runs=runs)
+    yield from over_variants("lock", to_lock, able, progress, runs=runs)
     if scene.has_masses:
-        yield from over_variants("mass", heavier(scene), able, progress)
+        yield from over_variants("mass", heavier(scene), able, progress, runs=runs)
     for engine in able:
-        yield from over_turns(reference, engine, progress)
+        yield from over_turns(reference, engine, progress, runs=runs)
 
 
 def over_sweeps(
-    reference: Reference, engine: str, progress: Progress, sweeps: Numbers = SWEEPS, all_steps: Numbers = STEPS
+    reference: Reference,
+    engine: str,
+    progress: Progress,
+    sweeps: Numbers = SWEEPS,
+    all_steps: Numbers = STEPS,
+    runs: Runs = runner,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
     needed_for = registry.engine(engine).iterations_needed
@@ -95,34 +105,45 @@ def over_sweeps(
         for number in sweeps:
             progress(f"stability of {engine}: {number} sweeps, {steps} steps")
             place = Place("sweeps", engine, number, str(number), steps)
-            yield _cell(place, reference, _at_steps(engine, steps, number)) | {"needed": needed}
+            yield _cell(place, reference, _at_steps(engine, steps, number), runs=runs) | {"needed": needed}
 
 
 def over_variants(
-    kind: str, variants: Sequence[Variant], engines: Sequence[str], progress: Progress, all_steps: Numbers = STEPS
+    kind: str,
+    variants: Sequence[Variant],
+    engines: Sequence[str],
+    progress: Progress,
+    all_steps: Numbers = STEPS,
+    runs: Runs = runner,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
         reference: Reference | Scene
         try:
-            reference = establish(scene)
+            reference = establish(scene, runs=runs)
         except InputError:  # nothing to compare with; whether the engine notices is to be seen all the same
             reference = scene
         for engine in engines:
             for steps in all_steps:
                 progress(f"stability of {engine}: {kind} {label}, {steps} steps")
-                yield _cell(Place(kind, engine, float(label), label, steps), reference, _at_steps(engine, steps))
+                place = Place(kind, engine, float(label), label, steps)
+                yield _cell(place, reference, _at_steps(engine, steps), runs=runs)
 
 
 def over_turns(
-    reference: Reference, engine: str, progress: Progress, turns: Numbers = TURNS, all_steps: Numbers = FEWER_STEPS
+    reference: Reference,
+    engine: str,
+    progress: Progress,
+    turns: Numbers = TURNS,
+    all_steps: Numbers = FEWER_STEPS,
+    runs: Runs = runner,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
     for number in turns if reference.scene.drive.repeats else ():
         for steps in all_steps:
             progress(f"stability of {engine}: drift over {number}, {steps} steps")
             place = Place("drift", engine, number, str(number), steps)
-            yield _cell(place, reference, _at_steps(engine, steps), number)
+            yield _cell(place, reference, _at_steps(engine, steps), number, runs)
 
 
 def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
@@ -145,13 +166,13 @@ def _at_steps(engine: str, *numbers: int) -> Settings:
     return at_steps(*numbers)
 
 
-def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns: int = 1) -> Cell:
+def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns: int = 1, runs: Runs = runner) -> Cell:
     """Run one cell; with a scene for reference there are no errors."""
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
-        found = Measurement(checked_run(place.engine, reference, sampling, settings), None, [], pd.DataFrame())
+        found = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [], pd.DataFrame())
     else:
-        found = measure(reference, place.engine, sampling, settings)
+        found = measure(reference, place.engine, sampling, settings, runs=runs)
     worst = found.worst()
     errors = {group: worst[group] for group in SHOWN_GROUPS if group in worst}
     last = found.worst("last_turn_max").get("position", np.nan)

@@ -9,9 +9,11 @@ from dataclasses import replace
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import axis as units
-from ..engines import registry
+from ..engines import registry, runner
+from ..engines.reasons import described
 from ..engines.reference import Floor, Reference, found
-from ..engines.runner import Run, run
+from ..engines.runner import Run, Runs
+from ..engines.stopping import Stopped
 from .measure import Measurement, assess
 from .perturbation import neighbours
 from .round_off import explain
@@ -21,33 +23,42 @@ DRIVE = Settings("").drive_promise
 NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.crashed}  # which casts no doubt
 
 
-def establish(scene: Scene, channels: frozenset[str] | None = None) -> Reference:
+def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = runner) -> Reference:
     """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
+
+    Args:
+        scene: the mechanism.
+        channels: those to certify; None for all.
+        runs: what runs arbitrary precision.
 
     Raises:
         InputError: the reference cannot solve the scene, so that there is nothing to compare with.
     """
     try:
-        uncertified = found(scene)
+        uncertified = replace(found(scene), neighbours=neighbours(scene))
+        return replace(uncertified, floor=certified(uncertified, channels, runs))
+    except (InputError, Stopped):
+        raise
     except Failure as failure:
         raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
-    uncertified = replace(uncertified, neighbours=neighbours(scene))
-    return replace(uncertified, floor=certified(uncertified, channels))
+    except Exception as error:  # a fault of the core's own, with which there is nothing to compare
+        raise InputError(f"{scene.file}: the reference failed: {described(error)}") from error
 
 
-def certified(reference: Reference, channels: frozenset[str] | None = None) -> Floor:
+def certified(reference: Reference, channels: frozenset[str] | None = None, runs: Runs = runner) -> Floor:
     """Return the floor of a reference, measured at a few positions of one cycle.
 
     Args:
         reference: without a floor.
         channels: those to certify; None for all.
+        runs: what runs arbitrary precision.
     """
     scene, sampling = reference.scene, Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
     own = reference.at(sampling.commanded(scene), sampling.times(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
     core = assess(reference, sampling, Run(registry.REFERENCE, settings, Status.ok, motion=own), explained)
-    oracle = assess(reference, sampling, run(registry.ORACLE, scene, sampling), explained)
+    oracle = assess(reference, sampling, runs.run(registry.ORACLE, scene, sampling), explained)
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
         return Floor({}, f"not certified: {oracle.run.reason}", doubt)

@@ -11,10 +11,10 @@ import pandas as pd
 
 from scenes import Motion, Sampling, Scene, Settings, Status
 
-from ..engines import registry
+from ..engines import registry, runner
 from ..engines.reference import Reference, relative_errors
 from ..engines.registry import ORACLE, REFERENCE
-from ..engines.runner import Run
+from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
 from .escalation import escalated
 from .gates import Gate, gate_table, gates, missed
@@ -81,7 +81,12 @@ class Judgement:
 
 
 def judgement(
-    reference: Reference, engines: Sequence[str], sampling: Sampling, offers: Offers, progress: Callable[[str], None]
+    reference: Reference,
+    engines: Sequence[str],
+    sampling: Sampling,
+    offers: Offers,
+    progress: Callable[[str], None],
+    runs: Runs = runner,
 ) -> Judgement:
     """Run every engine at the settings chosen for it, and at others if these fail; a stop leaves what is done.
 
@@ -91,6 +96,7 @@ def judgement(
         sampling: the instants.
         offers: by engine the settings to try, in that order, and a sentence why, or nothing.
         progress: called with what is being done.
+        runs: what runs the engines.
     """
     scene, explained = reference.scene, explain(reference, sampling)
     reasons = [*warnings(reference)]
@@ -98,11 +104,12 @@ def judgement(
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
             progress(f"running {engine}")
+            at = partial(measure, reference, engine, sampling, explained=explained, runs=runs)
             if registry.ENTRIES[engine].missing:
-                yield measure(reference, engine, sampling)
+                yield at()
                 continue
             offered, why = offers(engine)
-            measured, tried = escalated(partial(measure, reference, engine, sampling, explained=explained), offered)
+            measured, tried = escalated(at, offered)
             reasons.extend(filter(None, (why, tried)))
             yield measured
 

@@ -7,9 +7,10 @@ import pandas as pd
 
 from scenes import Failure, Sampling, Scene, Settings, Status
 
+from ..engines import runner
 from ..engines.reference import Reference, stroke
 from ..engines.registry import REFERENCE
-from ..engines.runner import Run, complete, run
+from ..engines.runner import Run, Runs, complete
 from .checks import Check, checks
 from .errors import SHOWN_GROUPS, Comparison, compare, error_table
 from .round_off import Explained, explain
@@ -43,9 +44,10 @@ def measure(
     sampling: Sampling,
     settings: Settings | None = None,
     explained: Explained | None = None,
+    runs: Runs = runner,
 ) -> Measurement:
     """Run an engine, at its default settings or others, then assess the result."""
-    return assess(reference, sampling, run(engine, reference.scene, sampling, settings), explained)
+    return assess(reference, sampling, runs.run(engine, reference.scene, sampling, settings), explained)
 
 
 def assess(reference: Reference, sampling: Sampling, outcome: Run, explained: Explained | None = None) -> Measurement:
@@ -75,9 +77,11 @@ def assess(reference: Reference, sampling: Sampling, outcome: Run, explained: Ex
     return Measurement(verdict, comparison, found, table)
 
 
-def checked_run(engine: str, scene: Scene, sampling: Sampling, settings: Settings | None = None) -> Run:
+def checked_run(
+    engine: str, scene: Scene, sampling: Sampling, settings: Settings | None = None, runs: Runs = runner
+) -> Run:
     """Run an engine where there is no reference, and judge the result by itself."""
-    outcome = complete(run(engine, scene, sampling, settings), scene, sampling)
+    outcome = complete(runs.run(engine, scene, sampling, settings), scene, sampling)
     if outcome.motion is None:
         return outcome
     return judged(outcome, checks(scene, outcome.motion, stroke(scene, outcome.motion)))

@@ -1,6 +1,6 @@
 """Every setting of every engine: errors and times, taken in separate runs."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -12,9 +12,9 @@ import pandas as pd
 
 from scenes import Sampling, Settings, Status
 
-from ..engines import registry
+from ..engines import registry, runner
 from ..engines.reference import Reference
-from ..engines.runner import Run
+from ..engines.runner import Run, Runs
 from ..engines.settings import settings_of, tiers
 from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
@@ -44,6 +44,7 @@ def speed_table(
     budget: Budget,
     progress: Callable[[str], None],
     channels: frozenset[str] | None = None,
+    runs: Runs = runner,
 ) -> pd.DataFrame:
     """Return one row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
@@ -52,16 +53,23 @@ def speed_table(
     one, keep the times of their error run. A stop leaves what is done.
     """
     sampling = replace(SAMPLING, channels=channels)
-    at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling))
-    runs = (_error_runs(at, engine, budget, progress) for engine in engines)
-    points = list(kept(chain.from_iterable(runs)))
+    at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling), runs=runs)
+    error_runs = (_error_runs(at, engine, budget, progress) for engine in engines)
+    points = list(kept(chain.from_iterable(error_runs)))
     able = (point for point in points if point.run.status is Status.ok and point.run.seconds <= budget.point_s)
     timed = [] if budget == NO_CLOCK else list(able)
-    scene = reference.scene
-    builds = [partial(registry.engine(p.run.engine).build, scene, p.settings, sampling) for p in timed]
+    failed: set[int] = set()
+
+    def again(numbers: Sequence[int]) -> list[Run]:
+        """Run settings of one engine once more; those that fail now keep the times of their error run."""
+        settings = [timed[number].settings for number in numbers]
+        taken = runs.timed(timed[numbers[0]].run.engine, reference.scene, sampling, settings)
+        failed.update(n for n, run in zip(numbers, taken, strict=True) if run.status is not Status.ok)
+        return [timed[n].run if n in failed else run for n, run in zip(numbers, taken, strict=True)]
+
     compared = contests(pd.DataFrame([_row(point, None) for point in timed]))
-    turns = take_turns(builds, budget, progress, partial(in_doubt, compared))
-    times = dict(zip(map(id, timed), turns, strict=True))
+    turns = take_turns([p.run.engine for p in timed], again, budget, progress, partial(in_doubt, compared))
+    times = {id(timed[number]): turn for number, turn in enumerate(turns) if number not in failed}
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
 
 
@@ -92,7 +100,7 @@ def _error_runs(
 
 def _row(point: Point, times: Times | None) -> dict[str, object]:
     run, settings = point.run, point.settings
-    clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.read_s], [run.solve_s])
+    clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.read_s], [run.wall_s])
     row: dict[str, object] = {
         "engine": run.engine,
         "setting": settings.label,
@@ -101,7 +109,7 @@ def _row(point: Point, times: Times | None) -> dict[str, object]:
         "family": settings.family,
         "expected_order": settings.order,
         "note": settings.note,
-        "steps": steps_per_cycle(settings),
+        "steps": steps_per_cycle(settings) or np.nan,  # a column of numbers, be it of no engine that takes steps
         "samples_a_turn": SAMPLING.samples,
         "status": run.status.name,
         "reason": run.reason,
@@ -117,6 +125,6 @@ def _row(point: Point, times: Times | None) -> dict[str, object]:
     for group, worst in point.measurement.worst().items():
         row |= {f"{group}_max": worst, f"{group}_rms": rms[group]}
     return row | {
-        "steps_made": run.counters.get("steps"),
+        "steps_made": run.counters.get("steps", np.nan),
         "counters": " ".join(f"{name}={count}" for name, count in run.counters.items()),
     }

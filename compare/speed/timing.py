@@ -1,16 +1,15 @@
-"""The clock: prepared runs take turns under it; those whose times decide a comparison, until they are known.
+"""Runs take turns under the clock of what runs them; those whose times decide a comparison, until they are known.
 
 It counts processor time, of all threads together. On an idle machine that is the time on the wall, which stands beside
 it; on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
 """
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import product
-from time import perf_counter, process_time
+from itertools import accumulate, groupby
+from typing import TypeAlias
 
-from scenes import Simulation
-
+from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
@@ -22,11 +21,12 @@ class Budget:
     """How much may be spent on speed: `LEAST_ROUNDS` in any case, up to `rounds` while `seconds` last."""
 
     rounds: int
-    seconds: float  # of processor time, for the rounds beyond the least, with all that is not under the clock
+    seconds: float  # of processor time, of the runs in the rounds beyond the least
     full: bool = False
     point_s: float = 1.0  # of processor time, one run of one setting; what takes longer is not repeated
 
 
+Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by their places, one after the other
 NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
 
 
@@ -39,6 +39,21 @@ class Times:
     read: list[float] = field(default_factory=list)
     wall: list[float] = field(default_factory=list)  # of the solve, by a clock on the wall
 
+    def add(self, run: Run) -> None:
+        """Take down one more run."""
+        for record, seconds in (
+            (self.build, run.build_s),
+            (self.solve, run.solve_s),
+            (self.read, run.read_s),
+            (self.wall, run.wall_s),
+        ):
+            record.append(seconds)
+
+    @property
+    def spent(self) -> float:
+        """The processor time of all runs."""
+        return sum(self.build) + sum(self.solve) + sum(self.read)
+
     @property
     def known(self) -> bool:
         """Whether the fastest solve was reached again and again."""
@@ -47,46 +62,51 @@ class Times:
 
 
 def take_turns(
-    builds: Sequence[Callable[[], Simulation]],
+    engines: Sequence[str],
+    again: Again,
     budget: Budget,
     progress: Callable[[str], None],
     in_doubt: Callable[[Sequence[float]], Collection[int]],
-    clock: Callable[[], float] = process_time,
-    wall: Callable[[], float] = perf_counter,
 ) -> list[Times]:
-    """Return the times of every setting, given what builds it.
+    """Return the times of every setting, given the engine of each.
 
     One round goes over all settings, so that a slow spell of the machine falls on all of them. After the least number
     of rounds only those take part that are in doubt, given the fastest solve of every setting, s, and whose fastest
     time is not known yet. A stop leaves the times that are known.
-    """
-    times = [Times() for _ in builds]
 
-    def due() -> Iterator[tuple[Callable[[], Simulation], Times]]:
-        for done, number in product(range(LEAST_ROUNDS), range(len(builds))):
-            progress(f"timing {len(builds)} settings, round {done + 1}")
-            yield builds[number], times[number]
-        started = clock()
+    Args:
+        engines: of every setting; the settings of one are neighbours.
+        again: runs settings of one engine.
+        budget: how many rounds.
+        progress: called with what is being done.
+        in_doubt: the places of the settings whose times matter.
+    """
+    times = [Times() for _ in engines]
+
+    def batches() -> Iterator[Sequence[int]]:
+        for done in range(LEAST_ROUNDS):
+            progress(f"timing {len(times)} settings, round {done + 1}")
+            yield from _by_engine(range(len(times)), engines)
+        spent = sum(record.spent for record in times)
         for done in range(LEAST_ROUNDS, budget.rounds):
             doubtful = [n for n in in_doubt([min(record.solve) for record in times]) if not times[n].known]
-            for number in doubtful:
-                if clock() - started < budget.seconds:
+            for batch in _by_engine(doubtful, engines):
+                left = budget.seconds - (sum(record.spent for record in times) - spent)
+                before = accumulate([0.0, *(min(times[n].solve) for n in batch)])
+                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
                     progress(f"timing {len(doubtful)} settings, round {done + 1}")
-                    yield builds[number], times[number]
+                    yield chosen
 
-    for build, record in kept(due()):
-        _time(build, record, clock, wall)
+    def runs() -> Iterator[tuple[int, Run]]:
+        for batch in batches():
+            yield from zip(batch, again(batch), strict=True)
+
+    for number, run in kept(runs()):
+        times[number].add(run)
     return times
 
 
-def _time(build: Callable[[], Simulation], times: Times, clock: Callable[[], float], wall: Callable[[], float]) -> None:
-    started = clock()
-    simulation = build()
-    on_wall, built = wall(), clock()
-    simulation.solve()
-    solved, done_on_wall = clock(), wall()
-    simulation.read()
-    times.read.append(clock() - solved)
-    times.build.append(built - started)
-    times.solve.append(solved - built)
-    times.wall.append(done_on_wall - on_wall)
+def _by_engine(numbers: Iterable[int], engines: Sequence[str]) -> Iterator[Sequence[int]]:
+    """Yield the places of settings in a batch for each engine."""
+    for _, batch in groupby(numbers, engines.__getitem__):
+        yield [*batch]

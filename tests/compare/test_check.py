@@ -31,7 +31,7 @@ def test_a_shipped_scene_is_judged_as_by_the_command_line(
 
 
 def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("compare.speed.timing._time", None)
+    monkeypatch.setattr("compare.engines.workers.Workers.timed", None)
     result = compare.check("four_bar", engines=("analytic",), samples=72, accuracy=1e-4)
     assert result.ok
     assert "cheapest measured to be within 0.0001" in result.reasons[0]

@@ -189,7 +189,6 @@ def test_the_dynamic_models_confirm_designs(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_run_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     failed = runner.Run("exudyn", None, scenes.Status.diverged)
-    monkeypatch.setattr("compare.judge.measure.run", lambda *_: failed)
     monkeypatch.setattr("compare.engines.runner.run", lambda *_: failed)
     (found,) = rechecks({"design": SCHEME_4}, ["exudyn"], lambda _: None)
     assert found.status == "diverged"

@@ -1,4 +1,4 @@
-"""Worker processes: whatever happens in one is an outcome, and the others go on."""
+"""Processes of their own: whatever happens in one is an outcome, and the others go on."""
 
 from collections.abc import Iterator
 
@@ -7,29 +7,46 @@ import pytest
 from compare.engines.isolation import Ended, Limits, isolated
 from compare.engines.stopping import Stopped, kept
 from scenes import Status
-from tests.worst_cases import do
+from tests.deaths import DEATHS, MEMORY, TWELVE, children
 
-ENDS = {
-    "abort": (Status.crashed, "its process ended by SIGABRT"),
-    "segfault": (Status.crashed, "its process ended by SIGSEGV"),
-    "exit": (Status.crashed, "its process ended by exit status 3"),
-    "hang": (Status.timed_out, "no answer within 10 s"),
-    "spin": (Status.timed_out, "no answer within 1 s of processor time"),
-    "eat": (Status.crashed, "it needed more than 2 GiB of memory"),
-    "raise": (Status.crashed, "ValueError: first line"),
-}
-LIMITS = Limits(seconds=1.0, memory=2 * 2**30)
+LIMITS = Limits(seconds=0.5, memory=MEMORY)
+
+
+def do(what: str) -> str:
+    if what in DEATHS:
+        DEATHS[what][0]()
+    return what.upper()
 
 
 def test_nothing_is_lost() -> None:
-    items = ["a", *ENDS, "b", "c"]
+    items = ["a", *TWELVE, "b", "c"]
     results = dict(isolated(do, items, LIMITS, lambda: None))
-    assert {item: results[item] for item in ENDS} == {item: Ended(*end) for item, end in ENDS.items()}
+    for death, (_, status, reason) in TWELVE.items():
+        ended = results[death]
+        assert isinstance(ended, Ended)
+        assert ended.status is status
+        assert reason in ended.reason
+        assert ended.at_limit == (death in ("hang in Python", "hang in C", "memory"))
     assert {item: results[item] for item in "abc"} == {"a": "A", "b": "B", "c": "C"}
+    assert children() == []
+
+
+@pytest.mark.parametrize(
+    ("death", "wait", "reason"),
+    [
+        ("hang in Python", 1e3, "no answer within 0.2 s of processor time"),
+        ("work without end in C", 1e3, "no answer within 0.2 s of processor time"),
+        ("hang asleep", 1.0, "no answer within 0.2 s"),
+    ],
+)
+def test_the_time_limits(death: str, wait: float, reason: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("compare.engines.isolation.WAIT", wait)
+    ((_, ended),) = isolated(do, [death], Limits(seconds=0.2), lambda: None)
+    assert ended == Ended(Status.timed_out, reason, at_limit=True)
 
 
 def test_a_stop_ends_what_runs() -> None:
-    """The one that hangs would take ten minutes."""
+    """The one that hangs would take half an hour."""
 
     def poll() -> None:
         if done:
@@ -38,15 +55,16 @@ def test_a_stop_ends_what_runs() -> None:
     done: list[str] = []
 
     def collect() -> Iterator[str]:
-        for item, _ in kept(isolated(do, ["a", "hang", "hang"], Limits(seconds=600.0, workers=1), poll)):
+        for item, _ in kept(isolated(do, ["a", "hang in C", "b"], Limits(seconds=600.0, workers=1), poll)):
             done.append(item)
             yield item
 
     assert list(collect()) == ["a"]
+    assert children() == []
 
 
 @pytest.mark.parametrize("memory", [2**30, 2**31])
-def test_the_memory_limit_is_told(memory: int) -> None:
-    ((_, ended),) = isolated(do, ["eat"], Limits(memory=memory), lambda: None)
+def test_the_memory_limit_is_named(memory: int) -> None:
+    ((_, ended),) = isolated(do, ["memory"], Limits(memory=memory), lambda: None)
     assert isinstance(ended, Ended)
     assert f"{memory // 2**30} GiB" in ended.reason

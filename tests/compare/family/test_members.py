@@ -79,4 +79,5 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(registry, "reference", solve)
     found = run("toggle_press", [f"{ROCKER}=300:310:2"])
-    assert [(member.status, member.reason) for member in found] == [("crashed", "ZeroDivisionError: toggle_press")] * 2
+    crashed = ("crashed", "ZeroDivisionError: toggle_press and more")
+    assert [(member.status, member.reason) for member in found] == [crashed] * 2

@@ -244,7 +244,7 @@ def test_the_floor_is_certified_across_a_switch(
     pressing: Reference, monkeypatch: pytest.MonkeyPatch, acting: bool
 ) -> None:
     oracle = Run("multiprecision", None, Status.ok, motion=standing(pressing, LOWER_DEAD_POINT, acting=acting))
-    monkeypatch.setattr("compare.judge.floor.run", lambda engine, *_: replace(oracle, engine=engine))
+    monkeypatch.setattr("compare.engines.runner.run", lambda engine, *_: replace(oracle, engine=engine))
     floor = establish(pressing.scene).floor
     assert max(floor.by_channel.values()) <= 1e-12
     assert floor.doubt == ""

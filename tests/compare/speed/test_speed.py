@@ -1,7 +1,6 @@
 """Speed against error: the table of an engine whose errors and times are known, what is chosen by it, and shown."""
 
 from dataclasses import replace
-from functools import partial
 from itertools import chain, repeat
 from math import inf, nan
 
@@ -17,7 +16,7 @@ from compare.report.page import page
 from compare.report.speed import tables as speed_tables
 from compare.report.speed.figure import work_precision as picture
 from compare.speed.speed_table import speed_table
-from compare.speed.timing import Budget, take_turns
+from compare.speed.timing import Budget
 from compare.speed.work_precision import choices, orders, solved, step_costs
 from compare.study import Study, _offers, study
 from scenes import Sampling
@@ -32,8 +31,8 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     engine = StubEngine(reference, clock)
     monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
-    monkeypatch.setattr("compare.engines.runner.process_time", clock)
-    monkeypatch.setattr("compare.speed.speed_table.take_turns", partial(take_turns, clock=clock, wall=clock))
+    for name in ("process_time", "perf_counter"):
+        monkeypatch.setattr(f"compare.engines.runner.{name}", clock)
     return engine
 
 

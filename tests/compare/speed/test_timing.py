@@ -1,97 +1,103 @@
 """The clock: how runs take turns under it, and when their times count as known."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import inf
 
 import pytest
 
+from compare.engines.runner import Run
 from compare.speed.timing import Budget, Times, take_turns
-from scenes import Motion
+from scenes import Status
 
-from .stubs import Clock, quiet
+from .stubs import quiet
 
 
 @dataclass
 class Job:
-    """A simulation, and what builds it, that takes the given times to solve, then the last one again and again."""
+    """A setting that takes the given times to solve, then the last one again and again."""
 
-    clock: Clock
-    name: str
+    engine: str
     solves: Sequence[float]
     build: float = 0.0
     reading: float = 0.0
     done: int = 0
-    counters: Mapping[str, int] = field(default_factory=dict)
-    residuals: Mapping[str, float] = field(default_factory=dict)
 
-    def __call__(self) -> "Job":
-        self.clock.now += self.build
-        return self
-
-    def solve(self) -> None:
-        self.clock.turns += self.name
-        self.clock.now += self.solves[min(self.done, len(self.solves) - 1)]
+    def run(self) -> Run:
+        solve = self.solves[min(self.done, len(self.solves) - 1)]
         self.done += 1
+        return Run(
+            self.engine, None, Status.ok, build_s=self.build, solve_s=solve, read_s=self.reading, wall_s=2 * solve
+        )
 
-    def read(self) -> Motion:
-        self.clock.now += self.reading
-        return Motion({})
 
+def turns(
+    jobs: Sequence[Job], budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]]
+) -> tuple[list[Times], str]:
+    """Return the times, and the engines in the order in which they ran; a bar ends each batch."""
+    ran: list[str] = []
 
-def turns(jobs: Sequence[Job], budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]]) -> list[Times]:
-    return take_turns(jobs, budget, quiet, in_doubt, jobs[0].clock, jobs[0].clock)
+    def again(numbers: Sequence[int]) -> list[Run]:
+        ran.extend((*(jobs[number].engine for number in numbers), "|"))
+        return [jobs[number].run() for number in numbers]
+
+    times = take_turns([job.engine for job in jobs], again, budget, quiet, in_doubt)
+    return times, "".join(ran)
 
 
 def all_of(times: Sequence[float]) -> Sequence[int]:
     return range(len(times))
 
 
-def test_settings_take_turns() -> None:
-    clock = Clock()
-    turns([Job(clock, name, [1.0]) for name in "abc"], Budget(10, inf), all_of)
-    assert clock.turns == "abcabcabc"
+def test_settings_take_turns_in_batches_of_one_engine() -> None:
+    _, ran = turns([Job(engine, [1.0]) for engine in "aabc"], Budget(10, inf), all_of)
+    assert ran == "aa|b|c|" * 3
 
 
 def test_build_solve_and_read_are_timed_apart() -> None:
-    clock = Clock()
-    (times,) = turns([Job(clock, "a", [2.0], build=1.0, reading=4.0)], Budget(10, inf), all_of)
-    assert (times.build, times.solve, times.read) == ([1.0] * 3, [2.0] * 3, [4.0] * 3)
+    (times,), _ = turns([Job("a", [2.0], build=1.0, reading=8.0)], Budget(10, inf), all_of)
+    assert (times.build, times.solve, times.read, times.wall) == ([1.0] * 3, [2.0] * 3, [8.0] * 3, [4.0] * 3)
+    assert times.spent == 33
 
 
 def test_rounds_go_on_until_the_fastest_time_is_known() -> None:
     """`a` is known after 3 rounds and drops out; of `b` the three fastest agree after 6."""
-    clock = Clock()
-    jobs = [Job(clock, "a", [1.0]), Job(clock, "b", [3.0, 1.0, 2.0, 1.01, 5.0, 1.019, 1.0])]
-    times = turns(jobs, Budget(100, inf), all_of)
+    jobs = [Job("a", [1.0]), Job("b", [3.0, 1.0, 2.0, 1.01, 5.0, 1.019, 1.0])]
+    times, ran = turns(jobs, Budget(100, inf), all_of)
     assert [len(of.solve) for of in times] == [3, 6]
-    assert clock.turns == "abababbbb"
+    assert ran == "a|b|" * 3 + "b|" * 3
 
 
 def test_a_lucky_time_has_to_come_again() -> None:
-    clock = Clock()
-    (times,) = turns([Job(clock, "a", [1.0, 0.5, 1.0])], Budget(8, inf), all_of)
+    (times,), _ = turns([Job("a", [1.0, 0.5, 1.0])], Budget(8, inf), all_of)
     assert len(times.solve) == 8
 
 
 @pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 7.0), 5), (Budget(5, inf), 5)])
 def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
     """Solves of 1, 2, 3 ... seconds are never known; three of them are taken in any case."""
-    clock = Clock()
-    (times,) = turns([Job(clock, "a", [float(n) for n in range(1, 99)])], budget, all_of)
+    (times,), _ = turns([Job("a", [float(n) for n in range(1, 99)])], budget, all_of)
     assert len(times.solve) == runs
+
+
+def test_a_batch_ends_with_the_budget() -> None:
+    """Two of three settings, of a second each, begin within 1.5 s."""
+    jobs = [Job("a", [3.0, 2.0, 1.0]) for _ in range(3)]
+    times, ran = turns(jobs, Budget(99, 1.5), all_of)
+    assert [len(of.solve) for of in times] == [4, 4, 3]
+    assert ran == "aaa|aaa|aaa|aa|"
 
 
 def test_only_what_is_in_doubt_is_timed_longer() -> None:
     """`a` and `c` are never known; `b` decides until its fastest solve is 4 s, `c` never."""
-    clock, seen = Clock(), []
-    jobs = [Job(clock, "a", [1.0]), Job(clock, "b", [7.0, 6.0, 5.0, 4.0]), Job(clock, "c", [3.0, 2.0, 1.0])]
+    seen = []
+    jobs = [Job("a", [1.0]), Job("b", [7.0, 6.0, 5.0, 4.0]), Job("c", [3.0, 2.0, 1.0])]
 
     def in_doubt(times: Sequence[float]) -> Sequence[int]:
         seen.append(list(times))
         return [1] if times[1] > 4 else []
 
-    times = turns(jobs, Budget(10, inf), in_doubt)
-    assert clock.turns == "abcabcabcb"
+    times, ran = turns(jobs, Budget(10, inf), in_doubt)
+    assert ran == "a|b|c|" * 3 + "b|"
     assert [len(of.solve) for of in times] == [3, 4, 3]
     assert seen[:2] == [[1.0, 5.0, 1.0], [1.0, 4.0, 1.0]]

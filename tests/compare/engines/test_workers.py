@@ -1,0 +1,161 @@
+"""Every engine in a process of its own: each death is a row, the others go on, and nothing is left behind."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from signal import SIGKILL
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+
+import scenes
+from compare.engines import registry, runner
+from compare.engines.registry import ORACLE
+from compare.engines.runner import Run
+from compare.engines.stopping import Stopped
+from compare.engines.workers import Job, Workers, limits, workers
+from scenes import Positions, Request, Sampling, Scene, Status
+from tests.comparisons import SLOW
+from tests.deaths import DEATHS, FURTHER, TWELVE, alive, children, doomed
+
+SAMPLING = Sampling(24)
+CORE = registry.engine("analytic").DEFAULT
+ROOT = Path(__file__).parents[3]
+
+
+def quiet() -> None:
+    return
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return scenes.load("four_bar")
+
+
+@pytest.mark.parametrize("death", [*TWELVE, *(pytest.param(death, marks=SLOW) for death in FURTHER)])
+def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(death: str, scene: Scene) -> None:
+    """Of the analytic core as an engine, which needs no import."""
+    _, status, reason = DEATHS[death]
+    stage = "read" if death in ("no motion", "samples of functions") else "solve"
+    with doomed({"analytic": death}, stage), workers(["analytic", "pymunk"], quiet) as runs:
+        run = runs.run("analytic", scene, SAMPLING)
+        assert (run.status, run.motion) == (status, None)
+        assert reason in run.reason
+        assert run.reason.isprintable()
+        assert 0 < len(run.reason) <= 400
+        assert run.settings == CORE
+        assert run.version.startswith("numpy")
+        assert runs.run("pymunk", scene, SAMPLING).status is Status.ok
+        if status is not Status.timed_out:  # it takes a while
+            assert "not run again" not in runs.run("analytic", scenes.load("crank_press"), SAMPLING).reason
+
+
+@pytest.mark.parametrize(("death", "begun"), [("memory", 1), ("abort", 3), ("recursion", 1)])
+def test_what_was_ended_at_a_limit_is_not_asked_again(
+    death: str, begun: int, scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What crashed is, a few times; an exception leaves the process as it was."""
+    processes: list[str] = []
+    begin = Workers.begin
+
+    def counted(self: Workers, name: str) -> Any:
+        processes.append(name)
+        return begin(self, name)
+
+    monkeypatch.setattr(Workers, "begin", counted)
+    with doomed({"analytic": death}), workers(["analytic"], quiet) as runs:
+        found = [runs.run("analytic", scene, SAMPLING) for _ in range(5)]
+    assert len(processes) == begun
+    assert {run.status for run in found} == {DEATHS[death][1]}
+    assert found[-1].reason.startswith("not run again, since ") == (death != "recursion")
+
+
+@pytest.mark.parametrize(
+    "name", ["pymunk", *(pytest.param(name, marks=SLOW) for name in ("analytic", "exudyn", ORACLE))]
+)
+def test_a_run_is_the_same_as_in_this_process(name: str, scene: Scene) -> None:
+    settings = registry.engine(name).FAST
+    here = runner.run(name, scene, SAMPLING, settings)
+    with workers([name], quiet) as runs:
+        there = runs.run(name, scene, SAMPLING, settings)
+        (timed,) = runs.timed(name, scene, SAMPLING, [settings])
+    assert here.motion is not None
+    assert there.motion is not None
+    for channel, samples in here.motion.samples.items():
+        assert (there.motion[channel] == samples).all()
+    assert bare(there) == bare(timed) == bare(here)
+    assert timed.motion is None
+    for run in (there, timed):
+        assert 0 < run.solve_s <= run.wall_s + 1e-3  # on one thread, but for what is between the looks at two clocks
+
+
+def bare(run: Run) -> Run:
+    """Return a run without motion and times."""
+    return replace(run, motion=None, build_s=0.0, solve_s=0.0, read_s=0.0, wall_s=0.0)
+
+
+def test_the_clock_in_a_process_is_fine(scene: Scene) -> None:
+    """A limit of processor time by `setrlimit` makes it go by ticks of 4 ms; the core solves this in a fraction."""
+    with workers(["analytic"], quiet) as runs:
+        solves = {run.solve_s for run in runs.timed("analytic", scene, SAMPLING, [CORE] * 9)}
+    assert 0 < min(solves) < 4e-3
+    assert len(solves) > 1
+
+
+@pytest.mark.parametrize(
+    ("asked", "least"),
+    [(SAMPLING, 20.0), (Sampling(360, turns=1000), 1000.0), (Positions((0.0,) * 360_000), 1000.0)],
+)
+def test_limits_grow_with_what_is_asked(asked: Request, least: float, toggle_press: Scene) -> None:
+    found = limits(Job(toggle_press, asked, [CORE], timed=False))
+    assert least <= found.seconds <= 3 * least
+    assert found.memory >= 3 * 8 * asked.count * len(asked.wanted(toggle_press))  # a motion on both sides, and one sent
+
+
+def test_a_stop_ends_what_runs_and_a_process_begun_anew_goes_on(scene: Scene) -> None:
+    def poll() -> None:
+        if next(asked):
+            raise Stopped
+
+    asked: Iterator[bool] = iter([True])
+    with doomed({"exudyn": "hang in C"}), workers(["exudyn", "analytic"], poll) as runs:
+        with pytest.raises(Stopped):
+            runs.run("exudyn", scene, SAMPLING)
+        assert len(children()) == 1
+        assert runs.run("analytic", scene, SAMPLING).status is Status.ok
+
+
+def test_engines_of_a_worker_of_the_caller_s_run_in_it(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("multiprocessing.process._current_process._config", {"daemon": True})
+    with workers(["analytic"], quiet) as runs:
+        assert children() == []
+        assert runs.run("analytic", scene, SAMPLING).status is Status.ok
+
+
+def test_processes_end_with_their_parent_even_in_the_midst_of_c() -> None:
+    """The parent is killed while an engine sleeps in C and holds the interpreter's lock; the other one waits."""
+    code = (
+        "import scenes\n"
+        "from compare.engines.workers import workers\n"
+        "from tests.deaths import children, doomed\n"
+        "poll = lambda: print(*children(), flush=True)\n"
+        "with doomed({'analytic': 'hang in C'}), workers(['analytic', 'pymunk'], poll) as runs:\n"
+        "    runs.run('analytic', scenes.load('four_bar'), scenes.Sampling(24))\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, cwd=ROOT, text=True) as process:
+        assert process.stdout is not None
+        begun = [int(number) for number in process.stdout.readline().split()]
+        os.kill(process.pid, SIGKILL)
+    assert len(begun) == 2
+    assert within(5.0, lambda: not any(map(alive, begun)))
+
+
+def within(seconds: float, true: Callable[[], bool]) -> bool:
+    end = monotonic() + seconds
+    while not true() and monotonic() < end:
+        sleep(0.02)
+    return true()

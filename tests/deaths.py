@@ -1,0 +1,148 @@
+"""Every way in which an engine can take its process down, or return what nobody can take; and engines that do so."""
+
+import ctypes
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from itertools import count
+from multiprocessing import active_children
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from compare.engines import registry
+from scenes import Failure, Motion, Request, Scene, Settings, Status
+
+MEMORY = 2**30  # bytes, the limit in tests
+
+
+class Odd(BaseException):
+    """Not caught by `except Exception`."""
+
+
+class Mute(Exception):  # noqa: N818
+    """It has no text."""
+
+    def __str__(self) -> str:
+        raise SystemExit(4)
+
+
+class Unsendable(Exception):  # noqa: N818
+    """It does not pickle."""
+
+    def __init__(self) -> None:
+        super().__init__("not to be sent", lambda: None)
+
+
+def _raise(error: BaseException) -> None:
+    raise error
+
+
+def _recurse() -> None:
+    _recurse()
+
+
+def _spin() -> None:
+    while True:
+        pass
+
+
+def _fall_silent() -> None:
+    os.closerange(3, 256)
+    time.sleep(600)
+
+
+TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
+    "abort": (os.abort, Status.crashed, "its process ended by SIGABRT"),
+    "segmentation fault": (lambda: ctypes.string_at(0), Status.crashed, "its process ended by SIGSEGV"),
+    "exit": (lambda: os._exit(3), Status.crashed, "its process ended by exit status 3"),
+    "SystemExit": (lambda: sys.exit("bye"), Status.crashed, "SystemExit: bye"),
+    "hang in Python": (_spin, Status.timed_out, "no answer within"),
+    "hang in C": (lambda: ctypes.PyDLL(None).sleep(600), Status.timed_out, "no answer within"),  # and holds the GIL
+    "memory": (lambda: bytearray(64 * 2**30), Status.crashed, "GiB of memory"),
+    "recursion": (_recurse, Status.crashed, "RecursionError: maximum recursion depth exceeded"),
+    "non-Exception": (lambda: _raise(Odd("not caught")), Status.crashed, "Odd: not caught"),
+    "newlines": (lambda: _raise(RuntimeError("\n\n\n")), Status.crashed, "RuntimeError: no message"),
+    "surrogates": (lambda: _raise(RuntimeError("of \ud800")), Status.crashed, "RuntimeError: of ?"),
+    "a megabyte": (lambda: _raise(RuntimeError("much " * 200_000)), Status.crashed, "much much…"),
+}
+FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
+    "hang asleep": (lambda: time.sleep(600), Status.timed_out, "no answer within"),
+    "work without end in C": (lambda: sum(count()), Status.timed_out, "no answer within"),
+    "KeyboardInterrupt": (lambda: _raise(KeyboardInterrupt()), Status.crashed, "KeyboardInterrupt: no message"),
+    "an exception without text": (lambda: _raise(Mute()), Status.crashed, "Mute: no message"),
+    "an exception that cannot be sent": (lambda: _raise(Unsendable()), Status.crashed, "Unsendable: ('not to be sent'"),
+    "a closed connection": (_fall_silent, Status.crashed, "its process was killed"),
+    "an escape sequence": (lambda: _raise(Failure(Status.diverged, "\x1b[31m\n")), Status.diverged, "[31m"),
+    "a Failure of no status": (lambda: _raise(Failure("odd", "why")), Status.crashed, "ValueError: 'odd' is"),  # type: ignore[arg-type]
+    "no motion": (lambda: None, Status.crashed, "AttributeError: 'NoneType'"),
+    "samples of functions": (lambda: Motion({"time": lambda: 0}), Status.crashed, "Can't pickle"),  # type: ignore[dict-item]
+}
+DEATHS = {**TWELVE, **FURTHER}
+
+
+class Doomed:
+    """A real engine that dies on the way to its result."""
+
+    counters: Mapping[str, int] = {}
+    residuals: Mapping[str, float] = {}
+
+    def __init__(self, real: Any, death: str, stage: str) -> None:
+        self._real, self._death, self._stage = real, death, stage
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+    def _reached(self, stage: str) -> Any:
+        return DEATHS[self._death][0]() if stage == self._stage else None
+
+    def build(self, scene: Scene, settings: Settings, request: Request) -> "Doomed":  # noqa: ARG002
+        self._reached("build")
+        return self
+
+    def solve(self) -> None:
+        self._reached("solve")
+
+    def read(self) -> Motion:
+        motion: Motion = self._reached("read")
+        return motion
+
+
+@contextmanager
+def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
+    """Have engines die, each its death, under tight limits; afterwards no process may be left."""
+    real = registry.engine
+
+    def engine(name: str) -> Any:
+        return Doomed(real(name), deaths[name], stage) if name in deaths else real(name)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(registry, "engine", engine)
+        patch.setattr("compare.engines.workers.SECONDS", 0.4)
+        patch.setattr("compare.engines.workers.MEMORY", MEMORY)
+        yield
+    assert active_children() == []
+    assert children() == []
+
+
+def children() -> list[int]:
+    """Return the processes of this one that go on."""
+    stats = ((int(stat.parent.name), _stat(stat)) for stat in Path("/proc").glob("[0-9]*/stat"))
+    return [number for number, (state, parent) in stats if parent == os.getpid() and state != "Z"]
+
+
+def alive(number: int) -> bool:
+    """Return whether there is such a process, of whatever parent."""
+    return _stat(Path(f"/proc/{number}/stat"))[0] not in ("", "Z")
+
+
+def _stat(file: Path) -> tuple[str, int]:
+    """Return the state and the parent of a process, none where it has gone."""
+    try:
+        state, parent = file.read_text(encoding="utf-8").rpartition(")")[2].split()[:2]
+    except OSError:
+        return "", 0
+    return state, int(parent)
