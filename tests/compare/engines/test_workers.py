@@ -20,7 +20,7 @@ from compare.engines.stopping import Stopped
 from compare.engines.workers import Job, Workers, limits, workers
 from scenes import Positions, Request, Sampling, Scene, Status
 from tests.comparisons import SLOW
-from tests.deaths import DEATHS, FURTHER, TWELVE, alive, children, doomed
+from tests.deaths import ASLEEP, DEATHS, FURTHER, TWELVE, alive, children, doomed
 
 SAMPLING = Sampling(24)
 CORE = registry.engine("analytic").DEFAULT
@@ -36,7 +36,7 @@ def scene() -> Scene:
     return scenes.load("four_bar")
 
 
-@pytest.mark.parametrize("death", [*TWELVE, *(pytest.param(death, marks=SLOW) for death in FURTHER)])
+@pytest.mark.parametrize("death", [*TWELVE, *(pytest.param(death, marks=SLOW) for death in (*FURTHER, *ASLEEP))])
 def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(death: str, scene: Scene) -> None:
     """Of the analytic core as an engine, which needs no import."""
     _, status, reason = DEATHS[death]
@@ -122,7 +122,7 @@ def test_a_stop_ends_what_runs_and_a_process_begun_anew_goes_on(scene: Scene) ->
             raise Stopped
 
     asked: Iterator[bool] = iter([True])
-    with doomed({"exudyn": "hang in C"}), workers(["exudyn", "analytic"], poll) as runs:
+    with doomed({"exudyn": "asleep in C"}), workers(["exudyn", "analytic"], poll) as runs:
         with pytest.raises(Stopped):
             runs.run("exudyn", scene, SAMPLING)
         assert len(children()) == 1
@@ -143,7 +143,7 @@ def test_processes_end_with_their_parent_even_in_the_midst_of_c() -> None:
         "from compare.engines.workers import workers\n"
         "from tests.deaths import children, doomed\n"
         "poll = lambda: print(*children(), flush=True)\n"
-        "with doomed({'analytic': 'hang in C'}), workers(['analytic', 'pymunk'], poll) as runs:\n"
+        "with doomed({'analytic': 'asleep in C'}), workers(['analytic', 'pymunk'], poll) as runs:\n"
         "    runs.run('analytic', scenes.load('four_bar'), scenes.Sampling(24))\n"
     )
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, cwd=ROOT, text=True) as process:
