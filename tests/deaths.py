@@ -50,6 +50,13 @@ def _spin() -> None:
         pass
 
 
+def _talk() -> None:
+    print("to the user", flush=True)
+    os.write(1, b"by the system\n")
+    os.write(2, b"as an error\n")
+    os._exit(5)
+
+
 def _fall_silent() -> None:
     os.closerange(3, 256)
     time.sleep(600)
@@ -70,6 +77,7 @@ TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "a megabyte": (lambda: _raise(RuntimeError("much " * 200_000)), Status.crashed, "much much…"),
 }
 FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
+    "much talk": (_talk, Status.crashed, "its process ended by exit status 5"),
     "KeyboardInterrupt": (lambda: _raise(KeyboardInterrupt()), Status.crashed, "KeyboardInterrupt: no message"),
     "an exception without text": (lambda: _raise(Mute()), Status.crashed, "Mute: no message"),
     "an exception that cannot be sent": (lambda: _raise(Unsendable()), Status.crashed, "Unsendable: ('not to be sent'"),

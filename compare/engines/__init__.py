@@ -1,1 +1,1 @@
-"""Engines by name: registry, runner, isolation; motions as vectors; the reference and its floor."""
+"""Engines by name: registry, runner, workers in isolation; motions as vectors; the reference and its floor."""

@@ -19,13 +19,14 @@ from time import clock_gettime, monotonic
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
-from scenes import Status
+from scenes import InputError, Status
 
 from .reasons import described
 
 LINUX = sys.platform == "linux"
 CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
 PR_SET_PDEATHSIG = 1  # of Linux' sys/prctl.h: which signal a process gets when its parent dies
+SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -69,11 +70,18 @@ class Worker(Generic[Item, Result]):
     """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
 
     def __init__(self, function: Callable[[Item], Result]) -> None:
-        """Begin the process."""
-        self.connection, theirs = CONTEXT.Pipe()
-        self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
-        with _uninterrupted():
-            self._process.start()
+        """Begin the process.
+
+        Raises:
+            InputError: the system allows no further one.
+        """
+        try:
+            self.connection, theirs = CONTEXT.Pipe()
+            self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
+            with _uninterrupted():
+                self._process.start()
+        except OSError as error:
+            raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
         theirs.close()
         self._limits, self._due, self._used = Limits(), 0.0, 0.0
         self.busy = False  # whether it was asked for something whose outcome is not known
@@ -139,7 +147,7 @@ class Worker(Generic[Item, Result]):
         code = self._process.exitcode or 0
         if code == -signal.SIGKILL:
             return Ended(Status.crashed, "its process was killed, as where memory runs out, or fell silent")
-        cause = signal.Signals(-code).name if code < 0 else f"exit status {code}"
+        cause = SIGNALS.get(-code, f"exit status {code}")
         return Ended(Status.crashed, f"its process ended by {cause}")
 
 
@@ -208,7 +216,8 @@ def _answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> m
     try:
         return ForkingPickler.dumps(Answer(function(item)))
     except MemoryError:
-        outcome = Ended(Status.crashed, f"it needed more than {limits.memory / 2**30:.3g} GiB of memory", at_limit=True)
+        reason = f"it needed more memory than there is, or than its limit of {limits.memory / 2**30:.3g} GiB"
+        outcome = Ended(Status.crashed, reason, at_limit=True)
     except BaseException as error:  # also what ends a process, or its result cannot be sent
         outcome = Ended(Status.crashed, described(error))
     return ForkingPickler.dumps(outcome)

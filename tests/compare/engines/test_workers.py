@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from signal import SIGKILL
+from signal import SIGINT, SIGKILL
 from time import monotonic, sleep
 from typing import Any
 
@@ -127,6 +127,20 @@ def test_a_stop_ends_what_runs_and_a_process_begun_anew_goes_on(scene: Scene) ->
             runs.run("exudyn", scene, SAMPLING)
         assert len(children()) == 1
         assert runs.run("analytic", scene, SAMPLING).status is Status.ok
+
+
+def test_ctrl_c_is_for_the_parent_alone(scene: Scene) -> None:
+    with workers(["analytic"], quiet) as runs:
+        (begun,) = children()
+        os.kill(begun, SIGINT)
+        assert runs.run("analytic", scene, SAMPLING).status is Status.ok
+        assert children() == [begun]
+
+
+def test_what_an_engine_prints_is_not_shown(scene: Scene, capfd: pytest.CaptureFixture[str]) -> None:
+    with doomed({"analytic": "much talk"}), workers(["analytic"], quiet) as runs:
+        assert runs.run("analytic", scene, SAMPLING).reason == "its process ended by exit status 5"
+    assert capfd.readouterr() == ("", "")
 
 
 def test_engines_of_a_worker_of_the_caller_s_run_in_it(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ import compare
 import scenes
 from compare.engines import registry
 from compare.judge.judgement import Judgement
-from scenes import Motion, Scene
+from scenes import InputError, Motion, Scene
 
 Spoil = Callable[[Motion], Motion]
 
@@ -57,6 +57,16 @@ def test_a_core_that_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None
     }
     assert not result.ok
     assert result.verdicts["analytic"][1].startswith("the core contradicts itself, suspect the core: ")
+
+
+def test_a_core_that_fails_by_a_fault_of_its_own_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    def recurse(*_: object) -> Motion:
+        return recurse()
+
+    monkeypatch.setattr(registry, "reference", recurse)
+    with pytest.raises(InputError, match="the reference failed: RecursionError: maximum recursion depth") as failure:
+        compare.check("four_bar", samples=24)
+    assert str(failure.value).isprintable()
 
 
 @pytest.mark.parametrize("oracle", [True, False])

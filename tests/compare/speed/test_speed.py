@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import scenes
 from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.settings import TIERS
@@ -210,6 +211,11 @@ def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.Monke
     assert len(picture(result).data) == 0
     assert speed_tables.verdict(result) == ""
     assert "pip install" in page(result)
+
+
+def test_the_picture_of_an_engine_that_takes_no_steps() -> None:
+    result = study(scenes.load("four_bar"), ["multiprecision"], Sampling(24), Budget(1, 0.0), quiet)
+    assert [trace.name for trace in picture(result).data if trace.name == "multiprecision"]
 
 
 @pytest.mark.usefixtures("stub")
