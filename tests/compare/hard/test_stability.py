@@ -106,8 +106,10 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(stability, name, partial(_shorter, getattr(stability, name), few))
 
 
-def _shorter(whole: Callable[..., Iterator[stability.Cell]], few: tuple[object, ...], *args: object) -> object:
-    return whole(*args, *few)
+def _shorter(
+    whole: Callable[..., Iterator[stability.Cell]], few: tuple[object, ...], *of: object, **by: object
+) -> object:
+    return whole(*of, *few, **by)
 
 
 def test_all_maps_of_the_engines_that_have_any(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
