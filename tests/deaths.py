@@ -11,6 +11,7 @@ from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from compare.engines import registry
@@ -69,7 +70,7 @@ TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "SystemExit": (lambda: sys.exit("bye"), Status.crashed, "SystemExit: bye"),
     "hang in Python": (_spin, Status.timed_out, "of processor time"),
     "hang in C": (lambda: sum(count()), Status.timed_out, "of processor time"),
-    "memory": (lambda: bytearray(64 * 2**30), Status.crashed, "emory"),
+    "memory": (lambda: np.empty(4 * MEMORY, np.uint8), Status.crashed, "emory"),
     "recursion": (_recurse, Status.crashed, "RecursionError: maximum recursion depth exceeded"),
     "non-Exception": (lambda: _raise(Odd("not caught")), Status.crashed, "Odd: not caught"),
     "newlines": (lambda: _raise(RuntimeError("\n\n\n")), Status.crashed, "RuntimeError: no message"),
