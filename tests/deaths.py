@@ -74,8 +74,8 @@ TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "recursion": (_recurse, Status.crashed, "RecursionError: maximum recursion depth exceeded"),
     "non-Exception": (lambda: _raise(Odd("not caught")), Status.crashed, "Odd: not caught"),
     "newlines": (lambda: _raise(RuntimeError("\n\n\n")), Status.crashed, "RuntimeError: no message"),
-    "surrogates": (lambda: _raise(RuntimeError("of \ud800")), Status.crashed, "RuntimeError: of ?"),
-    "a megabyte": (lambda: _raise(RuntimeError("much " * 200_000)), Status.crashed, "much much…"),
+    "surrogates": (lambda: _raise(RuntimeError("of \ud800")), Status.crashed, "RuntimeError: of \\ud800"),
+    "a megabyte": (lambda: _raise(RuntimeError("much " * 200_000)), Status.crashed, "…"),
 }
 FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "much talk": (_talk, Status.crashed, "its process ended by exit status 5"),

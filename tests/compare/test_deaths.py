@@ -85,7 +85,7 @@ def test_in_the_hard_cases(number: int, tmp_path: Path, monkeypatch: pytest.Monk
     ladder.write_text(rungs.partition("[steps]")[0] + "[steps]\nas_is = 300\n", encoding="utf-8")
     dying = deaths(number)
     with doomed(dying, STAGES[number % 3]):
-        table = hard_cases([str(ladder)], ENGINES, tmp_path / "out", lambda _: None)
+        table = hard_cases([str(ladder)], ENGINES, tmp_path / "out", print, print)
     for engine, death in dying.items():
         rows = table[table["engine"] == engine]
         _, status, reason = TWELVE[dying[ORACLE] if engine == REFERENCE else death]
