@@ -4,7 +4,7 @@ The table's figures in brackets are ratios within one run. `write_fresh` allocat
 size, as `solve` must; `write_again` writes it into memory that is already there.
 """
 
-from math import inf, sqrt
+from math import inf
 from pathlib import Path
 from time import perf_counter
 
@@ -16,6 +16,7 @@ import analytic
 import scenes
 from scenes import Scene
 from scenes.motion import channels
+from tests.chain import chain
 
 ANGLES = np.linspace(0, 2 * np.pi, 360_000)
 SCENE = scenes.load("toggle_press")
@@ -53,12 +54,12 @@ DEGREES = ANGLES[::1000]  # few enough that the answer stays in memory at hand: 
 @pytest.mark.parametrize("dyads", LENGTHS)
 @pytest.mark.benchmark(group="cost against the number of dyads, 360 angles")
 def test_dyads(benchmark: BenchmarkFixture, dyads: int, tmp_path: Path) -> None:
-    benchmark(analytic.solver(chain(dyads, tmp_path)), DEGREES)
+    benchmark(analytic.solver(loaded(dyads, tmp_path)), DEGREES)
 
 
 def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
     """The time is a line over the number of dyads, and the last dyads cost no more each than the first."""
-    solvers = {dyads: analytic.solver(chain(dyads, tmp_path)) for dyads in LENGTHS}
+    solvers = {dyads: analytic.solver(loaded(dyads, tmp_path)) for dyads in LENGTHS}
     seconds = dict.fromkeys(LENGTHS, inf)
     for _ in range(ROUNDS):  # interleaved, so that a busy machine is so for all
         for dyads, solve in solvers.items():
@@ -75,34 +76,7 @@ def test_cost_is_linear_in_dyads(tmp_path: Path) -> None:
     assert each[-1] <= 1.5 * each[1]  # from 8 to 16 dyads as from 2 to 4, but for the caches
 
 
-def chain(dyads: int, folder: Path) -> Scene:
-    """Return four-bars in a row: each rocker's middle drives the next coupler, on and on, less and less far."""
-    foot, pivot = 1 + 0j, 0j
-    ground, bodies, sketch = ["O = [0, 0]"], ['[bodies.crank]\nlengths = { "O-T0" = 1 }\nmass = 1'], ["T0 = [1, 0]"]
-    for n in range(1, dyads + 1):
-        pivot += 4
-        tip = _meet(foot, pivot, 4.0, 2.5)
-        ground.append(f"C{n} = [{pivot.real}, 0]")
-        bodies.append(f'[bodies.coupler{n}]\nlengths = {{ "T{n - 1}-B{n}" = 4 }}\nmass = 1')
-        bodies.append(f"[bodies.rocker{n}]\npoints = {{ C{n} = [0, 0], T{n} = [1.25, 0], B{n} = [2.5, 0] }}\nmass = 1")
-        foot = (pivot + tip) / 2
-        sketch += [f"B{n} = [{tip.real}, {tip.imag}]", f"T{n} = [{foot.real}, {foot.imag}]"]
-        bodies[-1] += "\ncom = [1.25, 0]\ninertia = 1"
+def loaded(dyads: int, folder: Path) -> Scene:
     file = folder / f"chain_{dyads}.toml"
-    parts = [
-        f'format = 1\nname = "chain_{dyads}"\n[ground.points]',
-        *ground,
-        *bodies,
-        '[drive]\nbody = "crank"\nspeed = 1\n[sketch]',
-        *sketch,
-        f'[output]\npoint = "B{dyads}"\n',
-    ]
-    file.write_text("\n".join(parts), encoding="utf-8")
+    file.write_text(chain(dyads, file.stem), encoding="utf-8")
     return scenes.load(file)
-
-
-def _meet(A: complex, B: complex, a: float, b: float) -> complex:
-    """Return the upper one of the points that are a from A and b from B."""
-    d = abs(B - A)
-    x = (d**2 + a**2 - b**2) / (2 * d)
-    return A + complex(x, sqrt(a**2 - x**2)) * (B - A) / d

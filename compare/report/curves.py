@@ -10,15 +10,17 @@ import numpy as np
 import plotly.graph_objects as go
 
 from scenes import Motion, Request
-from scenes.motion import Samples
+from scenes.motion import Samples, quantity
 
 from ..engines.axis import axis, prefixed
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
+from ..judge.errors import GROUPS
 from ..study import Study
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 
 MARKERS = 36  # per cycle, shared out between the engines
+FIGURES = 24  # of panels, at most
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,21 @@ def panels(reference: Reference, request: Request) -> Iterator[Panel]:
         curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.factors))
         if curves:
             yield replace(panel, curves=curves, judged=tuple(filter(asked.__contains__, panel.judged)))
+
+
+def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
+    """Return the panels to draw, and those left out: of many joints those with the largest errors are drawn."""
+    found = list(panels(study.reference, study.sampling))
+    worst: dict[str, float] = {}
+    for channel, error in zip(study.errors["channel"], study.errors["max"], strict=True) if len(study.errors) else ():
+        worst[channel] = max(worst.get(channel, 0.0), np.inf if np.isnan(error) else error)
+
+    def rank(panel: Panel) -> tuple[bool, float]:
+        of_a_joint = GROUPS[quantity(panel.judged[0])] == "reaction"
+        return of_a_joint, -max(worst.get(channel, 0.0) for channel in panel.judged)
+
+    first = sorted(found, key=rank)[:FIGURES]
+    return [panel for panel in found if panel in first], [panel for panel in found if panel not in first]
 
 
 def _motion_panels(reference: Reference) -> Iterator[Panel]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
 from plotly.io import templates
 from plotly.subplots import make_subplots
@@ -11,6 +12,7 @@ from scenes import Scene
 from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, turns_fully
+from .extremes import CURVE, extremes
 
 templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
 
@@ -56,7 +58,7 @@ def draw(
     Args:
         figure: of `stacked`, `side_by_side` or `grid`.
         name: of the trace; one without a name is background, with no entry in the legend and no hover.
-        x: values, shape (n,).
+        x: values, shape (n,); of a long curve its extremes are drawn.
         y: values, shape (n,).
         row: of the panel, from 1.
         column: of the panel, from 1.
@@ -67,6 +69,9 @@ def draw(
     group = group or name
     listed = bool(name) and not any(trace.legendgroup == group and trace.showlegend for trace in figure.data)
     style = ({} if name else {"hoverinfo": "skip"}) | style
+    if len(x) > CURVE and "text" not in style:
+        rows = extremes(x, y)
+        x, y = np.asarray(x)[rows], np.asarray(y)[rows]
     figure.add_scatter(
         x=x, y=y, name=name, mode=mode, legendgroup=group, showlegend=listed, row=row, col=column, **style
     )

@@ -19,7 +19,7 @@ def page(family: Family) -> str:
         source=escape(family.scene.source),
         setup=escape(tables.setup(family)),
         verdict=escape(tables.verdict(family)),
-        overview=table_html(tables.overview(family)),
+        overview=table_html(tables.overview(family), whole="family.csv"),
         stroke="along the guide" if slides else "the diagonal of the box around the point's path",
         notes=list_html(tables.notes(family)),
         lines=f"One line per member, coloured by {escape(tables.names(family)[0])}. {few}",

@@ -1,0 +1,137 @@
+"""Pages of long runs and of many joints: of a size to open, with every extreme drawn and what is left out named."""
+
+import re
+from base64 import b64decode
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from compare.report import curves
+from compare.report.extremes import CURVE, extremes
+from compare.report.html import ROWS, figure_html, list_html, table_html
+from compare.report.linkage import linkage
+from compare.report.page import page
+from compare.study import Study
+from scenes import Motion, load
+from scenes.motion import Samples
+from tests.comparisons import studied
+from tests.pages import unpacked, without_scripts
+
+LIMIT = 3e6  # bytes
+TIMES = 200  # as many samples as there are
+
+
+@pytest.fixture(scope="module")
+def result() -> Study:
+    return studied(load("toggle_press"), ["analytic", "pymunk"])
+
+
+def longer(result: Study) -> Study:
+    """Return a study of many more samples, with noise so that nothing can be packed, and one error far above all."""
+    noise, count = np.random.default_rng(1), TIMES * result.sampling.samples + 1
+
+    def of(samples: Samples) -> Samples:
+        return np.resize(samples, count) * (1 + 1e-3 * noise.random(count))
+
+    def motion(short: Motion) -> Motion:
+        return Motion({channel: of(samples) for channel, samples in short.samples.items()}, short.unsupported)
+
+    measurements = []
+    for m in result.measurements:
+        assert m.comparison is not None
+        assert m.run.motion is not None
+        actual = {channel: of(error) for channel, error in m.comparison.actual.items()}
+        actual["P3.fx"][11_111] = 12.5
+        comparison = replace(m.comparison, actual=actual)
+        measurements.append(replace(m, run=replace(m.run, motion=motion(m.run.motion)), comparison=comparison))
+    explained = replace(
+        result.explained,
+        condition=of(result.explained.condition),
+        sensitivity={channel: of(moved) for channel, moved in result.explained.sensitivity.items()},
+    )
+    sampling = replace(result.sampling, samples=count - 1)
+    return replace(
+        result, sampling=sampling, motion=motion(result.motion), measurements=measurements, explained=explained
+    )
+
+
+def values(figure: str, kind: str) -> Samples:
+    """Return all numbers in the typed arrays of a figure."""
+    found = re.findall(rf'"dtype":"{kind}","bdata":"([^"]*)"', figure)
+    return np.concatenate([np.frombuffer(b64decode(data.replace("\\u002f", "/")), kind) for data in found])
+
+
+@pytest.fixture(scope="module")
+def long_page(result: Study) -> str:
+    return page(longer(result))
+
+
+def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: str) -> None:
+    assert len(long_page.encode()) < LIMIT
+    library, *figures = unpacked(long_page)
+    assert "plotly.js" in library[:200]
+    with_errors = [values(figure, "f4") for figure in figures if '"name":"pymunk error"' in figure]
+    assert any((drawn == 12.5).any() for drawn in with_errors)
+    text = without_scripts(long_page)
+    assert re.search(r"Drawn: at most [\d,]+ of 14,401 samples a curve", text)
+    assert text.index("</table>") < text.index("The linkage"), "tables need no script"
+
+
+def test_a_short_run_is_drawn_whole(result: Study) -> None:
+    text = page(result)
+    assert "Drawn: at most" not in text
+    assert "Not drawn" not in text
+
+
+def test_a_figure_is_the_same_each_time(result: Study) -> None:
+    assert figure_html(linkage(result)) == figure_html(linkage(result))
+
+
+@pytest.mark.parametrize("row", [0, 1, 123_457, 359_998, 359_999])
+@pytest.mark.parametrize("size", [9.0, -9.0, np.nan])
+def test_one_sample_in_many_is_drawn(row: int, size: float) -> None:
+    x, y = np.linspace(0, 1, 360_000), np.sin(np.linspace(0, 300, 360_000))
+    y[row] = size
+    rows = extremes(x, y)
+    assert row in rows
+    assert len(rows) <= CURVE
+    assert rows[[0, -1]].tolist() == [0, 359_999]
+    assert (np.diff(rows) > 0).all()
+
+
+def test_local_extremes_and_those_of_a_path_are_drawn() -> None:
+    angle = np.linspace(0, 2 * np.pi, 100_001)
+    path = np.exp(1j * angle) * (1 + 0.1 * np.cos(37 * angle))
+    rows = extremes(path.real, path.imag)
+    for values in (path.real, path.imag):
+        inner = 1 + np.flatnonzero(np.diff(np.sign(np.diff(values))))
+        assert len(inner) > 30
+        assert np.isin(inner, rows).mean() == 1.0
+
+
+def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
+    result: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(curves, "FIGURES", 5)
+    errors = result.measurements[1].errors
+    errors = errors.assign(max=errors["max"].where(errors["channel"] != "P2.fy", np.nan))
+    spoilt = replace(result, measurements=[result.measurements[0], replace(result.measurements[1], errors=errors)])
+    drawn, left_out = curves.chosen(spoilt)
+    assert [panel.judged[0] for panel in drawn] == ["P5.x", "P5.vx", "P5.ax", "P2.fx", "drive.torque"]
+    assert len(left_out) == 6
+    text = page(spoilt)
+    assert all(channel in text.partition("Not drawn")[2][:400] for panel in left_out for channel in panel.judged)
+
+
+def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
+    table = pd.DataFrame({"channel": [f"c{n}" for n in range(1000)], "max": np.arange(1000.0)})
+    table.loc[3, "max"] = np.nan
+    text = table_html(table, worst="max", whole="errors.csv")
+    assert text.count("<tr") == ROWS + 1
+    assert ">c3<" in text
+    assert ">c999<" in text
+    assert ">c700<" not in text
+    assert f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv." in text
+    assert "And 800 more" in list_html(map(str, range(1000)))

@@ -1,0 +1,16 @@
+"""What is packed in a page: the plots' library and its figures."""
+
+import gzip
+import re
+from base64 import b64decode
+
+
+def unpacked(text: str) -> list[str]:
+    """Return the library and all figures of a page."""
+    packed = re.findall(r'<script type="application/gzip"[^>]*>([^<]*)</script>', text)
+    return [gzip.decompress(b64decode(part)).decode() for part in packed]
+
+
+def without_scripts(text: str) -> str:
+    """Return a page without its scripts, and what is packed in them."""
+    return re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
