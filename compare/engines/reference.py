@@ -129,14 +129,17 @@ def relative_errors(motion: Motion, true: Motion, scale: Mapping[str, float]) ->
     compared.
     """
     judged = [channel for channel in motion.samples if channel != "time" and channel in scale]
-    off = {channel: _distance(motion, true, channel) for channel in judged}
-    errors = {}
-    for channel, distance in off.items():
+    errors: dict[str, Samples] = {}
+    for channel in judged:
         stem, axis = channel[:-1], channel[-1]
-        other = off.get(stem + {"x": "y", "y": "x"}[axis]) if axis in "xy" else None
-        errors[channel] = (distance if other is None else np.hypot(distance, other)) / sizes(
-            true, channel, scale[channel]
-        )
+        other = stem + {"x": "y", "y": "x"}[axis] if axis in "xy" else ""
+        if other in errors and scale[other] == scale[channel]:
+            errors[channel] = errors[other]  # the same array: errors are half of what a long run keeps in memory
+            continue
+        distance = _distance(motion, true, channel)
+        if other in judged:
+            distance = np.hypot(distance, _distance(motion, true, other))
+        errors[channel] = distance / sizes(true, channel, scale[channel])
     return errors
 
 

@@ -26,7 +26,7 @@ from ..engines.motion_vectors import MotionVectors, Vectors, arms, distances, fi
 Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
 Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
 
-BLOCK = 4096  # samples, whose Jacobians are in memory at a time
+BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 class Row(NamedTuple):
@@ -125,10 +125,11 @@ def planes(q: Poses) -> tuple[Vectors, Samples]:
     return q[..., 0] + 1j * q[..., 1], q[..., 2]
 
 
-def blocks(motion: Motion) -> Iterator[Motion]:
+def blocks(constraints: Constraints, motion: Motion) -> Iterator[Motion]:
     """Yield a motion in pieces, of which the matrices fit in memory."""
-    for start in range(0, len(motion["time"]), BLOCK):
-        yield Motion({channel: samples[start : start + BLOCK] for channel, samples in motion.samples.items()})
+    rows = max(BLOCK // len(constraints.units) ** 2, 1)
+    for start in range(0, len(motion["time"]), rows):
+        yield Motion({channel: samples[start : start + rows] for channel, samples in motion.samples.items()})
 
 
 def condition(scene: Scene, motion: Motion) -> Samples:
@@ -136,7 +137,7 @@ def condition(scene: Scene, motion: Motion) -> Samples:
     constraints = Constraints(scene)
     with np.errstate(divide="ignore"):
         return np.concatenate(
-            [np.linalg.cond(constraints.jacobian(constraints.poses(block))) for block in blocks(motion)]
+            [np.linalg.cond(constraints.jacobian(constraints.poses(block))) for block in blocks(constraints, motion)]
         )
 
 

@@ -100,27 +100,31 @@ def error_table(
 
     `unexplained` is the largest error where it is above what doubles explain, if that is known.
     """
-    actual, commanded = (np.array([*of.values()]) for of in (comparison.actual, comparison.commanded))
-    known = actual if explained is None else np.array([*explained.left_over(comparison.actual).values()])
+    actual, commanded = comparison.actual, comparison.commanded
+    known = actual if explained is None else explained.left_over(actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
     names = [*comparison.actual]
     floor = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in names])
+    last_turn, toggle = slice(-comparison.samples_a_turn - 1, None), comparison.toggle
     figures = {
-        "max": actual.max(axis=1),
-        "unexplained": known.max(axis=1),
-        "rms": np.sqrt(np.mean(actual**2, axis=1)),
-        "last_turn_max": actual[:, -comparison.samples_a_turn - 1 :].max(axis=1),
-        "toggle_max": actual[:, comparison.toggle].max(axis=1)
-        if comparison.toggle.any()
-        else np.full(len(names), np.nan),
-        "commanded_max": commanded.max(axis=1),
-        "commanded_rms": np.sqrt(np.mean(commanded**2, axis=1)),
+        "max": [error.max() for error in actual.values()],
+        "unexplained": [known[channel].max() for channel in names],
+        "rms": [_rms(error) for error in actual.values()],
+        "last_turn_max": [error[last_turn].max() for error in actual.values()],
+        "toggle_max": [error[toggle].max() if toggle.any() else np.nan for error in actual.values()],
+        "commanded_max": [commanded[channel].max() for channel in names],
+        "commanded_rms": [_rms(commanded[channel]) for channel in names],
     }
+    worst = [error.argmax() for error in actual.values()]
     return pd.DataFrame(
         {"engine": engine, "channel": names, "group": [GROUPS[quantity(channel)] for channel in names]}
         | {name: np.maximum(figure, np.where(floor >= 0, floor, least)) for name, figure in figures.items()}
         | {"explained": [np.nan if explained is None else explained.error(channel).max() for channel in names]}
-        | {"max_at": comparison.axis[actual.argmax(axis=1)], "max_at_unit": axis(reference.scene).unit, "floor": floor}
+        | {"max_at": comparison.axis[worst], "max_at_unit": axis(reference.scene).unit, "floor": floor}
         | {"scale": [reference.scale[channel] for channel in names]}
         | {"unit": [UNITS[quantity(channel)] for channel in names]}
     )
+
+
+def _rms(error: Samples) -> float:
+    return float(np.sqrt(np.mean(error**2)))

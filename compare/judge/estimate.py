@@ -1,6 +1,7 @@
 """The errors of a motion, estimated without a reference: how far it is from its projection onto the constraints."""
 
 from collections.abc import Mapping
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -36,8 +37,10 @@ def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
     scale = scales(scene, projection.ways[0], stroke)
     units = scale | _force_units(scene)
     ways = [_unexplained(motion, way, scale, units, projection.condition) for way in projection.ways]
-    best = np.array([np.max([*way.values()], axis=0) for way in ways]).argmin(axis=0)
-    errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in ways[0]}
+    errors = ways[0]
+    if len(ways) > 1:
+        best = np.array([reduce(np.maximum, way.values()) for way in ways]).argmin(axis=0)
+        errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in errors}
     return Estimate(errors, projection.branch, projection.condition)
 
 
@@ -52,12 +55,12 @@ def _unexplained(
 ) -> dict[str, Samples]:
     """Return the relative errors, zero where rounding explains them: by the largest value of their kind, in `units`."""
     found = relative_errors(motion, true, scale)
-    values = np.array([np.abs(true[channel]) / units[channel] for channel in found])
-    shares = np.array([units[channel] / sizes(true, channel, scale[channel]) for channel in found])
-    kinds = np.array([KINDS[GROUPS[quantity(channel)]] for channel in found])
-    errors = np.array([*found.values()])
+    kinds = {channel: KINDS[GROUPS[quantity(channel)]] for channel in found}
     for kind, power in enumerate(POWERS):
-        own = kinds == kind
-        explained = EPS * condition**power * values[own].max(axis=0, initial=0.0) * shares[own]
-        errors[own] = np.where((errors[own] <= explained) | np.isinf(condition), 0.0, errors[own])
-    return dict(zip(found, errors, strict=True))
+        own = [channel for channel in found if kinds[channel] == kind]
+        values = (np.abs(true[channel]) / units[channel] for channel in own)
+        rounding = EPS * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
+        for channel in own:
+            explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
+            found[channel] = np.where((found[channel] <= explained) | np.isinf(condition), 0.0, found[channel])
+    return found

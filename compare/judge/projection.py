@@ -34,7 +34,7 @@ def projected(scene: Scene, motion: Motion) -> Projection:
     """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose."""
     constraints = Constraints(scene)
     ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
-    parts = [_projected(constraints, block, ends) for block in blocks(motion)]
+    parts = [_projected(constraints, block, ends) for block in blocks(constraints, motion)]
     return Projection(
         [_joined(pieces) for pieces in zip(*(part.ways for part in parts), strict=True)],
         np.concatenate([part.branch for part in parts]),

@@ -3,7 +3,7 @@
 Its solver computes every term of a step's residual and Jacobian.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import wraps
 from typing import Any, TypeAlias
 
@@ -13,6 +13,7 @@ from .drive import HeldDrive
 from .system import Array, ExudynSystem, engine
 
 Term: TypeAlias = Callable[..., Array]
+BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 def _of_many(term: Term) -> Term:
@@ -25,6 +26,12 @@ def _of_many(term: Term) -> Term:
         return np.array([term(self, *one) for one in zip(q, *more, strict=True)])
 
     return terms
+
+
+def blocks(q: Array) -> Iterator[slice]:
+    """Yield the rows of all samples of the coordinates in turn, of which the Jacobians fit in memory."""
+    rows = max(BLOCK // q.shape[1] ** 2, 1)
+    yield from (slice(first, first + rows) for first in range(0, len(q), rows))
 
 
 class Equations:

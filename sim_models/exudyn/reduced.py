@@ -13,6 +13,7 @@ import numpy as np
 
 from scenes.scene import GROUND, Pin
 
+from .equations import blocks
 from .poses import PoseSolver
 from .system import Array, ExudynSystem
 
@@ -77,7 +78,9 @@ class ReducedSystem(ExudynSystem):
             com = np.stack([x, v, a])
             planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
         if len(samples) > 3:
-            wide[3] = self._all_multipliers(poses, wide[0], wide[2], samples[3], times)
+            for rows in blocks(wide[0]):
+                block = wide[0, rows], wide[2, rows], samples[3, rows], times[rows]
+                wide[3, rows] = self._all_multipliers(poses, *block)
         return wide
 
     def _turned(self, body: str, phi: Array, omega: Array, alpha: Array) -> tuple[Any, Any, Any]:

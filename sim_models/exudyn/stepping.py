@@ -16,6 +16,7 @@ from scenes import Failure, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 
 from .drive import Piece, RunningDrive, pieces
+from .equations import blocks
 from .extras import add_extras
 from .loads import add_loads
 from .poses import Configuration, PoseSolver
@@ -254,7 +255,9 @@ class TimeSteppedSimulation(ExudynSimulation):
         return Failure(Status.diverged, f"Newton's method found no solution for the step at {self._where(clock)}")
 
     def _check_branch(self) -> None:
-        start, branch = self._at_start, self.poses.branch(self.poses.equations.jacobian(self._q))
+        start, poses = self._at_start, self.poses
+        jacobians = (poses.equations.jacobian(self._q[rows]) for rows in blocks(self._q))
+        branch = np.concatenate([*map(poses.branch, jacobians)])
         other = branch * start.branch < 0
         if other.any():
             positions = self.positions[: int(other.argmax()) + 1]

@@ -13,7 +13,7 @@ import numpy as np
 from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND
 
-from .constraints import Complex, LinkageConstraints, Plane, Poses, planes, solved, with_ground
+from .constraints import Complex, LinkageConstraints, Plane, Poses, blocks, planes, solved, with_ground
 from .loads import Active, forces
 from .masses import held
 
@@ -65,8 +65,8 @@ def reaction_channels(linkage: LinkageConstraints, q: Poses, v: Poses, a: Poses,
         r, _, _, acceleration = _point(i, member.com, q, v, a)
         lacking[:, i] += _wrench(r, member.mass * (acceleration - gravity))
         lacking[:, i, 2] += member.inertia * a[:, i, 2]
-    transposed = linkage.jacobian(q).swapaxes(1, 2)
-    multipliers = solved(transposed, lacking.reshape(len(q), -1)).reshape(len(q), -1)
+    poses = [solved(linkage.jacobian(q[rows]).swapaxes(1, 2), _flat(lacking[rows])) for rows in blocks(q)]
+    multipliers = _flat(np.concatenate(poses))
     return dict(zip(force_channels(scene), multipliers.T, strict=True))
 
 
@@ -98,6 +98,10 @@ def _point(i: int, arm: complex, q: Poses, v: Poses, a: Poses) -> tuple[Complex,
     z, w, dw = (values[:, i, 0] + 1j * values[:, i, 1] for values in (q, v, a))
     omega, alpha = v[:, i, 2], a[:, i, 2]
     return r, z + r, w + 1j * omega * r, dw + (1j * alpha - omega**2) * r
+
+
+def _flat(poses: Poses) -> Samples:
+    return poses.reshape(len(poses), -1)
 
 
 def _wrench(r: Plane, force: Plane) -> Poses:

@@ -1,7 +1,6 @@
 """Checks of every step of a run, not only of the samples, for failures that pymunk does not report."""
 
 from collections.abc import Mapping
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
-from .constraints import LinkageConstraints, Poses, branch
+from .constraints import LinkageConstraints, Poses, blocks, branch
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
 LARGEST_DRIFT = 1e-6
@@ -17,7 +16,6 @@ LARGEST_DRIFT = 1e-6
 # toggle press.
 LARGEST_GAP = 0.05
 LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
-CHUNK = 1000  # steps whose Jacobians are in memory at a time
 
 
 def check_path(linkage: LinkageConstraints, path: Poses, positions: Samples, start_branch: Samples) -> dict[str, float]:
@@ -33,8 +31,7 @@ def check_path(linkage: LinkageConstraints, path: Poses, positions: Samples, sta
     known: NDArray[np.bool_] = np.all(np.isfinite(path), axis=(1, 2))
     _require(scene, known, positions, Status.nonfinite, "a pose or velocity is not finite")
 
-    chunks = np.array_split(np.arange(len(positions)), ceil(len(positions) / CHUNK))
-    measures = [_measure(linkage, path[rows, :, :3], positions[rows]) for rows in chunks]
+    measures = [_measure(linkage, path[rows, :, :3], positions[rows]) for rows in blocks(path)]
     branches, drift, gap = (np.concatenate(parts) for parts in zip(*measures, strict=True))
     driven = linkage.members[scene.drive.body]
     if scene.driven_slide is None:

@@ -8,7 +8,7 @@ Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J 
 coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isinf
 from typing import Any, TypeAlias
@@ -26,6 +26,8 @@ from .masses import Inertia, Inertias
 Poses: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
 Complex: TypeAlias = NDArray[np.complex128]
 Plane: TypeAlias = Any  # a complex number, or an array of them of shape (n,)
+
+BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
 @dataclass(frozen=True)
@@ -165,6 +167,12 @@ def solved(J: Samples, wanted: Samples) -> Poses:
         found = np.full((*wanted.shape, 1), np.nan)
         found[~singular] = np.linalg.solve(J[~singular], wanted[~singular][..., None])
     return np.reshape(found, (len(J), -1, 3))
+
+
+def blocks(q: Poses) -> Iterator[slice]:
+    """Yield the rows of all poses in turn, of which the Jacobians fit in memory."""
+    rows = max(BLOCK // (3 * q.shape[1]) ** 2, 1)
+    yield from (slice(first, first + rows) for first in range(0, len(q), rows))
 
 
 def _moving_body(body: PymunkBody, moved: Inertia) -> MovingBody:

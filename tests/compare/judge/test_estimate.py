@@ -129,7 +129,7 @@ def test_a_long_motion_is_taken_in_blocks(
     reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = projected(reference.scene, motion)
-    monkeypatch.setattr(constraints_module, "BLOCK", 10)
+    monkeypatch.setattr(constraints_module, "BLOCK", 10 * 15**2)
     blocks = projected(reference.scene, motion)
     assert np.array_equal(whole.branch, blocks.branch)
     assert np.array_equal(whole.condition, blocks.condition)
