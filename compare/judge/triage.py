@@ -11,7 +11,7 @@ from .causes.course import course_causes, noisy
 from .causes.drive import drive_causes, strayed
 from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
 from .causes.force import Carried, weight_causes
-from .causes.geometry import geometry_causes
+from .causes.geometry import affordable, geometry_causes
 from .causes.load import load_causes
 from .causes.read_out import read_out_causes
 from .causes.sample import incomplete, sample_causes
@@ -58,7 +58,8 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     """Return causes with their price and what they leave over, the best first; no costly ones if a plain one holds."""
     found: list[tuple[float, float, Hypothesis]] = []
     elsewhere = away_from_switches(evidence)
-    stages = ((_plain, evidence), (course_causes, evidence), (_of_forces, elsewhere), (_of_motion, elsewhere))
+    few = affordable(elsewhere)
+    stages = ((_plain, evidence), (course_causes, evidence), (_of_forces, elsewhere), (_of_motion, few))
     for causes, of in stages:
         for hypothesis in causes(of):
             left = of.left(hypothesis.predicted)

@@ -222,6 +222,19 @@ def away_from_switches(evidence: Evidence) -> Evidence:
         return evidence
     switched = (np.diff(acts, axis=1) != 0).any(axis=0)
     kept = ~(np.append(switched, False) | np.append(False, switched))
+    return _at(evidence, np.flatnonzero(kept))
+
+
+def thinned(evidence: Evidence, most: int) -> Evidence:
+    """Return the evidence at so many of its rows at most, evenly spread, and at the worst."""
+    count = len(evidence.rows)
+    if count <= most:
+        return evidence
+    off = sum(evidence.difference(channel, evidence.true[channel]) ** 2 for channel in evidence.names)
+    return _at(evidence, np.unique([*np.linspace(0, count - 1, max(most, 2)).astype(np.intp), int(np.argmax(off))]))
+
+
+def _at(evidence: Evidence, kept: NDArray[np.intp]) -> Evidence:
     true = Motion({channel: samples[kept] for channel, samples in evidence.true.samples.items()})
     return replace(evidence, true=true, rows=evidence.rows[kept])
 

@@ -10,13 +10,15 @@ from scenes import Motion, Scene
 from scenes.loads import Vector
 from scenes.motion import Samples
 
+from ..constraints import Constraints
 from ..perturbation import Input, Path, inputs, put
 from ..projection import projected
-from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted
+from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted, thinned
 
 HAIR = 1e-6  # of the stroke, or rad: what an input is varied by, for a slope
 CLOSER = 4  # inputs that are fitted, of all whose slopes were
 ROUNDS = 4
+WORK = 1e10  # multiplications for all slopes; those of 15 constraints at 400 rows take 1e8 of them, of 150 take 4e11
 
 
 class InputChange(NamedTuple):
@@ -43,6 +45,13 @@ def geometry_causes(evidence: Evidence) -> Iterator[Hypothesis]:
             yield Hypothesis(change.kind, change.place, amount, f"{change.what} is {amount}", predicted, len(x))
             if evidence.left(predicted) <= EXACT:
                 return
+
+
+def affordable(evidence: Evidence) -> Evidence:
+    """Return the evidence at so many rows that all slopes are found in seconds: of few bodies all of them."""
+    scene = evidence.reference.scene
+    numbers, equations = sum(1 for _ in _changes(evidence)), len(Constraints(scene).units)
+    return thinned(evidence, int(WORK / (numbers * equations**3)))
 
 
 def _along_slopes(evidence: Evidence, change: InputChange) -> Channels:

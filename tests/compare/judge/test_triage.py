@@ -12,9 +12,11 @@ from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.runner import Run, run
 from compare.engines.settings import tiers
+from compare.judge.causes import geometry
 from compare.judge.causes.evidence import Kind
 from compare.judge.measure import Measurement
 from compare.judge.perturbation import Path, put
+from compare.judge.projection import Projection, projected
 from compare.judge.triage import Cause, cause, sentence, sentences
 from scenes import Motion, Scene, Settings, Status
 from scenes.motion import Samples, channels, force_channels, quantity
@@ -196,3 +198,23 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
     unknown = Cause(Kind.unknown, "", "", "the cause is unknown")
     assert sentence("exudyn", unknown, others_agree=True) == "exudyn: the cause is unknown"
+
+
+def test_of_many_bodies_a_length_is_sought_at_few_samples(
+    references: References, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reference = references("toggle_press")
+    _, path, factor, kind, place, amount = INPUTS["length"]
+    motion = _solved(put(reference.scene, path, _times(factor, _at(reference.scene, path))), reference)
+    rows = list[int]()
+
+    def counted(scene: Scene, near: Motion) -> Projection:
+        rows.append(len(near["time"]))
+        return projected(scene, near)
+
+    monkeypatch.setattr(geometry, "projected", counted)
+    monkeypatch.setattr(geometry, "WORK", 1e6)
+    found = cause(reference, SAMPLING, motion)
+    assert (found.kind, found.place, found.amount) == (kind, place, amount)
+    assert len(rows) > 10
+    assert 10 < max(rows) < 25
