@@ -1,0 +1,59 @@
+"""What runs of any size cost: `python -m benchmarks.sizes [CASE ...]` prints a table of time, memory and page.
+
+Time is processor time, of all processes; memory is the most that one process had; bodies are those that move.
+"""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from json import loads
+from pathlib import Path
+from subprocess import DEVNULL, Popen
+from tempfile import TemporaryDirectory
+
+from scenes import load
+from tests.chain import chain
+
+ROWS: Mapping[str, Sequence[str]] = {
+    "360 samples": ["--samples", "360"],
+    "3600 samples": ["--samples", "3600"],
+    "36000 samples": ["--samples", "36000"],
+    "10 turns": ["--turns", "10"],
+    "100 turns": ["--turns", "100"],
+    "1000 turns": ["--turns", "1000"],
+}
+CHAINS: Mapping[str, int] = {f"{1 + 2 * dyads} bodies": dyads for dyads in (2, 5, 10, 25)}
+
+
+def main(cases: Sequence[str]) -> None:
+    """Print a row of the table for every case, or for those named."""
+    print("| run | rows | bodies | processor time | memory | page | engines |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | --- |")
+    for case in cases or (*ROWS, *CHAINS):
+        with TemporaryDirectory() as folder:
+            scene, arguments = "toggle_press", ROWS.get(case, ())
+            if case in CHAINS:
+                scene = f"{folder}/chain.toml"
+                Path(scene).write_text(chain(CHAINS[case], "chain"), encoding="utf-8")
+            print(_row(case, scene, arguments, Path(folder)), flush=True)
+
+
+def _row(case: str, scene: str, arguments: Sequence[str], folder: Path) -> str:
+    """Run the command line as a process of its own, and return what it cost."""
+    command = [sys.executable, "-m", "compare.run", scene, *arguments, "--out", str(folder)]
+    process = Popen(command, stdout=DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
+    if process.returncode:
+        return f"| {case} | ended with status {process.returncode} |"
+    results = folder / Path(scene).stem
+    summary = loads((results / "summary.json").read_text(encoding="utf-8"))
+    rows = summary["sampling"]["samples"] * summary["sampling"]["turns"] + 1
+    statuses = ", ".join(f"{engine} {of['status']}" for engine, of in summary["engines"].items())
+    memory, page = used.ru_maxrss / 1024, (results / "report.html").stat().st_size / 1e6
+    cells = case, f"{rows:,}", len(load(scene).bodies), f"{used.ru_utime + used.ru_stime:.0f} s"
+    return " | ".join(["", *map(str, cells), f"{memory:.0f} MB", f"{page:.2f} MB", statuses, ""]).strip()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
