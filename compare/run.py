@@ -16,6 +16,7 @@ with starting(__name__):
     from .arguments import parser, sampling
     from .engines import registry
     from .family.grid import grid
+    from .prediction import announce
 
     if TYPE_CHECKING:
         from .judge.judgement import Judgement
@@ -49,6 +50,8 @@ def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
+    for scene, request in zip(scenes, requests, strict=True):
+        announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
     from .report import files  # late: slow to import, and bad input should be named at once
     from .report.placing import check_writable

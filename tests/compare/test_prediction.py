@@ -1,0 +1,70 @@
+"""What a run will cost is shown before a large one, and one that no memory holds is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from compare import prediction
+from compare.prediction import announce, predicted
+from compare.run import main
+from scenes import InputError, Sampling, load
+from tests.chain import chain
+
+ENGINES = ("analytic", "exudyn", "pymunk")
+
+
+@pytest.mark.parametrize("sampling", [Sampling(36_000), Sampling(360, turns=100)])
+def test_the_cost_is_near_what_was_measured(sampling: Sampling) -> None:
+    """Of `python -m benchmarks.sizes`, within a factor of two."""
+    cost = predicted(load("toggle_press"), sampling, ENGINES)
+    assert 30 < cost.seconds < 120
+    assert 0.25e9 < cost.memory < 1e9
+
+
+def test_the_cost_grows_with_samples_engines_and_bodies(tmp_path: Path) -> None:
+    press, file = load("toggle_press"), tmp_path / "chain.toml"
+    file.write_text(chain(25, "chain"), encoding="utf-8")
+    small, *larger = (
+        predicted(scene, sampling, engines)
+        for scene, sampling, engines in (
+            (press, Sampling(360), ENGINES[:1]),
+            (press, Sampling(720), ENGINES[:1]),
+            (press, Sampling(360), ENGINES),
+            (load(str(file)), Sampling(360), ENGINES[:1]),
+        )
+    )
+    assert all(cost.seconds > small.seconds and cost.memory > small.memory for cost in larger)
+
+
+def test_a_usual_run_is_not_announced(capsys: pytest.CaptureFixture[str]) -> None:
+    announce(load("toggle_press"), Sampling(360), ENGINES)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_large_run_is_announced_in_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    announce(load("toggle_press"), Sampling(360, turns=1000), ENGINES)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("toggle_press: about ")
+    assert "min" in line
+    assert "360,001 samples of 5 bodies by 3 engines" in line
+
+
+def test_what_no_memory_holds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(prediction, "_memory", lambda: 2e9)
+    with pytest.raises(InputError, match=r"fits into the 2.0 GB of memory here; 3,600,001 samples .* need about \d"):
+        announce(load("toggle_press"), Sampling(360, turns=10_000), ENGINES)
+    announce(load("toggle_press"), Sampling(360), ENGINES)
+
+
+def test_members_count(capsys: pytest.CaptureFixture[str]) -> None:
+    announce(load("toggle_press"), Sampling(360), ENGINES, members=500)
+    assert "by 3 engines and 500 members" in capsys.readouterr().err
+
+
+def test_the_command_line_refuses_it_before_any_work(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.setattr(prediction, "_memory", lambda: 1e8)
+    assert main(["toggle_press", "--out", str(tmp_path / "out")]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
