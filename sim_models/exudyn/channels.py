@@ -4,6 +4,7 @@ Samples of coordinates have shape (n, 3 bodies): x, y and angle of every body in
 plane are complex numbers, x + iy.
 """
 
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 
 import numpy as np
@@ -44,7 +45,12 @@ def kinematics(
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
         found |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
-    return {name: samples for name, samples in found.items() if name in wanted}
+    return _wanted(found, wanted)
+
+
+def _wanted(found: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
+    """Return the channels wanted, none of them a part of a larger array, which would stay in memory."""
+    return {name: np.ascontiguousarray(samples) for name, samples in found.items() if name in wanted}
 
 
 def _body(system: ExudynSystem, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
@@ -73,4 +79,4 @@ def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -
             force = -force  # the joint's first marker is the slider's, and at its first point
         found |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
     found |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
-    return {name: samples for name, samples in found.items() if name in wanted}
+    return _wanted(found, wanted)

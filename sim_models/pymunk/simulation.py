@@ -119,7 +119,8 @@ class PymunkSimulation:
                 and with the motion.
         """
         wanted = [name for name in self._sampling.wanted(self._scene) if name in self._channels]
-        samples = {"time": self._sampling.times(self._scene)} | {name: self._channels[name] for name in wanted}
+        own = {name: np.ascontiguousarray(self._channels[name]) for name in wanted}  # not parts of larger arrays
+        samples = {"time": self._sampling.times(self._scene)} | own
         motion = Motion(samples)
         try:
             self.residuals = self._checked(samples)
