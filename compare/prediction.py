@@ -11,12 +11,12 @@ from scenes import InputError, Sampling, Scene
 # bodies. A number is one channel at one sample; those of an engine count with their errors, checks and files.
 FIXED = 14.0  # s, of settings that are timed and of the page
 MEMBER = 1.0  # s, of a member of a family besides
-OF_BODIES = 0.035  # s, times the square of their number: of the same, and of the certificate
+OF_BODIES = 0.05  # s, times the square of their number: of the same, and of the certificate
 MATRIX = 5e-9  # s, times the cube of the constraints, for every sample of an engine
 NUMBER: Mapping[str, float] = {"analytic": 4e-6, "exudyn": 8e-6, "pymunk": 10e-6, "multiprecision": 1e-4}  # s
 OTHER = 1e-5  # s, of an engine that is not measured
 PROGRAM = 200e6  # bytes
-SHARED, OWN = 60, 25  # bytes for every number: of the reference and what is being compared, and of each engine
+SHARED, OWN = 40, 17  # bytes for every number: of the reference and what is being compared, and of each engine
 
 SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
 
