@@ -20,7 +20,7 @@ from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND, Body, PressForce
 
 from ...engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
-from ..constraints import Constraints
+from ..constraints import Constraints, blocks
 from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
@@ -60,10 +60,15 @@ class Carried:
     def _solved(self) -> NDArray[np.float64]:
         """The force channels that each coordinate's share of M q'' - Q gives, shape (n, channels, coordinates)."""
         constraints = Constraints(self.scene)
-        inverse = np.linalg.inv(constraints.jacobian(constraints.poses(self.evidence.true)))
-        scaled = inverse.swapaxes(1, 2) / constraints.units[:, np.newaxis]
         size = np.tile([constraints.size, constraints.size, 1.0], len(self.scene.bodies))
-        return np.asarray(scaled * size)
+        return np.concatenate(
+            [
+                np.linalg.inv(constraints.jacobian(constraints.poses(block))).swapaxes(1, 2)
+                / constraints.units[:, np.newaxis]
+                * size
+                for block in blocks(constraints, self.evidence.true)
+            ]
+        )
 
     def changed(self, added: Wrenches) -> Channels:
         """Return the force channels where the bodies need this much more."""
