@@ -16,7 +16,7 @@ MATRIX = 5e-9  # s, times the cube of the constraints, for every sample of an en
 NUMBER: Mapping[str, float] = {"analytic": 4e-6, "exudyn": 8e-6, "pymunk": 10e-6, "multiprecision": 1e-4}  # s
 OTHER = 1e-5  # s, of an engine that is not measured
 PROGRAM = 200e6  # bytes
-SHARED, OWN = 40, 17  # bytes for every number: of the reference and what is being compared, and of each engine
+SHARED, OWN = 90, 25  # bytes for every number: of the reference and what is being compared, and of each engine
 
 SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
 
