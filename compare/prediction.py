@@ -15,7 +15,7 @@ OF_BODIES = 0.05  # s, times the square of their number: of the same, and of the
 MATRIX = 5e-9  # s, times the cube of the constraints, for every sample of an engine
 NUMBER: Mapping[str, float] = {"analytic": 4e-6, "exudyn": 8e-6, "pymunk": 10e-6, "multiprecision": 1e-4}  # s
 OTHER = 1e-5  # s, of an engine that is not measured
-PROGRAM = 200e6  # bytes
+PROGRAM, SQUARE = 200e6, 0.3e6  # bytes; those times the square of the bodies
 SHARED, OWN = 90, 25  # bytes for every number: of the reference and what is being compared, and of each engine
 
 SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
@@ -41,9 +41,10 @@ def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members:
     matrices = MATRIX * (3 * bodies) ** 3 * sampling.count * len(engines)
     of_engines = numbers * sum(NUMBER.get(engine, OTHER) for engine in engines)
     seconds, memory = OF_BODIES * bodies**2 + matrices + of_engines, numbers * (SHARED + OWN * len(engines))
+    program = PROGRAM + SQUARE * bodies**2
     if members:
-        return Cost(members * (MEMBER + seconds), PROGRAM + members * memory)
-    return Cost(FIXED + seconds, PROGRAM + memory)
+        return Cost(members * (MEMBER + seconds), program + members * memory)
+    return Cost(FIXED + seconds, program + memory)
 
 
 def announce(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> None:
