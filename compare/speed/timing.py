@@ -13,12 +13,13 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
+PATIENCE = 5.0  # s of processor time, for the least rounds; those of the shipped scenes take half of it
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
 
 
 @dataclass(frozen=True)
 class Budget:
-    """How much may be spent on speed: `LEAST_ROUNDS` in any case, up to `rounds` while `seconds` last."""
+    """How much may be spent on speed: `LEAST_ROUNDS`, of slow settings fewer, and up to `rounds` while `seconds` last."""
 
     rounds: int
     seconds: float  # of processor time, of the runs in the rounds beyond the least
@@ -84,10 +85,12 @@ def take_turns(
     times = [Times() for _ in engines]
 
     def batches() -> Iterator[Sequence[int]]:
+        spent = 0.0
         for done in range(LEAST_ROUNDS):
-            progress(f"timing {len(times)} settings, round {done + 1}")
-            yield from _by_engine(range(len(times)), engines)
-        spent = sum(record.spent for record in times)
+            if spent <= max(PATIENCE, budget.seconds):
+                progress(f"timing {len(times)} settings, round {done + 1}")
+                yield from _by_engine(range(len(times)), engines)
+                spent = sum(record.spent for record in times)
         for done in range(LEAST_ROUNDS, budget.rounds):
             doubtful = [n for n in in_doubt([min(record.solve) for record in times]) if not times[n].known]
             for batch in _by_engine(doubtful, engines):

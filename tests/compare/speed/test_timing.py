@@ -80,10 +80,17 @@ def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
     assert len(times.solve) == runs
 
 
+def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
+    """Two settings of 2 s use up the patience in two rounds; a budget of 9 s takes all three."""
+    for budget, rounds in ((Budget(20, 1.0), 2), (Budget(20, 9.0), 3)):
+        times, _ = turns([Job("a", [2.0]), Job("b", [2.0])], budget, lambda _: ())
+        assert [len(of.solve) for of in times] == [rounds, rounds]
+
+
 def test_a_batch_ends_with_the_budget() -> None:
-    """Two of three settings, of a second each, begin within 1.5 s."""
-    jobs = [Job("a", [3.0, 2.0, 1.0]) for _ in range(3)]
-    times, ran = turns(jobs, Budget(99, 1.5), all_of)
+    """Two of three settings, of 0.1 s each, begin within 0.15 s."""
+    jobs = [Job("a", [0.3, 0.2, 0.1]) for _ in range(3)]
+    times, ran = turns(jobs, Budget(99, 0.15), all_of)
     assert [len(of.solve) for of in times] == [4, 4, 3]
     assert ran == "aaa|aaa|aaa|aa|"
 
