@@ -19,7 +19,7 @@ AGREE = 0.02  # the three fastest solves within this of each other: chance alone
 
 @dataclass(frozen=True)
 class Budget:
-    """How much may be spent on speed: `LEAST_ROUNDS`, of slow settings fewer, and up to `rounds` while `seconds` last."""
+    """How much may be spent on speed: `LEAST_ROUNDS`, fewer of slow settings, up to `rounds` while `seconds` last."""
 
     rounds: int
     seconds: float  # of processor time, of the runs in the rounds beyond the least
