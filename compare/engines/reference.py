@@ -14,6 +14,7 @@ from .press_switches import Acts, acts, fixed, press_forces, stroke_end
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
+REST = 1e-6  # of S w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
 PLACES = {"x", "y", "angle"}  # quantities whose magnitude depends on where one counts from
 
 
@@ -91,7 +92,7 @@ def scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
     """
     least, largest = scene.drive.extent
     travel = largest - least
-    w = scene.drive.peak_rate if scene.driven_slide is None else scene.drive.peak_rate / travel
+    w = natural_rate(scene)
     size = dict.fromkeys(("x", "y"), stroke) | dict.fromkeys(("vx", "vy"), stroke * w)
     size |= dict.fromkeys(("ax", "ay"), stroke * w**2) | {"angle": 1.0, "crank_angle": 1.0, "omega": w, "alpha": w**2}
     size |= {"displacement": travel, "time": scene.drive.cycle}
@@ -99,9 +100,29 @@ def scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
     for channel in peaks:
         if quantity(channel) == "guide_moment":  # often zero by symmetry; a force times the stroke is its natural size
             peaks[channel] = max(peaks[channel], stroke * peaks[channel.replace("guide_moment", "guide_force")])
-    largest = max(peaks.values(), default=0.0) or 1.0
-    forces = {c: peak if peak > NOTHING * largest else largest for c, peak in peaks.items()}
+    forces = force_scales(scene, motion, stroke, peaks)
     return {c: size[quantity(c)] if quantity(c) in size else forces[c] for c in channels(scene)}
+
+
+def natural_rate(scene: Scene) -> float:
+    """Return w, rad/s: the crank's peak rate, or that of a driven slider over its travel."""
+    least, largest = scene.drive.extent
+    return scene.drive.peak_rate if scene.driven_slide is None else scene.drive.peak_rate / (largest - least)
+
+
+def force_scales(scene: Scene, motion: Motion, stroke: float, peaks: Mapping[str, float]) -> dict[str, float]:
+    """Return what errors of forces are divided by: their peak, or the largest of all where it is rounding.
+
+    Where nothing accelerates and nothing pushes, all are rounding: then what S w^2 takes for the heaviest body, N.
+    """
+    largest, w = max(peaks.values(), default=0.0), natural_rate(scene)
+    natural = max(body.mass or 0.0 for body in scene.bodies.values()) * stroke * w**2
+    rest = {"ax": REST * stroke * w**2, "ay": REST * stroke * w**2, "alpha": REST * w**2}
+    still = (np.abs(motion[c]).max() <= rest[quantity(c)] for c in motion.samples if quantity(c) in rest)
+    if largest <= REST * natural and all(still):
+        return dict.fromkeys(peaks, natural or 1.0)
+    largest = largest or 1.0
+    return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
 
 
 def magnitude(motion: Motion, channel: str) -> Samples:

@@ -28,6 +28,8 @@ from .thinned import (
     thinned,
 )
 
+APART = 0.1  # of the scale: components that are nearer, as where no force acts, are not worth swapping
+
 
 def canaries(judgement: Judgement) -> list[str]:
     """Return what the comparison lets through, a line each; none where no run is ok or the reference is in doubt.
@@ -63,8 +65,9 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     largest = max(sizes, key=sizes.__getitem__)
 
     yield f"{largest} of the opposite sign", refused(partial(spoilt.scaled, names=[largest], factor=-1))
-    for x in [c for c in sizes if c.endswith("x")][-1:]:
-        y = f"{x[:-1]}y"
+    vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x")]
+    apart = [np.abs(first.motion[x] - first.motion[y]).max() / first.reference.scale[x] for x, y in vectors]
+    for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
         yield f"{x} and {y} swapped", refused(partial(spoilt.swapped, first=[x], second=[y]))
     late = [0, *range(count - 1)]
     yield "all late by a sample", refused(partial(spoilt.taken, rows=late, names={*channels, drive}))

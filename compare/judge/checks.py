@@ -15,7 +15,7 @@ from scenes.scene import GROUND, Body
 from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, distances, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from ..engines.reference import NOTHING, sizes
+from ..engines.reference import force_scales, sizes
 from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
@@ -51,7 +51,7 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            violations |= _balances(state, EPS * estimated.condition)
+            violations |= _balances(state, stroke, EPS * estimated.condition)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -120,7 +120,7 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: MotionVectors, rounding: Samples) -> Violations:
+def _balances(state: MotionVectors, stroke: float, rounding: Samples) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
 
     What `rounding`, relative and of shape (n,), explains is zero.
@@ -129,13 +129,15 @@ def _balances(state: MotionVectors, rounding: Samples) -> Violations:
     least: Violations = {}
     for acting in sides(may):
         standing = replace(state, acting=acting)
-        left_over = dict(_newton_euler(standing, rounding))
-        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, rounding)
+        left_over = dict(_newton_euler(standing, stroke, rounding))
+        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, stroke, rounding)
         least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
     return least
 
 
-def _newton_euler(state: MotionVectors, rounding: Samples) -> Iterator[tuple[tuple[str, str, str], Samples]]:
+def _newton_euler(
+    state: MotionVectors, stroke: float, rounding: Samples
+) -> Iterator[tuple[tuple[str, str, str], Samples]]:
     """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
     scene = state.scene
     pushes = {
@@ -143,8 +145,8 @@ def _newton_euler(state: MotionVectors, rounding: Samples) -> Iterator[tuple[tup
         for body in scene.bodies.values()
     }
     peaks = {name: max(float(np.abs(force).max()) for force, _ in own) for name, own in pushes.items()}
-    largest = max(peaks.values()) or 1.0  # where nothing pushes: the leftover itself, in N
-    explained, length = rounding * largest, largest_length(scene)
+    scale = force_scales(scene, state.motion, stroke, peaks)
+    explained, length = rounding * max(scale.values()), largest_length(scene)
     for body in scene.bodies.values():
         com, _, acceleration = state.com(body)
         force = -(body.mass or 0.0) * acceleration
@@ -152,14 +154,13 @@ def _newton_euler(state: MotionVectors, rounding: Samples) -> Iterator[tuple[tup
         for push, at in pushes[body.name]:
             force = force + push
             moment = moment + ((at - com).conjugate() * push).imag
-        peak = peaks[body.name] if peaks[body.name] > NOTHING * largest else largest
         left, turning = np.abs(force), np.abs(moment)
-        yield ("Newton", body.name, "peak force on the body"), np.where(left <= explained, 0.0, left) / peak
+        yield ("Newton", body.name, "peak force on the body"), np.where(left <= explained, 0.0, left) / scale[body.name]
         turning = np.where(turning <= explained * length, 0.0, turning)
-        yield ("Euler", body.name, "peak force times the linkage's size"), turning / (peak * length)
+        yield ("Euler", body.name, "peak force times the linkage's size"), turning / (scale[body.name] * length)
 
 
-def _power(state: MotionVectors, rounding: Samples) -> Samples:
+def _power(state: MotionVectors, stroke: float, rounding: Samples) -> Samples:
     """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
     driven = state.scene.bodies[state.scene.drive.body]
     if state.scene.driven_slide is None:
@@ -172,7 +173,8 @@ def _power(state: MotionVectors, rounding: Samples) -> Samples:
         _, omega, alpha = state.turning(body.name)
         terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
     forces = [c for c in force_channels(state.scene) if UNITS[quantity(c)] == "N"]
-    natural = max((float(np.abs(state.motion[c]).max()) for c in forces), default=0.0)
+    peaks = {c: float(np.abs(state.motion[c]).max()) for c in forces}
+    natural = max(force_scales(state.scene, state.motion, stroke, peaks).values(), default=0.0)
     natural *= max((float(np.abs(state.point(p)[1]).max()) for p in state.scene.moving_points), default=0.0)
     peak = max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0
     left = np.abs(sum(terms)) / peak
