@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import count
-from multiprocessing import active_children
+from multiprocessing import active_children, resource_tracker
 from pathlib import Path
 from typing import Any
 
@@ -141,9 +141,10 @@ def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
 
 
 def children() -> list[int]:
-    """Return the processes of this one that go on."""
+    """Return the processes of this one that go on, but for multiprocessing's own, which begins with the first pool."""
+    tracker = resource_tracker._resource_tracker._pid  # type: ignore[attr-defined]
     stats = ((int(stat.parent.name), _stat(stat)) for stat in Path("/proc").glob("[0-9]*/stat"))
-    return [number for number, (state, parent) in stats if parent == os.getpid() and state != "Z"]
+    return [number for number, (state, parent) in stats if parent == os.getpid() and state != "Z" and number != tracker]
 
 
 def alive(number: int) -> bool:
