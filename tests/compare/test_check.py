@@ -10,6 +10,8 @@ import compare
 import scenes
 from compare.run import main
 from scenes import Failure, InputError, Motion, Status
+from scenes.scene import ConstantSpeed
+from tests import scene_files
 from tests.comparisons import Plug
 
 
@@ -28,6 +30,16 @@ def test_a_shipped_scene_is_judged_as_by_the_command_line(
     written = np.genfromtxt("out/four_bar/motion.exudyn.csv", delimiter=",", names=True, deletechars="")
     assert (written["T.x_[m]"] == result.motions["exudyn"]["T.x"]).all()
     assert capsys.readouterr().err == ""
+
+
+def test_where_nothing_accelerates_and_no_force_acts() -> None:
+    """Forces and accelerations are rounding, and are not held against each other; nor does a canary swap them."""
+    wedge = scene_files.load("wedge")
+    drive = ConstantSpeed("wedge", speed=0.7, start=0.02, end=0.13)
+    scene = replace(wedge, drive=drive, gravity=None, loads=(), springs=())
+    result = compare.check(scene, samples=72)
+    assert result.ok, result.missed
+    assert result.reference.scale["F.fx"] == pytest.approx(5 * result.reference.stroke * (0.7 / 0.11) ** 2)
 
 
 def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
