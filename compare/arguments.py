@@ -20,7 +20,7 @@ USAGE = (
     " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
 )
 
-MOST_VALUES = 50_000_000  # samples times channels of one engine's motion: 0.4 GB as doubles, and a file of 1 GB
+MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
 
 
 def parser() -> argparse.ArgumentParser:

@@ -9,7 +9,7 @@ NAME = 64  # characters: names of folders and files are made of them, which file
 TITLE = 200  # characters: it is the heading of a page
 SOURCE = 2000  # characters: a paragraph of a page
 
-BODIES = 200  # the models' time goes with their square or cube: 21 take a minute, and 50 several
+BODIES = 100  # the models' time goes with their square or cube: 21 take a minute, 51 two and a half
 POINTS = 1000  # of all bodies and the ground, a pin's once for each: a run of 300 takes seven times as long as of 10
 LOADS = 200  # and as many springs, each evaluated at every step: a run of two hundred springs takes three times as long
 ROWS = 10_000  # of a force table, and of a motion law: a run takes three times as long as with one row

@@ -113,14 +113,15 @@ def natural_rate(scene: Scene) -> float:
 def force_scales(scene: Scene, motion: Motion, stroke: float, peaks: Mapping[str, float]) -> dict[str, float]:
     """Return what errors of forces are divided by: their peak, or the largest of all where it is rounding.
 
-    Where nothing accelerates and nothing pushes, all are rounding: then what S w^2 takes for the heaviest body, N.
+    Where nothing accelerates and nothing pushes, all are rounding: then 1 N, or what S w^2 takes for the heaviest body
+    if that is less.
     """
     largest, w = max(peaks.values(), default=0.0), natural_rate(scene)
     natural = max(body.mass or 0.0 for body in scene.bodies.values()) * stroke * w**2
     rest = {"ax": REST * stroke * w**2, "ay": REST * stroke * w**2, "alpha": REST * w**2}
     still = (np.abs(motion[c]).max() <= rest[quantity(c)] for c in motion.samples if quantity(c) in rest)
     if largest <= REST * natural and all(still):
-        return dict.fromkeys(peaks, natural or 1.0)
+        return dict.fromkeys(peaks, min(natural, 1.0) or 1.0)
     largest = largest or 1.0
     return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
 
