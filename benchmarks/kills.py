@@ -46,7 +46,8 @@ def broken(name: str, moments: int, draw: random.Random) -> int:
                 completed(job)
             after = compared(older, place) if name != "full" else "new"
             rest = {path.name for path in out.iterdir()} - {place.name, KEPT if name == "full" else ""}
-            fine = found.result in ("older", "new") and after == "new" and not found.processes and not rest
+            whole_after = after in ("older", "new")  # a family has no times, so its next result may be the same
+            fine = found.result in ("older", "new") and whole_after and not found.processes and not rest
             count += not fine
             told = "" if fine else f"; BROKEN: {after}, {sorted(rest)}"
             print(f"{name}: {found}{told}", flush=True)
