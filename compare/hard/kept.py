@@ -16,7 +16,6 @@ from ..engines import registry
 from ..engines.environment import environment
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")
-
 MOST = 2**26  # bytes: a file of 1000 cases has 2**20
 
 Rows = list[dict[str, Any]]

@@ -17,9 +17,7 @@ from secrets import token_hex
 
 from scenes import InputError
 
-OLDER = (
-    "-older"  # after the name of a folder aside: the older result, where two folders cannot be exchanged in one step
-)
+OLDER = "-older"  # after the name of a folder aside: the older result, where no exchange in one step is possible
 AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 

@@ -26,7 +26,7 @@ LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4":
 # the processor time, pymunk's 1.35 times: a ratio of up to 1.3 between two settings may be the neighbour's.
 TIE = 0.5
 # What is named may change from run to run where a ratio is near the limit of a tie; up to this one it is called level
-# all the same, so that two runs differ in what they name only where both call it level.
+# all the same: two runs whose times are up to a sixth apart differ in what they name only where both call it level.
 NEAR = 0.75
 DOUBT = 1.15  # ratio of the limit of a tie to a time, below which more rounds might move it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
