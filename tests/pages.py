@@ -1,14 +1,16 @@
 """What is packed in a page: the plots' library and its figures."""
 
 import gzip
+import json
 import re
 from base64 import b64decode
 
 
 def unpacked(text: str) -> list[str]:
-    """Return the library and all figures of a page."""
+    """Return the library and all figures of a page, as JSON."""
     packed = re.findall(r'<script type="application/gzip"[^>]*>([^<]*)</script>', text)
-    return [gzip.decompress(b64decode(part)).decode() for part in packed]
+    figures, library = (gzip.decompress(b64decode(part)).decode() for part in packed)
+    return [library, *(json.dumps(figure, separators=(",", ":")) for figure in json.loads(figures))]
 
 
 def without_scripts(text: str) -> str:

@@ -1,32 +1,53 @@
-"""The parts of a page: its head, sections, figures, tables, lists."""
+"""Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cache
 from gzip import compress
-from html import escape
-from importlib.resources import files
-from string import Template
+from itertools import islice
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from ..engines.environment import environment
+from . import numbers
 from .extremes import CURVE, thinned
 
-ROWS = 200  # of a table, at most
+HERE = "compare.report"  # the package of the templates that all pages share
+ROWS = 200  # of a table or a list, at most
 
 
-def template(package: str, name: str) -> Template:
-    """Return a template that lies beside the modules of a package."""
-    return Template((files(package) / name).read_text(encoding="utf-8"))
+def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
+    """Return a page.
+
+    Args:
+        name: of the template, a path in its package.
+        package: that has it.
+        most: points a curve of the page's figures.
+        values: what the template uses.
+    """
+    return _templates(package).get_template(name).render(values, parts=Parts(most))
 
 
-def head(title: str) -> str:
-    """Return the start of a self-contained page, open for further elements of its head."""
-    return template("compare.report", "head.html").substitute(title=escape(title), plotly=_library())
+@cache
+def _templates(package: str) -> Environment:
+    packages = dict.fromkeys((package, HERE))
+    templates = Environment(
+        loader=ChoiceLoader([PackageLoader(package, "") for package in packages]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    templates.filters |= {"table": shortened, "first": first, "short": numbers.short, "percent": numbers.percent}
+    templates.globals |= {"environment": environment, "library": _library}
+    return templates
 
 
 @cache
@@ -35,59 +56,63 @@ def _library() -> str:
 
 
 def _packed(text: str) -> str:
-    """Return a text as gzip in base64, a third of its size, for the script in the page's head to unpack."""
+    """Return a text as gzip in base64, a third of its size, for the script of the page to unpack."""
     return b64encode(compress(text.encode(), mtime=0)).decode()
 
 
-def figure_html(figure: go.Figure, most: int = CURVE) -> str:
-    """Return a figure as wide as the page, of at most so many points a curve; it scrolls on a narrow screen."""
-    return f'<div class="scroll wide">{_plot(figure, most)}</div>'
+class Parts:
+    """What a page collects while it is rendered: its sections and its figures."""
+
+    def __init__(self, most: int) -> None:
+        self.contents: list[tuple[str, str]] = []  # anchor and title of every section
+        self._most, self._figures = most, list[str]()
+
+    def section(self, anchor: str, title: str) -> str:
+        """Enter a section into the table of contents, and return its anchor."""
+        self.contents.append((anchor, title))
+        return anchor
+
+    def figure(self, figure: go.Figure) -> int:
+        """Take a figure in, and return its number."""
+        self._figures.append(thinned(figure, self._most).to_json(validate=False))
+        return len(self._figures) - 1
+
+    @property
+    def figures(self) -> str:
+        """All figures, packed; nothing where there are none."""
+        return _packed(f"[{','.join(self._figures)}]") if self._figures else ""
 
 
-def _plot(figure: go.Figure, most: int) -> str:
-    height = figure.layout.height or 450
-    packed = _packed(thinned(figure, most).to_json(validate=False))
-    script = f'<script type="application/gzip">{packed}</script>'
-    return f'<div class="plotly-graph-div" style="height: {height}px">{script}</div>'
+@dataclass(frozen=True)
+class Table:
+    """A table as shown: of a long one not all rows."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[object]]
+    left_out: str  # which rows are shown, in a sentence
 
 
-def section_html(title: str, figure: go.Figure, note: str = "", most: int = CURVE) -> str:
-    """Return a titled figure with a note above it, for a grid of figures."""
-    source = f'<p class="source">{escape(note)}</p>' if note else ""
-    return f"<section><h3>{escape(title)}</h3>{source}{_plot(figure, most)}</section>"
+def shortened(table: pd.DataFrame, worst: str = "", whole: str = "the JSON file") -> Table:
+    """Return a table for a page; of a long one the first rows, or those with the largest numbers in a column.
 
-
-def table_html(table: pd.DataFrame, kind: str = "", *, worst: str = "", whole: str = "the JSON file") -> str:
-    """Return a table of numbers, or one of `kind` text, whose cells may break into lines.
-
-    Of a long table it has the first rows, or those with the largest numbers in the column `worst`; NaN is the largest.
+    Args:
+        table: what is known.
+        worst: name of that column; NaN is the largest.
+        whole: where all rows are.
     """
+    columns, left_out = [str(column) for column in table.columns], ""
     if len(table) > ROWS:
         size = -table[worst].fillna(np.inf).to_numpy() if worst else np.zeros(len(table))
-        order = np.argsort(size, kind="stable")[:ROWS]
         which = f"with the largest {worst}" if worst else "that come first"
-        some = f"<p>The {ROWS} rows {escape(which)}, of {len(table):,}; all are in {escape(whole)}.</p>"
-        return some + table_html(table.iloc[order], kind)
-    if table.empty:
-        return "<p>None.</p>"
-    html = table.to_html(index=False, border=0, na_rep="–", float_format=lambda value: f"{value:.3g}", justify="right")
-    return f'<div class="scroll {kind}">{html}</div>'
+        left_out = f"The {ROWS} rows {which}, of {len(table):,}; all are in {whole}."
+        table = table.iloc[np.argsort(size, kind="stable")[:ROWS]]
+    known = table.astype(object).where(table.notna(), None)
+    return Table(columns, [*known.itertuples(index=False, name=None)], left_out)
 
 
-def list_html(sentences: Iterable[str]) -> str:
-    """Return sentences as a list; of very many the first."""
-    written = [*sentences]
-    if len(written) > ROWS:
-        written = [*written[:ROWS], f"And {len(written) - ROWS:,} more, in the files beside this page."]
-    return f"<ul>{''.join(f'<li>{escape(sentence)}</li>' for sentence in written)}</ul>"
-
-
-def details_html(summary: str, content: str, *, opened: bool = False) -> str:
-    """Return HTML that is hidden until the reader opens its summary."""
-    return f"<details{' open' * opened}><summary>{escape(summary)}</summary>{content}</details>"
-
-
-def versions_html(engines: Mapping[str, str] | None = None) -> str:
-    """Return the versions of engines, where given, and of all else that a page was made on."""
-    versions = dict(engines or {}) | environment()
-    return table_html(pd.DataFrame(versions.items(), columns=["environment", "version"]), "text")
+def first(sentences: Iterable[str]) -> list[str]:
+    """Return sentences for a list; of very many the first."""
+    written = iter(sentences)
+    shown = [*islice(written, ROWS)]
+    more = sum(1 for _ in written)
+    return [*shown, f"And {more:,} more, in the files beside this page."] if more else shown

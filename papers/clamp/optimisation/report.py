@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import pandas as pd
 
 from compare.engines.environment import environment
 from compare.report.files import json_text
-from compare.report.html import figure_html, head, list_html, table_html, template, versions_html
+from compare.report.html import render
 from compare.report.placing import placed
 
 from ..constraints import ALONE, BOTH, LITERAL, slacks
@@ -51,24 +50,20 @@ def write(outcome: Outcome, folder: Path) -> Path:
 def page(outcome: Outcome) -> str:
     """Return the whole report as HTML."""
     points = outcome.points
-    others = (
-        f"<h3>{escape(name)}</h3>{table_html(tables.curve(points, name))}" for name in ASSUMPTIONS if name != MAIN
-    )
-    return template("papers.clamp.optimisation", "design.html").substitute(
-        head=head("Double-toggle clamp: its optimisation"),
-        findings=list_html([*tables.findings(points), f"The optimisation took {outcome.seconds:.0f} s."]),
-        curve_figure=figure_html(coordination(points, outcome.chosen)),
-        curve=table_html(tables.curve(points, MAIN)),
-        steps=table_html(tables.curve(points, LENGTHS)),
-        others="".join(others),
-        ahead=table_html(tables.ahead(points)),
-        stroke_figure=figure_html(over_stroke({"scheme 4": SCHEME_4} | dict(outcome.chosen))),
-        rechecks=table_html(tables.rechecked(outcome.rechecks)),
-        published=table_html(tables.published()),
+    return render(
+        "clamp/optimisation/design.html",
+        "papers",
+        tables=tables,
+        outcome=outcome,
+        points=points,
+        findings=[*tables.findings(points), f"The optimisation took {outcome.seconds:.0f} s."],
+        coordination=coordination(points, outcome.chosen),
+        main=MAIN,
+        lengths=LENGTHS,
+        others=[name for name in ASSUMPTIONS if name != MAIN],
+        over_stroke=over_stroke({"scheme 4": SCHEME_4} | dict(outcome.chosen)),
         literal=" and ".join(f"{-slacks(d, BOTH)[LITERAL] / DEGREE:.1f} deg ({name})" for name, d in PUBLISHED.items()),
-        assumed=table_html(tables.assumed(CLEARANCES)),
-        constraints=table_html(tables.constraints(points)),
-        environment=versions_html(),
+        clearances=CLEARANCES,
     )
 
 

@@ -16,7 +16,8 @@ from compare.hard import case as hard_case
 from compare.hard import cases as hard
 from compare.hard.case import Case, examine
 from compare.report.hard import tables as hard_tables
-from compare.report.hard.section import hard_section
+from compare.report.hard.section import hard_cases
+from compare.report.html import render
 from scenes import Failure, Motion, Sampling, Settings, Status
 from tests import scene_files
 from tests.comparisons import Plug, Stub, changed
@@ -203,8 +204,8 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
 
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
     rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
-    html = hard_section(pd.DataFrame(rows))
+    html = render("hard/section.html", hard=hard_cases(pd.DataFrame(rows)), maps=[])
     assert "0 silent wrong answers and 0 false alarms in 3 attempts on 1 rungs of 1 ladders" in html
     assert "All solve it." in html
     assert "then wrong_branch" in html
-    assert hard_section(pd.DataFrame()) == ""
+    assert not render("hard/section.html", hard=hard_cases(pd.DataFrame()), maps=[]).strip()

@@ -10,7 +10,7 @@ import pytest
 
 from compare.report import curves
 from compare.report.extremes import CURVE, extremes
-from compare.report.html import ROWS, figure_html, list_html, table_html
+from compare.report.html import ROWS, Parts, first, shortened
 from compare.report.linkage import linkage
 from compare.report.page import page
 from compare.study import Study
@@ -76,7 +76,8 @@ def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: 
     assert any((drawn == 12.5).any() for drawn in with_errors)
     text = without_scripts(long_page)
     assert re.search(r"Drawn: at most [\d,]+ of 14,401 samples a curve", text)
-    assert text.index("</table>") < text.index("The linkage"), "tables need no script"
+    assert "<table>" in text, "tables need no script"
+    assert long_page.index('id="figures"') > long_page.index("</main>"), "the text is there before what is packed"
 
 
 def test_a_short_run_is_drawn_whole(result: Study) -> None:
@@ -86,7 +87,10 @@ def test_a_short_run_is_drawn_whole(result: Study) -> None:
 
 
 def test_a_figure_is_the_same_each_time(result: Study) -> None:
-    assert figure_html(linkage(result)) == figure_html(linkage(result))
+    one, other = Parts(CURVE), Parts(CURVE)
+    for parts in (one, other):
+        parts.figure(linkage(result))
+    assert one.figures == other.figures
 
 
 @pytest.mark.parametrize("row", [0, 1, 123_457, 359_998, 359_999])
@@ -128,10 +132,9 @@ def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
 def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
     table = pd.DataFrame({"channel": [f"c{n}" for n in range(1000)], "max": np.arange(1000.0)})
     table.loc[3, "max"] = np.nan
-    text = table_html(table, worst="max", whole="errors.csv")
-    assert text.count("<tr") == ROWS + 1
-    assert ">c3<" in text
-    assert ">c999<" in text
-    assert ">c700<" not in text
-    assert f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv." in text
-    assert "And 800 more" in list_html(map(str, range(1000)))
+    shown = shortened(table, "max", "errors.csv")
+    assert len(shown.rows) == ROWS
+    assert shown.rows[:2] == [("c3", None), ("c999", 999.0)]
+    assert "c700" not in [channel for channel, _ in shown.rows]
+    assert shown.left_out == f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv."
+    assert first(map(str, range(1000)))[ROWS].startswith("And 800 more")

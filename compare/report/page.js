@@ -1,0 +1,42 @@
+// Figures are drawn near the viewport, all of them before a print; the library is unpacked after the first paint.
+const unpacked = async id => {
+  const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), c => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+};
+const places = new Set(document.querySelectorAll("[data-figure]"));
+let figures;
+
+const draw = place => {
+  if (!figures || !places.delete(place)) return;
+  const { data, layout } = figures[place.dataset.figure];
+  Plotly.newPlot(place, data, layout, { displayModeBar: false, responsive: true });
+};
+
+const near = new IntersectionObserver(
+  seen => seen.filter(entry => entry.isIntersecting).forEach(entry => draw(entry.target)), { rootMargin: "600px" });
+
+const unpack = async () => {
+  const library = document.createElement("script");
+  library.textContent = await unpacked("plotly");
+  const found = JSON.parse(await unpacked("figures"));
+  document.head.append(library);
+  figures = found;
+  places.forEach(place => near.observe(place));
+};
+if (places.size) requestAnimationFrame(() => setTimeout(unpack));
+
+const closed = [];
+addEventListener("beforeprint", () => {
+  for (const part of document.querySelectorAll("details:not([open])")) closed.push(part) && (part.open = true);
+  places.forEach(draw);
+  for (const picture of document.querySelectorAll(".main-svg[height]")) { // drawn for the screen, scaled to the paper
+    const size = [picture.getAttribute("width"), picture.getAttribute("height")];
+    picture.setAttribute("viewBox", `0 0 ${size.join(" ")}`);
+    picture.parentElement.style.aspectRatio = size.join("/");
+  }
+});
+addEventListener("afterprint", () => closed.splice(0).forEach(part => (part.open = false)));
+
+addEventListener("pointerover", ({ target }) => {
+  if (target.tagName === "DATA" && !target.title) target.title = target.value; // the number as it is
+});
