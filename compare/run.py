@@ -175,9 +175,10 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
 def _print_result(result: "Study") -> None:
     from .judge.errors import SHOWN_GROUPS
-    from .report.speed.tables import verdict
-    from .report.tables import overview
+    from .report.speed import tables as speed_tables
+    from .report.tables import overview, verdict
 
+    print(f"{result.scene.name}  {verdict(result)}")
     for row in overview(result).to_dict("records"):
         errors = "  ".join(f"{group} {row[group]:.1e}" for group in SHOWN_GROUPS if row[group] == row[group])
         print(f"{result.scene.name}  {row['engine']:14} {row['status']:15} {errors}")
@@ -186,7 +187,7 @@ def _print_result(result: "Study") -> None:
             print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
     for cause in result.causes.values():
         print(f"{result.scene.name}  likely cause: {cause}")
-    for sentence in (*result.reasons, verdict(result)):
+    for sentence in (*result.reasons, speed_tables.verdict(result)):
         print(f"{result.scene.name}  {sentence}")
 
 

@@ -1,7 +1,7 @@
 """What every engine is measured against: the analytic core, and the scales of its channels."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Reference:
     stroke: float  # m, of the output point
     scale: Mapping[str, float]  # by channel, what errors are divided by
     floor: Floor
+    cycle: Motion = field(default_factory=lambda: Motion({}))  # at `SCALE_SAMPLES`
     stroke_ends: tuple[float, ...] = ()  # m, of each press force
     neighbours: tuple[registry.Solve, ...] = ()  # the same with the scene's numbers a few last places off, where known
 
@@ -50,16 +51,20 @@ class Reference:
 
         At a sample on the switch of a press force all forces are compared with those on the side where they fit best.
         """
-        found = relative_errors(motion, true, self.scale)
+        return relative_errors(motion, self.fitting(motion, true, may), self.scale)
+
+    def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
+        """Return `true`, with the forces on a press force's switch those of the side where the motion's fit best."""
         judged = [channel for channel in force_channels(self.scene) if channel in motion]
         for scene, rows in fixed(self.scene, may) if judged else ():
+            there, now = (Motion({channel: of[channel][rows] for channel in judged}) for of in (motion, true))
             other = registry.reference(scene)(true[scene.drive_channel][rows], true["time"][rows])
-            there = Motion({channel: motion[channel][rows] for channel in judged})
-            errors = relative_errors(there, other, self.scale)
-            better = sum(errors.values()) < sum(found[channel][rows] for channel in judged)
+            off, before = (sum(relative_errors(there, side, self.scale).values()) for side in (other, now))
+            changed = {channel: true[channel].copy() for channel in judged}
             for channel in judged:
-                found[channel][rows] = np.where(better, errors[channel], found[channel][rows])
-        return found
+                changed[channel][rows] = np.where(off < before, other[channel], now[channel])
+            true = Motion({**true.samples, **changed})
+        return true
 
 
 def found(scene: Scene) -> Reference:
@@ -76,7 +81,7 @@ def found(scene: Scene) -> Reference:
     if not size > 0:
         raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
     ends = tuple(stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene))
-    return Reference(scene, solve, size, scales(scene, motion, size), Floor({}, ""), ends)
+    return Reference(scene, solve, size, scales(scene, motion, size), Floor({}, ""), motion, ends)
 
 
 def stroke(scene: Scene, motion: Motion) -> float:

@@ -16,9 +16,11 @@ from ..engines.reference import Reference, relative_errors
 from ..engines.registry import ORACLE, REFERENCE
 from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
+from .agreement import Agreement, agreement
 from .escalation import escalated
 from .gates import Gate, gate_table, gates, missed
 from .measure import Measurement, measure
+from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
 from .sketch import warnings
 from .triage import sentences
@@ -58,6 +60,16 @@ class Judgement:
         """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
         off = {gate.engine for gate in self.held if gate.missed}
         return sentences(self.reference, self.sampling, self.measurements, off)
+
+    @property
+    def agreement(self) -> Agreement:
+        """Whether the models agree, in a word and in a sentence."""
+        return agreement(self)
+
+    @cached_property
+    def peaks(self) -> list[Peak]:
+        """The numbers by which a designer sizes the linkage, and by how much the engines differ on each."""
+        return peaks(self.reference, self.sampling, self.measurements)
 
     @property
     def verdicts(self) -> dict[str, tuple[str, str]]:

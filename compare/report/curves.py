@@ -40,7 +40,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """One figure: its curves, and the channels whose error, as a vector, is plotted below them."""
+    """One figure: its curves, and the channels whose largest error is plotted below them; that of x or y is both's."""
 
     title: str
     axis: str
@@ -125,7 +125,7 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
         for curve in panel.curves:
             draw(figure, engine, over[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
-            error = np.sqrt(sum(np.square(m.comparison.actual[channel]) for channel in panel.judged))
+            error = np.max([m.comparison.actual[channel] for channel in panel.judged], axis=0)
             shown = np.maximum(error, floor) if floor else np.where(error > 0, error, np.nan)
             line = {"color": colour(number), "width": 1.3}
             draw(figure, f"{engine} error", over, shown, 2, group=engine, line=line)

@@ -17,6 +17,7 @@ from ..engines.axis import axis
 from ..engines.environment import environment
 from ..engines.registry import route
 from ..family.family import Family
+from ..judge.agreement import WorstError, worst_error
 from ..judge.errors import group_floors
 from ..judge.measure import Measurement
 from ..judge.sketch import distances
@@ -27,9 +28,19 @@ from .family.tables import in_si
 from .hard import tables as hard_tables
 from .page import page
 from .placing import placed, remove
+from .tables import peaks
 
 PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
-REPORT = ("report.html", "summary.json", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv", "hard.csv")
+REPORT = (
+    "report.html",
+    "summary.json",
+    "peaks.csv",
+    "errors.csv",
+    "speed.csv",
+    "motion.*.csv",
+    "stability.csv",
+    "hard.csv",
+)
 FAMILY = ("family.html", "family.json", "family.csv")
 
 
@@ -41,7 +52,7 @@ def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    tables = {"errors": study.errors, "speed": study.speed}
+    tables = {"peaks": peaks(study), "errors": study.errors, "speed": study.speed}
     tables |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if len(table)}
     for engine, motion in study.motions.items():
         named = {header(channel): values for channel, values in motion.samples.items()}
@@ -111,7 +122,9 @@ def _summary(study: Study) -> dict[str, Any]:
         "axis": axis(scene),
         "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
         "sketch": distances(study.reference),
-        "engines": {m.run.engine: _engine(m) for m in study.measurements},
+        "verdict": study.agreement,
+        "peaks": study.peaks,
+        "engines": {m.run.engine: _engine(m, worst_error(scene, m)) for m in study.measurements},
         "causes": study.causes,
         "errors": study.errors.to_dict("records"),
         "gates": study.gates.to_dict("records"),
@@ -123,12 +136,13 @@ def _summary(study: Study) -> dict[str, Any]:
     }
 
 
-def _engine(measurement: Measurement) -> dict[str, Any]:
+def _engine(measurement: Measurement, worst: WorstError | None) -> dict[str, Any]:
     run = measurement.run
     known = ("version", "status", "reason", "found_by", "settings", "counters", "residuals")
     return {name: getattr(run, name) for name in known} | {
         "seconds": {"build": run.build_s, "solve": run.solve_s, "read": run.read_s},
         "unsupported": run.motion.unsupported if run.motion else {},
+        "worst_error": worst and worst._asdict(),
         "checks": measurement.checks,
     }
 

@@ -8,12 +8,12 @@ import numpy as np
 import pandas as pd
 
 from scenes import Scene, Status
+from scenes.motion import UNITS, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.axis import axis, cycle_name
 from ..engines.reference import Floor
-from ..engines.registry import REFERENCE
 from ..judge.constraints import largest_length
 from ..judge.errors import SHOWN_GROUPS
 from ..judge.sketch import distances
@@ -53,6 +53,18 @@ def checks(study: Study) -> pd.DataFrame:
     ).rename(columns={"max_at": at, "relative_to": "relative to"})
     largest = table.assign(worst=table["worst"].fillna(np.inf)).groupby(["engine", "check"], sort=False)["worst"]
     return table.loc[largest.idxmax()]
+
+
+def peaks(study: Study) -> pd.DataFrame:
+    """Return one row per number of the designer's, in SI, and by how much each engine differs on it."""
+    at = f"at [{UNITS[quantity(axis(study.scene).channel)]}]"
+    engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
+    return pd.DataFrame(
+        {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
+        | {"direction [rad]": peak.direction, "channel": peak.channel}
+        | {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
+        for peak in study.peaks
+    )
 
 
 def residuals(study: Study) -> pd.DataFrame:
@@ -116,15 +128,8 @@ def scales(scene: Scene) -> str:
 
 
 def verdict(study: Study) -> str:
-    """Return how far apart the models are, in one sentence."""
-    solved = [m for m in study.measurements if m.run.status is Status.ok]
-    sentences = [f"{len(solved)} of {len(study.measurements)} engines solved the scene."]
-    for m in solved:
-        worst = m.worst() if m.run.engine != REFERENCE else {}
-        errors = ", ".join(f"{worst[group]:.1e} in {group}" for group in SHOWN_GROUPS if group in worst)
-        if errors:
-            sentences.append(f"{m.run.engine} is within {errors} of the analytic core.")
-    return " ".join(sentences)
+    """Return how far the models agree, in a word and a sentence."""
+    return f"{study.agreement.word}: {study.agreement.sentence}"
 
 
 def notes(study: Study) -> list[str]:

@@ -1,0 +1,206 @@
+"""Whether the models agree, in a word, and in a plain sentence how well, or which of them does not and why."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from math import ceil, floor, isfinite, log10
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from scenes import Scene, Status
+
+from ..engines import registry
+from ..engines.axis import axis
+from ..engines.registry import REFERENCE
+from .errors import SHOWN_GROUPS
+from .measure import Measurement
+
+if TYPE_CHECKING:
+    from .judgement import Judgement
+
+CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
+FAILED = {
+    Status.unsupported: "cannot model this scene",
+    Status.cannot_assemble: "could not put the bodies together",
+    Status.diverged: "ran away",
+    Status.not_converged: "did not converge",
+    Status.nonfinite: "returned values that are not finite",
+    Status.timed_out: "ran out of time",
+    Status.crashed: "crashed",
+}  # why there is nothing to compare
+PER_CENT = 1e-6  # relative: less is given in digits
+
+
+class Word(StrEnum):
+    """The verdict in a word."""
+
+    agrees = "agrees"
+    in_part = "agrees in part"
+    disagrees = "disagrees"
+    not_solved = "not solved"
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """The verdict on all models of a scene."""
+
+    word: Word
+    sentence: str
+
+
+class WorstError(NamedTuple):
+    """The largest error of an engine over all channels."""
+
+    size: float  # relative, none below the reference's floor; NaN of the reference without one
+    channel: str
+    position: float  # on the axis of curves and tables, SI: rad, m, or s under a law; NaN of the floor, found nowhere
+
+
+def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = ()) -> WorstError | None:
+    """Return the largest error of an engine, a NaN counting as the largest; None where nothing was compared.
+
+    Args:
+        scene: the linkage.
+        measurement: of the engine.
+        groups: the channel groups to look at; all where none is named.
+    """
+    rows = measurement.errors
+    if groups and len(rows):
+        rows = rows[rows["group"].isin(groups)]
+    if rows.empty:
+        return None
+    row = rows.iloc[int(rows["max"].to_numpy().argmax())]
+    at = np.nan if row["max"] <= row["floor"] else float(row["max_at"]) / axis(scene).factor
+    return WorstError(float(row["max"]), str(row["channel"]), at)
+
+
+def agreement(judged: "Judgement") -> Agreement:
+    """Return whether the models agree.
+
+    They agree where the judgement is ok and an engine besides the reference is; in part, where no model contradicts
+    another and some of them, or arbitrary precision, confirm the reference.
+    """
+    others = [m for m in judged.measurements if m.run.engine != REFERENCE]
+    confirming = [m for m in others if m.run.status is Status.ok]
+    contradiction = _contradiction(judged, others)
+    unsolved = [f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok]
+    if contradiction:
+        return Agreement(Word.disagrees, contradiction)
+    if not confirming:
+        alone = f"{_listed(unsolved)}; nothing else checks it" if unsolved else "No other engine was asked"
+        certified = judged.reference.floor.by_channel and not unsolved
+        sentence = f"{alone}; {_certified(judged, _name(judged))}."
+        return Agreement(Word.in_part if certified else Word.not_solved, sentence)
+    sentence = f"{_confirmed(judged, confirming)}; {_certified(judged, 'it')}."
+    if judged.ok:
+        count = len(judged.held)
+        met = {0: "", 1: " The tolerance is met."}.get(count, f" All {count} tolerances are met.")
+        return Agreement(Word.agrees, sentence + met)
+    besides = [f"{_listed(unsolved)}."] if unsolved else []
+    if judged.let_through:
+        besides.append("The comparison let through faults that were put into copies of these runs.")
+    return Agreement(Word.in_part, " ".join([sentence, *besides]))
+
+
+def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
+    """Return which model contradicts the rest, in what, by how much, and the likely cause; or nothing."""
+    core = next((m.run for m in judged.measurements if m.run.engine == REFERENCE), None)
+    if doubt := judged.reference.floor.doubt:
+        return f"{_capital(_name(judged))} is not to be believed: {doubt.partition(': ')[0]}."
+    if core is not None and core.status is not Status.ok:
+        return f"{_capital(_name(judged))} {FAILED.get(core.status, 'contradicts itself')}."
+    off = [m for m in others if m.run.status in CONTRADICTS]
+    if off:
+        worst = max(off, key=lambda m: _size(judged, m))
+        names, verb = _listed([m.run.engine for m in off]), "disagrees" if len(off) == 1 else "disagree"
+        which = "" if len(off) == 1 else f", most of all {worst.run.engine}"
+        return f"{names} {verb} with {_name(judged)}{which}{_by(judged, worst)}{_cause(judged, worst)}."
+    missed = [gate for gate in judged.held if gate.missed]
+    ok = {m.run.engine: m for m in others if m.run.status is Status.ok}
+    for gate in missed:
+        if gate.engine in ok or gate.engine == REFERENCE:
+            size = f"off by {sized(gate.error)} in {gate.worst}" if isfinite(gate.error) else gate.worst
+            cause = _cause(judged, ok[gate.engine]) if gate.engine in ok else ""
+            return f"{gate.engine} misses its {gate.group} tolerance: {size}{cause}."
+    return ""
+
+
+def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
+    size = max(_size(judged, m) for m in confirming)
+    verb = "agrees" if len(confirming) == 1 else "agree"
+    channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
+    engines = _listed([m.run.engine for m in confirming])
+    return f"{engines} {verb} with {_name(judged)} to {within(size)} in {channels}"
+
+
+def _size(judged: "Judgement", measurement: Measurement) -> float:
+    """Return the largest error of an engine for comparison: infinite where it is no number."""
+    worst = worst_error(judged.scene, measurement, SHOWN_GROUPS)
+    return worst.size if worst is not None and isfinite(worst.size) else np.inf
+
+
+def _by(judged: "Judgement", measurement: Measurement) -> str:
+    worst = worst_error(judged.scene, measurement)
+    if worst is None:
+        return ""
+    return f" by {sized(worst.size)} in {worst.channel}" if isfinite(worst.size) else f" in {worst.channel}"
+
+
+def _cause(judged: "Judgement", measurement: Measurement) -> str:
+    """Return the likely cause where one is known and every number in it reads plainly."""
+    engine = measurement.run.engine
+    cause = judged.causes.get(engine, "").removeprefix(f"{engine}: ")
+    plain = not any(part in cause for part in ("e-", "e+", "nan", "inf", "unknown"))
+    return f"; likely cause: {cause}" if cause and plain else ""
+
+
+def _why(measurement: Measurement) -> str:
+    run = measurement.run
+    return "is not installed" if registry.ENTRIES[run.engine].missing else FAILED.get(run.status, "contradicts itself")
+
+
+def _name(judged: "Judgement") -> str:
+    return "the closed form" if registry.route(judged.scene).startswith("closed form") else "the reference"
+
+
+def _certified(judged: "Judgement", name: str) -> str:
+    floors = judged.reference.floor.by_channel.values()
+    return f"{name} is certified to {digits(max(floors))} digits" if floors else f"{name} is itself not certified"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+# --- figures that read plainly ---------------------------------------------------------------------------------------
+
+
+def within(size: float) -> str:
+    """Return a relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
+    if size < PER_CENT:
+        return f"{digits(size)} digits"
+    return _per_cent(size, ceil, 1)
+
+
+def sized(size: float) -> str:
+    """Return a relative error as a size: `3.1 %`, or between two bounds."""
+    if size < PER_CENT:
+        return "less than 0.0001 %"
+    return _per_cent(size, round, 2) if size < 10 else "more than 1000 %"
+
+
+def digits(size: float) -> int:
+    """Return how many digits a relative error leaves, 15 at most."""
+    return min(floor(-log10(size)), 15) if size > 0 else 15
+
+
+def _per_cent(size: float, rounded: Callable[[float], int], figures: int) -> str:
+    """Return a size in per cent, rounded to so many figures."""
+    last = floor(log10(100 * size)) - figures + 1  # the power of ten of the last figure
+    text = f"{rounded(100 * size / 10.0**last) * 10.0**last:.{max(-last, 0)}f}"
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"

@@ -1,0 +1,109 @@
+"""Quantities followed over a cycle: the output's motion, the forces of joints, the drive's effort, singular poses."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.motion import UNITS, quantity
+
+from ...engines.motion_vectors import MotionVectors
+from ...engines.reference import Reference
+
+Values: TypeAlias = NDArray[Any]  # shape (n,), complex for a vector
+LEAST = ("transmission", "to_lock")  # the kinds of which the least value matters
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One quantity: a plane vector, or a number with a sign."""
+
+    kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, one of `LEAST`
+    of: str  # the point, joint or body
+    channels: tuple[str, ...]  # that it is taken from
+    scale: float  # of the errors of these channels
+    values: Callable[[Motion], Values]
+    along: complex | None = None  # the direction of a positive number, where it has one
+
+    @property
+    def unit(self) -> str:
+        """The unit of its values."""
+        return UNITS[quantity(self.channels[0])]
+
+    def direction(self, motion: Motion, row: int) -> float:
+        """Return the direction of the vector at a sample, rad; NaN where it has none."""
+        value = self.values(motion)[row]
+        if self.along is None and not np.iscomplexobj(value):
+            return np.nan
+        return float(np.angle(value * (self.along or 1.0)))
+
+
+def curves(reference: Reference, motion: Motion) -> list[Curve]:
+    """Return the quantities for which a motion has the channels."""
+    known = (*_output(reference), *_joints(reference), *_effort(reference), *_singular(reference.cycle))
+    return [curve for curve in known if all(channel in motion for channel in curve.channels)]
+
+
+def _output(reference: Reference) -> Iterator[Curve]:
+    """Yield the output's motion: numbers along its guide, vectors where it has none."""
+    scene, point = reference.scene, reference.scene.output
+    guided = scene.guided(point)
+    for kind, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
+        x, y = both = f"{point}.{q}x", f"{point}.{q}y"
+        scale = reference.scale[x]
+        if guided is None:
+            yield Curve(kind if q else "path", point, both, scale, _vector(x, y))
+            continue
+        slide = guided[1]
+        parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if part != 0}
+        origin = 0.0 if q else float(np.dot(slide.along, slide.through))
+        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), complex(*slide.along) if q else None)
+
+
+def _joints(reference: Reference) -> Iterator[Curve]:
+    """Yield the forces of pins, of the first body on the second, and the force and moment of guides."""
+    scene, scale = reference.scene, reference.scale
+    if not scene.has_masses:
+        return
+    for pin in scene.pins:
+        x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
+        yield Curve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
+    for body in scene.bodies.values():
+        if body.slide is not None:
+            force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
+            turning = (f"{body.slide.on}.angle",) if body.slide.on in scene.turning else ()
+            across = _across(scene, force, body.slide.on, 1j * complex(*body.slide.along))
+            yield Curve("guide_force", body.name, (force, *turning), scale[force], across)
+            yield Curve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
+
+
+def _effort(reference: Reference) -> Iterator[Curve]:
+    scene = reference.scene
+    channel = "drive.torque" if scene.driven_slide is None else "drive.force"
+    along = None if scene.driven_slide is None else complex(*scene.driven_slide.along)
+    if scene.has_masses:
+        yield Curve("effort", scene.drive.body, (channel,), reference.scale[channel], _along({channel: 1.0}), along)
+
+
+def _singular(cycle: Motion) -> Iterator[Curve]:
+    """Yield how far the groups of the analytic core are from a singular configuration."""
+    for channel in cycle.samples:
+        if quantity(channel) in LEAST:
+            joint = channel.rpartition(".")[0]
+            yield Curve(quantity(channel), joint, (channel,), 1.0, _along({channel: 1.0}))
+
+
+def _vector(x: str, y: str) -> Callable[[Motion], Values]:
+    return lambda motion: motion[x] + 1j * motion[y]
+
+
+def _along(parts: dict[str, float], origin: float = 0.0) -> Callable[[Motion], Values]:
+    return lambda motion: np.sum([part * motion[channel] for channel, part in parts.items()], axis=0) - origin
+
+
+def _across(scene: Scene, force: str, on: str, normal: complex) -> Callable[[Motion], Values]:
+    """Return the force of a guide, across it, as a vector in the ground's frame."""
+    return lambda motion: motion[force] * np.exp(1j * MotionVectors(scene, motion).angle(on)) * normal

@@ -1,0 +1,93 @@
+"""The designer's numbers of a judged scene, and by how much its engines differ on each."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from scenes import Motion, Sampling
+from scenes.motion import channels
+
+from ...engines.axis import axis
+from ...engines.reference import Reference
+from ...engines.registry import REFERENCE
+from ..measure import Measurement
+from .curves import Curve, curves
+from .numbers import numbers
+from .refined import refined
+
+NOTHING = 1e-8  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
+TURNS = 10  # of a run at most, evenly spread, in which engines are compared
+
+
+@dataclass(frozen=True)
+class Peak:
+    """One of the designer's numbers, of the reference over one cycle, SI."""
+
+    name: str  # "largest force at P3"
+    of: str  # the joint, point or body
+    channel: str  # the first of those that it is taken from
+    value: float  # a magnitude; of dead points the displacement along the guide; of mean and work with its sign
+    unit: str
+    position: float  # on the axis of curves and tables, SI: rad, m, or s under a law; NaN where it has no one place
+    direction: float  # rad, of a velocity, acceleration or force there; NaN where it has none
+    differs: Mapping[str, float]  # by engine that returned what it takes, relative to the number, see `peaks`
+
+
+def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measurement]) -> list[Peak]:
+    """Return the numbers that the channels asked for have, refined between the samples.
+
+    An engine's difference is that of the number of its own samples from the number of the reference at the positions
+    that its drive really had, so that sampling makes none; the largest of its cycles. It is relative to the number, of
+    dead points to the stroke, of mean and work to those of the peak torque or force held throughout, and to a thousandth
+    of the scale of the quantity's errors where the number is less. None is below the reference's floor.
+
+    Raises:
+        Failure: the linkage cannot be assembled between two samples.
+    """
+    scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
+    asked = wanted.issuperset(channels(scene))
+    known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
+    found = curves(reference, known)
+    motion = refined(reference, found)
+    where = motion[axis(scene).channel]
+    differences = {
+        m.run.engine: _differences(reference, sampling, m.run.motion)
+        for m in measurements
+        if m.run.motion is not None and m.comparison is not None and m.run.engine != REFERENCE
+    }
+    return [
+        Peak(
+            number.name,
+            number.curve.of,
+            number.curve.channels[0],
+            number.value if abs(number.value) > NOTHING * number.size else 0.0,
+            number.unit,
+            nan if number.row is None else float(where[number.row]),
+            nan if number.row is None else number.curve.direction(motion, number.row),
+            {engine: by_name[number.name] for engine, by_name in differences.items() if number.name in by_name},
+        )
+        for number in numbers(scene, found, motion)
+    ]
+
+
+def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> dict[str, float]:
+    """Return an engine's difference by the name of the number; NaN where one of them lacks it in a cycle."""
+    scene, n = reference.scene, sampling.samples
+    found = curves(reference, motion)
+    largest: dict[str, float] = {}
+    for turn in np.unique(np.linspace(0, sampling.turns - 1, min(sampling.turns, TURNS)).astype(int)):
+        own = Motion({c: samples[turn * n : (turn + 1) * n + 1] for c, samples in motion.samples.items()})
+        at = reference.at(own[scene.drive_channel], own["time"])
+        true = reference.fitting(own, at, reference.acts(at))
+        theirs = {number.name: number for number in numbers(scene, found, own)}
+        for number in numbers(scene, found, true):
+            off = abs(theirs[number.name].value - number.value) if number.name in theirs else nan
+            shown = max(off / number.size, _floor(reference, number.curve)) if off == off else nan
+            largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
+    return largest
+
+
+def _floor(reference: Reference, curve: Curve) -> float:
+    return max((reference.floor.by_channel.get(channel, 0.0) for channel in curve.channels), default=0.0)
