@@ -1,23 +1,22 @@
 """A family of linkages: one scene with other numbers, each member solved by the reference and cross-checked."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
 
 from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
 from scenes.changes import label
-from scenes.motion import Samples
 
 from ..engines import registry
 from ..engines.reasons import described
 from ..engines.runner import Runs
 from ..engines.workers import workers
 from ..judge.escalation import offers
-from ..judge.floor import establish
+from ..judge.floor import solved
 from ..judge.judgement import Judgement, judgement
 from ..judge.measure import Measurement
-from .cycle import SAMPLING, Cycle, cycle
+from .cycle import Cycle, cycle
 from .grid import Variation
 
 INVALID = "invalid"  # status of a member that is no scene, beside those of an engine
@@ -93,12 +92,7 @@ def _member(
         Failure: the reference cannot solve it.
         InputError: there is nothing to compare, since its output stands still.
     """
-    reference_at = registry.reference(scene)
-
-    def solve(time: Samples) -> Motion:
-        return reference_at(scene.drive.at(time).position, time)
-
-    found = cycle(scene, solve(SAMPLING.times(scene)), solve)
-    reference = establish(scene, runs=runs)
+    reference = solved(scene, runs=runs)
     judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
-    return Member(change, Status.ok.name, "", found, judged)
+    kept = replace(judged, reference=replace(reference, cycle=Motion({})))  # its curves are enough
+    return Member(change, Status.ok.name, "", cycle(judged), kept)

@@ -35,14 +35,24 @@ def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs =
         InputError: the reference cannot solve the scene, so that there is nothing to compare with.
     """
     try:
-        uncertified = replace(found(scene), neighbours=neighbours(scene))
-        return replace(uncertified, floor=certified(uncertified, channels, runs))
+        return solved(scene, channels, runs)
     except (InputError, Stopped):
         raise
     except Failure as failure:
         raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
     except Exception as error:  # a fault of the core's own, with which there is nothing to compare
         raise InputError(f"{scene.file}: the reference failed: {described(error)}") from error
+
+
+def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = runner) -> Reference:
+    """Return what `establish` does.
+
+    Raises:
+        Failure: the reference cannot solve the scene.
+        InputError: the output does not move.
+    """
+    uncertified = replace(found(scene), neighbours=neighbours(scene))
+    return replace(uncertified, floor=certified(uncertified, channels, runs))
 
 
 def certified(reference: Reference, channels: frozenset[str] | None = None, runs: Runs = runner) -> Floor:

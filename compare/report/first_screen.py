@@ -7,7 +7,6 @@ from ..engines.axis import Axis, axis
 from ..engines.registry import REFERENCE
 from ..judge.measure import Measurement
 from ..study import Study
-from . import tables
 from .numbers import engineering
 from .style import colour
 
@@ -43,7 +42,7 @@ class Row:
 
 def verdict(study: Study) -> Verdict:
     """Return whether the engines agree, in a word and a sentence."""
-    return Verdict("agrees" if study.ok else "agrees in part", tables.verdict(study))
+    return Verdict(study.agreement.word, study.agreement.sentence)
 
 
 def engines(study: Study) -> Iterator[Row]:

@@ -27,6 +27,7 @@ def test_the_files_of_the_main_job(results: Path) -> None:
         "report.html",
         "summary.json",
         "errors.csv",
+        "peaks.csv",
         "speed.csv",
         "motion.analytic.csv",
         "motion.exudyn.csv",
@@ -55,6 +56,8 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
         assert any(character.isdigit() for character in engine["version"])
     assert len(summary["errors"]) == 3 * (len(channels(toggle_press)) - 1)
     assert len(summary["gates"]) == 10
+    assert summary["verdict"]["word"] == "agrees"
+    assert summary["engines"]["exudyn"]["worst_error"]["channel"] == "P5.ax"
     assert summary["scene"]["bodies"]["toggle"]["lengths"] == pytest.approx(
         {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
     )
@@ -71,6 +74,19 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
         rows = [row for row in summary["cheapest"] if row["engine"] == engine and not row["note"]]
         assert all(row["error"] <= 1e-3 and row["solve_s"] > 0 for row in rows if row["level"] == "0.1 %")
     assert {row["family"] for row in summary["step_costs"]} <= {row["family"] for row in summary["orders"]}
+
+
+def test_peaks_are_the_same_in_both_files(results: Path) -> None:
+    told = json.loads((results / "summary.json").read_text(encoding="utf-8"))["peaks"]
+    table = pd.read_csv(results / "peaks.csv")
+    assert [peak["name"] for peak in told] == list(table["name"])
+    assert [peak["value"] for peak in told] == pytest.approx(table["value"].tolist(), rel=1e-15)
+    stroke = table.set_index("name").loc["stroke"]
+    assert stroke["value"] == pytest.approx(0.183632, abs=1e-6)
+    assert stroke["pymunk differs by"] < 1e-6
+    largest = table.set_index("name").loc["largest force at P1"]
+    assert (largest["value"], largest["at [rad]"]) == pytest.approx((382_012, 3.5735), rel=1e-4)
+    assert (table["name"] + table["of"]).is_unique
 
 
 def test_errors_are_those_promised(results: Path) -> None:

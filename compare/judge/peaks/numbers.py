@@ -64,7 +64,7 @@ def numbers(scene: Scene, found: Sequence[Curve], motion: Motion) -> Iterator[Nu
         if least:
             curve = min(least, key=lambda curve: float(least[curve].min()))
             value, row = float(least[curve].min()), int(least[curve].argmin())
-            yield Number(SMALLEST[kind], curve, value, curve.unit, value, row)
+            yield Number(SMALLEST[kind], curve, value, curve.unit, max(value, NOTHING * curve.scale), row)
 
 
 def _largest(name: str, curve: Curve, motion: Motion) -> Number:

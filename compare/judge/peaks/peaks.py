@@ -40,11 +40,8 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
 
     An engine's difference is that of the number of its own samples from the number of the reference at the positions
     that its drive really had, so that sampling makes none; the largest of its cycles. It is relative to the number, of
-    dead points to the stroke, of mean and work to those of the peak torque or force held throughout, and to a thousandth
-    of the scale of the quantity's errors where the number is less. None is below the reference's floor.
-
-    Raises:
-        Failure: the linkage cannot be assembled between two samples.
+    dead points to the stroke, of mean and work to those of the peak torque or force held throughout, and to a
+    thousandth of the scale of the quantity's errors where the number is less. None is below the reference's floor.
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
     asked = wanted.issuperset(channels(scene))
@@ -62,7 +59,7 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
             number.name,
             number.curve.of,
             number.curve.channels[0],
-            number.value if abs(number.value) > NOTHING * number.size else 0.0,
+            0.0 if abs(number.value) <= NOTHING * number.size else number.value,
             number.unit,
             nan if number.row is None else float(where[number.row]),
             nan if number.row is None else number.curve.direction(motion, number.row),
@@ -84,7 +81,7 @@ def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> di
         theirs = {number.name: number for number in numbers(scene, found, own)}
         for number in numbers(scene, found, true):
             off = abs(theirs[number.name].value - number.value) if number.name in theirs else nan
-            shown = max(off / number.size, _floor(reference, number.curve)) if off == off else nan
+            shown = np.maximum(off / number.size, _floor(reference, number.curve)) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
     return largest
 

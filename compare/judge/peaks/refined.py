@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion
+from scenes import Failure, Motion
 from scenes.motion import Samples
 
 from ...engines.reference import Reference
@@ -15,11 +15,7 @@ FINE, ROUNDS = 10, 3  # parts of a step on either side, time and again: to 1e-3 
 
 
 def refined(reference: Reference, found: Sequence[Curve]) -> Motion:
-    """Return the reference's cycle with samples added, in the order of the time.
-
-    Raises:
-        Failure: the linkage cannot be assembled between two samples.
-    """
+    """Return the reference's cycle with samples added, in the order of the time, as far as the linkage closes there."""
     drive, motion = reference.scene.drive, reference.cycle
     parts, step = [motion], float(motion["time"][1])
     for _ in range(ROUNDS):
@@ -27,7 +23,10 @@ def refined(reference: Reference, found: Sequence[Curve]) -> Motion:
         step /= FINE
         time = np.add.outer(near, step * np.arange(-FINE, FINE + 1)).ravel()
         time = np.unique(time % drive.cycle if drive.repeats else np.clip(time, 0.0, drive.cycle))
-        motion = reference.at(drive.at(time).position, time)
+        try:
+            motion = reference.at(drive.at(time).position, time)
+        except Failure:
+            break
         parts.append(motion)
     _, rows = np.unique(np.concatenate([part["time"] for part in parts]), return_index=True)
     return Motion({name: np.concatenate([part[name] for part in parts])[rows] for name in parts[0].samples})

@@ -15,7 +15,7 @@ def page(family: Family) -> str:
         family=family,
         tables=tables,
         able=able,
-        slides=any("bottom" in cycle.quantities for cycle in able),
+        slides=any("displacement" in cycle.curves for cycle in able),
         few=few,
         curves=curves(family) if able else None,
         engines={m.run.engine: m.run.version for f in family.members for m in f.measurements},

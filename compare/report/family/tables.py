@@ -10,13 +10,18 @@ from scenes import Status
 
 from ...engines.axis import prefixed
 from ...engines.registry import REFERENCE
-from ...family.cycle import UNITS
 from ...family.family import Family, Member
-from ...judge.measure import Measurement
+from ...judge.agreement import worst_error
+from ...judge.peaks.peaks import Peak
 from ..tables import floors
 
 DIGITS = 5  # significant ones, of the largest number in a column
-ON_A_LINE = ("stroke", "dwell share", "quick return", "peak torque", "peak force")
+OVERVIEW = (
+    *("stroke", "closed dead point", "closed end", "dwell within 1 % of the stroke", "quick return", "peak speed"),
+    *("peak acceleration", "largest force", "peak drive torque", "peak drive force", "least transmission angle"),
+)
+AT_JOINTS = ("largest", "least", "distance")  # how the names of numbers begin that are of the worst joint
+ON_A_LINE = ("stroke", "quick return", "peak drive torque", "peak drive force")
 
 
 def names(family: Family) -> list[str]:
@@ -34,20 +39,20 @@ def label(family: Family, member: Member) -> str:
 
 def in_si(family: Family) -> pd.DataFrame:
     """Return one row per member with everything that is known about it, quantities in SI."""
-    return pd.DataFrame([_row(member) for member in family.members])
+    return pd.DataFrame([_row(family, member) for member in family.members])
 
 
-def _row(member: Member) -> dict[str, object]:
+def _row(family: Family, member: Member) -> dict[str, object]:
     row: dict[str, object] = dict(member.changes) | {"status": member.status, "reason": member.reason}
     if member.cycle is not None:
-        quantities, joints = member.cycle.quantities, member.cycle.joints
-        for name in (name for name in UNITS if name in quantities):
-            row[_header(name, UNITS[name])] = quantities[name]
-            if name in joints:
-                row[f"{name} at"] = joints[name]
+        for name, peak in member.cycle.numbers.items():
+            row[_header(name, peak.unit)] = peak.value
+            if name.startswith(AT_JOINTS):
+                row[f"{name} at"] = peak.of
     for m in member.measurements:
-        error, channel = _worst(m)
-        results = {"status": m.run.status.name, "error": error, "worst channel": channel}
+        worst = worst_error(family.scene, m)
+        results = {"status": m.run.status.name, "error": worst.size if worst else nan}
+        results["worst channel"] = worst.channel if worst else ""
         row |= {f"{m.run.engine} {result}": value for result, value in results.items()}
     return row
 
@@ -56,58 +61,51 @@ def _header(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _worst(measurement: Measurement) -> tuple[float, str]:
-    """Return the largest relative error and its channel; a NaN counts as the largest."""
-    if measurement.errors.empty:
-        return nan, ""
-    row = measurement.errors.iloc[int(measurement.errors["max"].to_numpy().argmax())]
-    return float(row["max"]), str(row["channel"])
-
-
 def overview(family: Family) -> pd.DataFrame:
     """Return one row per member as a reader wants it: units with prefixes, as many digits as set the members apart."""
     hyphenated = (name.replace("-", "\u2011") for name in names(family))  # so that names do not break into lines
     changes = zip(hyphenated, zip(*(m.changes.values() for m in family.members), strict=True), strict=True)
     columns = {name: [f"{value:.6g}" for value in values] for name, values in changes}
     columns["status"] = [member.status for member in family.members]
-    for name in UNITS:
-        values = _values(family, name)
-        if not all(map(isnan, values)):
-            sizes = map(abs, _values(family, "stroke" if name == "bottom" else name))  # a bottom as finely as a stroke
-            unit, written = _writer(name, max((size for size in sizes if size > 0), default=1.0))
-            joints = (member.cycle.joints.get(name, "") if member.cycle else "" for member in family.members)
-            texts = zip(map(written, values), joints, strict=True)
-            columns[_header(name, unit)] = [f"{text} {joint}".strip() for text, joint in texts]
+    for name in OVERVIEW:
+        peaks = [_number(member, name) for member in family.members]
+        if found := [peak for peak in peaks if peak is not None]:
+            sizes = [abs(peak.value) for peak in found]
+            if name.startswith("closed"):  # as finely as the stroke
+                sizes = [abs(peak.value) for member in family.members if (peak := _number(member, "stroke"))]
+            unit, written = _writer(found[0].unit, max((size for size in sizes if size > 0), default=1.0))
+            joint = name.startswith(AT_JOINTS)
+            columns[_header(name, unit)] = [
+                f"{written(peak.value)} {peak.of if joint else ''}".strip() if peak else "–" for peak in peaks
+            ]
     for number, engine in enumerate(family.engines):
-        columns[f"{engine} error"] = [_error(member, number) for member in family.members]
+        columns[f"{engine} error"] = [_error(family, member, number) for member in family.members]
     return pd.DataFrame(columns)
 
 
-def _values(family: Family, name: str) -> list[float]:
-    return [member.cycle.quantities.get(name, nan) if member.cycle else nan for member in family.members]
+def _number(member: Member, name: str) -> Peak | None:
+    return member.cycle.numbers.get(name) if member.cycle else None
 
 
-def _error(member: Member, number: int) -> str:
+def _error(family: Family, member: Member, number: int) -> str:
     """Return the largest error of an engine by its number, or why there is none."""
     if not member.measurements:
         return "–"
     m = member.measurements[number]
     if m.run.status is not Status.ok:
         return m.run.status.name
-    error, _ = _worst(m)
+    worst = worst_error(family.scene, m)
+    error = worst.size if worst else nan
     return "not certified" if isnan(error) and m.run.engine == REFERENCE else f"{error:.1e}"
 
 
-def _writer(name: str, scale: float) -> tuple[str, Callable[[float], str]]:
+def _writer(si: str, scale: float) -> tuple[str, Callable[[float], str]]:
     """Return the unit that suits the scale of a quantity, and a function that writes its values in it."""
-    si = UNITS[name]
     factor, unit = (1.0, "") if not si else prefixed(scale, si.replace("*", " ").replace("^2", "²"))
-    if name == "dwell share":
-        factor, unit = 100.0, "%"
-    elif si == "rad":
+    if si == "rad":
         factor, unit = degrees(1), "deg"
     decimals = min(max(DIGITS - 1 - floor(log10(scale * factor)), 0), 9)
-    return unit, lambda value: "–" if isnan(value) else f"{value * factor:.{decimals}f}"
+    return unit, lambda value: f"{value * factor:.{decimals}f}"
 
 
 def on_a_line(family: Family, member: Member) -> str:
@@ -116,11 +114,10 @@ def on_a_line(family: Family, member: Member) -> str:
         return "  ".join((label(family, member), member.status, member.reason))
     parts = [label(family, member), member.status]
     for name in ON_A_LINE:
-        value = member.cycle.quantities.get(name, nan)
-        if not isnan(value):
-            unit, written = _writer(name, abs(value) or 1.0)
-            parts.append(f"{name} {written(value)} {unit}".strip())
-    parts += [f"{m.run.engine} {_error(member, number)}" for number, m in enumerate(member.measurements)]
+        if peak := _number(member, name):
+            unit, written = _writer(peak.unit, abs(peak.value) or 1.0)
+            parts.append(f"{name} {written(peak.value)} {unit}".strip())
+    parts += [f"{m.run.engine} {_error(family, member, number)}" for number, m in enumerate(member.measurements)]
     return "  ".join(parts)
 
 
@@ -143,7 +140,8 @@ def verdict(family: Family) -> str:
     for number, engine in enumerate(family.engines):
         if engine != REFERENCE:
             solved = [m for m in (member.measurements[number] for member in able) if m.run.status is Status.ok]
-            worst = np.max([_worst(m)[0] for m in solved], initial=0.0)  # a NaN counts as the largest
+            found = [worst_error(family.scene, m) for m in solved]
+            worst = np.max([error.size for error in found if error], initial=0.0)  # a NaN counts as the largest
             within = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
             sentences.append(f"{engine} solved {len(solved)} of them{within}.")
     return " ".join(sentences)

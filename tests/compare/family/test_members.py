@@ -2,16 +2,23 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+import analytic
 import scenes
 from compare.engines import registry
+from compare.engines.reference import found
 from compare.family.family import Family
 from compare.family.grid import grid, variation
+from compare.judge.peaks.peaks import peaks
 from compare.report.family import tables as family_tables
-from scenes import InputError
+from scenes import InputError, Sampling
+from tests import scene_files
 
-from .runs import CRANK_SLIDER, ROCKER, run
+from .runs import CRANK_SLIDER, ROCKER, one, run
+
+PINS = ("O", "P1", "P2", "P3", "P4", "P5")  # of the toggle press
 
 
 def test_members_that_cannot_run_are_rows_in_their_place() -> None:
@@ -54,7 +61,7 @@ def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     family = Family(
         scenes.load("toggle_press"), vary, ["pymunk"], run("toggle_press", [f"{ROCKER}=300:310:2"], ["pymunk"])
     )
-    assert "bottom [mm]" in family_tables.overview(family), "the bottom, at -1.1 m, is told as finely as the stroke"
+    assert "closed dead point [mm]" in family_tables.overview(family), "at -1.1 m, as finely as the stroke"
     assert list(family_tables.overview(family)["pymunk error"]) == ["unsupported", "unsupported"]
     floor, *failures = family_tables.notes(family)
     assert "certified by" in floor
@@ -81,3 +88,28 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
     found = run("toggle_press", [f"{ROCKER}=300:310:2"])
     crashed = ("crashed", "ZeroDivisionError: toggle_press and more")
     assert [(member.status, member.reason) for member in found] == [crashed] * 2
+
+
+def test_numbers_are_those_of_the_single_linkage_and_of_its_worst_joint() -> None:
+    changes = {ROCKER: 312.5}
+    reference = found(scene_files.load("toggle_press", dict(changes)))
+    single = {peak.name: peak for peak in peaks(reference, Sampling(72), [])}
+    cycle = one("toggle_press", changes)
+    assert [peak.name for peak in cycle.peaks] == list(single)
+    assert cycle.numbers["stroke"].value == single["stroke"].value
+    worst = max(
+        (peak for name, peak in single.items() if name.startswith("largest force")), key=lambda peak: peak.value
+    )
+    assert (cycle.numbers["largest force"].of, cycle.numbers["largest force"].value) == (worst.of, worst.value)
+    motion = analytic.solve(reference.scene, cycle.position)
+    for name, channel in (("displacement", "P5.y"), ("velocity", "P5.vy"), ("torque", "drive.torque")):
+        np.testing.assert_allclose(cycle.curves[name], motion[channel], rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(np.degrees(cycle.position), np.linspace(0, 360, 3601), rtol=0, atol=1e-9)
+
+
+def test_a_point_is_drawn_by_its_coordinates() -> None:
+    cycle = one("four_bar", {"drive.speed": -60})
+    assert set(cycle.curves) == {"x", "y", "velocity", "acceleration", "torque"}
+    assert cycle.numbers["stroke"].value == pytest.approx(
+        np.hypot(np.ptp(cycle.curves["x"]), np.ptp(cycle.curves["y"]))
+    )

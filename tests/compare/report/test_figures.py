@@ -65,10 +65,11 @@ def test_curves_are_in_the_units_of_their_axes(result: Study) -> None:
 def test_the_error_below_is_the_engines(result: Study) -> None:
     figure = over_angle(result, panel_of(result, "Pin P3"))
     drawn = next(trace for trace in figure.data if trace.name == "pymunk error")
-    comparison = result.measurements[1].comparison
-    assert comparison is not None
-    expected = np.hypot(comparison.actual["P3.fx"], comparison.actual["P3.fy"])
-    assert np.allclose(drawn.y, expected)
+    motion, true = result.motions["pymunk"], result.motion  # whose drive is where it was asked to be, to rounding
+    off = np.hypot(*(motion[f"P3.{axis}"] - true[f"P3.{axis}"] for axis in ("fx", "fy")))
+    assert np.allclose(drawn.y, off / result.reference.scale["P3.fx"], rtol=1e-5)
+    table = result.errors.set_index(["engine", "channel"])["max"]
+    assert max(drawn.y) == pytest.approx(table["pymunk", "P3.fx"], rel=1e-6), "one error figure for one thing"
     assert not any(trace.name == "analytic error" for trace in figure.data), "the reference has no error to itself"
     assert figure.layout.yaxis2.type == "log"
     assert figure.layout.xaxis2.title.text == "crank angle [deg]"

@@ -1,0 +1,164 @@
+"""The verdict in a word and a sentence, of judgements of every kind."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import compare
+from compare.engines.reference import Floor, Reference
+from compare.judge.agreement import Agreement, Word, agreement, sized, within, worst_error
+from compare.judge.gates import gates
+from compare.judge.judgement import Judgement
+from compare.judge.measure import Measurement, measure
+from compare.judge.round_off import explain
+from scenes import Failure, Motion, Status
+from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded
+
+Judge = Callable[..., Judgement]
+
+
+@pytest.fixture(scope="module")
+def exudyn(reference: Reference) -> Measurement:
+    return measure(reference, "exudyn", SAMPLING)
+
+
+@pytest.fixture
+def judge(reference: Reference, exudyn: Measurement, plug: Plug) -> Judge:
+    """Return a function that judges the toggle press by the core, Exudyn and an engine that ends as told."""
+
+    def judged(
+        outcome: Outcome, engines: tuple[str, ...] = ("analytic", "exudyn", "stub"), **limits: float
+    ) -> Judgement:
+        plug(outcome)
+        scene = replace(reference.scene, tolerances={"stub": limits})
+        of = replace(reference, scene=scene)
+        measured = [exudyn if engine == "exudyn" else measure(of, engine, SAMPLING) for engine in engines]
+        return Judgement(scene, SAMPLING, of, explain(of, SAMPLING), measured, list(gates(scene, measured)), [])
+
+    return judged
+
+
+def plain(verdict: Agreement) -> Agreement:
+    """Return a verdict whose sentence a reader understands: no exponent, nothing that is no number, two figures."""
+    assert not re.search(r"\d[eE][-+]?\d|nan|inf\b", verdict.sentence), verdict.sentence
+    figures = re.findall(r"(?<![\w.])\d[\d.]*", verdict.sentence.partition("All ")[0])
+    assert len(figures) <= 2, verdict.sentence
+    assert verdict.sentence.endswith(".")
+    return verdict
+
+
+def test_they_agree(judge: Judge, reference: Reference) -> None:
+    judged = judge(
+        changed(commanded(reference), "P3.fx", 3.3e-5 * reference.scale["P3.fx"]), reaction=1e-3, torque=1e-3
+    )
+    verdict = plain(agreement(judged))
+    assert judged.ok
+    assert verdict == Agreement(Word.agrees, verdict.sentence)
+    assert verdict.sentence == (
+        "exudyn and stub agree with the closed form to 0.004 % in every channel; it is certified to 14 digits."
+        " All 2 tolerances are met."
+    )
+    assert judged.agreement == verdict
+
+
+def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, reference: Reference) -> None:
+    motion = commanded(reference)
+    wrong = {channel: motion[channel] * (1.25 if channel.startswith("P3.f") else 1.0) for channel in motion.samples}
+    verdict = plain(agreement(judge(Motion(wrong))))
+    assert verdict.word is Word.disagrees
+    assert verdict.sentence.startswith("stub disagrees with the closed form by 25 % in P3.fx; likely cause: ")
+
+
+def test_one_that_is_a_little_off_its_promise_disagrees(judge: Judge, reference: Reference) -> None:
+    verdict = plain(agreement(judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))))
+    assert verdict.word is Word.disagrees
+    assert "by 30 % in P3.fx" in verdict.sentence
+
+
+def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference) -> None:
+    off = changed(commanded(reference), "P3.fx", 2e-3 * reference.scale["P3.fx"])
+    judged = judge(off, reaction=1e-3)
+    assert judged.verdicts["stub"][0] == "ok"
+    verdict = plain(agreement(judged))
+    assert verdict.word is Word.disagrees
+    assert verdict.sentence.startswith("stub misses its reaction tolerance: off by 0.2 % in P3.fx")
+
+
+@pytest.mark.parametrize(
+    ("status", "why"),
+    [
+        (Status.unsupported, "stub cannot model this scene."),
+        (Status.timed_out, "stub ran out of time."),
+        (Status.diverged, "stub ran away."),
+        (Status.not_converged, "stub did not converge."),
+    ],
+)
+def test_one_that_did_not_solve_it_leaves_a_part(judge: Judge, status: Status, why: str) -> None:
+    verdict = plain(agreement(judge(Failure(status, "1e-300 too few"))))
+    assert verdict.word is Word.in_part
+    assert verdict.sentence.startswith("exudyn agrees with the closed form to ")
+    assert verdict.sentence.endswith(why)
+
+
+def test_without_another_engine_nothing_agrees(judge: Judge, reference: Reference) -> None:
+    refused = Failure(Status.unsupported, "no")
+    verdict = plain(agreement(judge(refused, ("analytic", "stub"))))
+    assert verdict.word is Word.not_solved
+    assert verdict.sentence.startswith("stub cannot model this scene; nothing else checks it")
+    alone = judge(refused, ("analytic",))
+    assert plain(agreement(alone)).word is Word.in_part  # by arbitrary precision
+    unchecked = replace(alone, reference=replace(reference, floor=Floor({}, "not certified")))
+    assert plain(agreement(unchecked)).word is Word.not_solved
+
+
+def test_a_reference_in_doubt_is_a_disagreement(judge: Judge, reference: Reference) -> None:
+    judged = judge(commanded(reference))
+    doubted = replace(reference, floor=replace(reference.floor, doubt="the core alone differs, suspect the core: 1e-3"))
+    verdict = plain(agreement(replace(judged, reference=doubted)))
+    expected = "The closed form is not to be believed: the core alone differs, suspect the core."
+    assert verdict == Agreement(Word.disagrees, expected)
+
+
+def test_a_fault_let_through_is_no_agreement(judge: Judge, reference: Reference) -> None:
+    judged = judge(commanded(reference))
+    judged.let_through.append("P3.fx spoilt by 1e-3 is seen by no check")
+    assert not judged.ok
+    assert plain(agreement(judged)).word is Word.in_part
+
+
+def test_what_is_no_number_is_not_shown_as_one(judge: Judge, reference: Reference) -> None:
+    judged = judge(commanded(reference))
+    measured = judged.measurements[2]
+    bad = replace(measured, run=replace(measured.run, status=Status.inconsistent))
+    bad = replace(bad, errors=bad.errors.assign(max=np.nan))
+    verdict = plain(agreement(replace(judged, measurements=[*judged.measurements[:2], bad])))
+    assert verdict.word is Word.disagrees
+    assert verdict.sentence.startswith("stub disagrees with the closed form in ")
+
+
+def test_the_worst_error_is_that_of_the_tables(judge: Judge, reference: Reference) -> None:
+    judged = judge(changed(commanded(reference), "P4.ay", 2e-3 * reference.scale["P4.ay"], row=18))
+    core, _, stub = (worst_error(judged.scene, m) for m in judged.measurements)
+    assert stub is not None
+    assert stub.channel == "P4.ax"  # an error of a component is its vector's
+    assert stub.size == pytest.approx(2e-3, rel=1e-6)
+    assert stub.position == pytest.approx(np.pi / 2, rel=1e-12)
+    assert core is not None
+    assert core.size == max(reference.floor.by_channel.values())
+    assert np.isnan(core.position)
+
+
+def test_sizes_read_plainly() -> None:
+    bounds = {3.3e-6: "0.0004 %", 9.99e-6: "0.001 %", 1e-6: "0.0001 %", 8.5e-8: "7 digits", 0.0: "15 digits"}
+    assert {size: within(size) for size in bounds} == bounds
+    sizes = {0.0314: "3.1 %", 0.25: "25 %", 1.0: "100 %", 1e-7: "less than 0.0001 %", 1e30: "more than 1000 %"}
+    assert {size: sized(size) for size in sizes} == sizes
+
+
+def test_one_call_has_verdict_and_numbers() -> None:
+    result = compare.check("four_bar", engines=("analytic", "exudyn"), samples=72)
+    assert result.agreement.word == "agrees"
+    assert {"stroke", "peak drive torque"} <= {peak.name for peak in result.peaks}
