@@ -131,7 +131,8 @@ def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
     verb = "agrees" if len(confirming) == 1 else "agree"
     channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
     engines = _listed([m.run.engine for m in confirming])
-    return f"{engines} {verb} with {_name(judged)} to {within(size)} in {channels}"
+    to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
+    return f"{engines} {verb} with {_name(judged)}{to} in {channels}"
 
 
 def _size(judged: "Judgement", measurement: Measurement) -> float:
