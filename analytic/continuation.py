@@ -1,12 +1,13 @@
-"""The branch of a group solved by Newton's method: poses over the drive's way, followed step by step from the sketch.
+"""The branch of a group solved by Newton's method: poses over the drive's way, followed from the sketch.
 
-Every position asked for starts from the nearest of these poses, so that its answer depends on no other position.
+Long strides come first, then all poses between them at once; where these are not on one smooth branch, it is followed
+step by step. Every position asked for starts from the nearest of the poses, so that its answer depends on no other one.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import copysign, inf, pi, remainder
-from typing import TypeAlias
+from math import copysign, inf, pi, remainder, sqrt
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,13 @@ from .misfit import of_group
 from .newton_group import ROUGHLY, assemble, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
+STRIDE = 16  # steps: so far apart poses are at first
+NEAR = 1.01  # steps: a step, and its roundings
 SMALLEST = 2.0**-20  # of a step: a singular configuration is found to that
 ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
 SMOOTH = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
+SAFE = 0.7  # of the stride that the last one's parabola allows
+FLAT = 0.1  # of what a parabola may be off: how much less is not relied on for the next stride
 SAME = 1e-6  # rad: two poses
 
 PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
@@ -43,12 +48,16 @@ class Track:
 
     def at(self, position: Samples, placed: Pose) -> tuple[Pose, Samples]:
         """Return all frames and the Jacobian (n, m, m), NaN where the branch does not reach."""
-        nearest = self.nearest(position)
-        h = self._within(position - self.position[nearest], -self.turn / 2)[:, None]
-        guess = self.q[nearest] + h * (self.dq[nearest] + h / 2 * self.ddq[nearest])
-        near = np.abs(h) <= 1.01 * self.step  # a step, and its roundings; further off there is no pose to start from
-        q, found = refine(self.equations, np.where(near, guess, np.nan), placed)
-        move, off = self.equations.length(guess - self.q[nearest]), self.equations.length(q - guess)
+        nearest = self.rows(self.nearest(position))
+        h = self._within(position - nearest.position, -self.turn / 2)
+        near = np.abs(h) <= NEAR * self.step  # further off there is no pose to start from
+        return nearest.beside(np.where(near, h, np.nan), placed)
+
+    def beside(self, h: Samples, placed: Pose) -> tuple[Pose, Samples]:
+        """Return what `at` does, from each pose to the position that is h further, shape (N,)."""
+        guess = self.q + h[:, None] * (self.dq + h[:, None] / 2 * self.ddq)
+        q, found = refine(self.equations, guess, placed)
+        move, off = self.equations.length(guess - self.q), self.equations.length(q - guess)
         found &= off <= ASTRAY * move + ROUGHLY * self.equations.size
         pose = self.equations.pose(q, placed)
         J = own_jacobian(self.equations, pose)
@@ -58,19 +67,36 @@ class Track:
             J = np.where(found[:, None, None], J, np.nan)
         return pose, J
 
+    def moved(self, h: Samples, placed: PlacedAt) -> "Track | None":
+        """Return the poses at the positions that are h further, shape (N,); None where the branch does not reach."""
+        position = self.position + h
+        hung = placed(position)
+        pose, J = self.beside(h, hung.pose)
+        if np.isnan(J).any():
+            return None
+        q = coordinates(pose.z, pose.angle)[:, : 3 * self.equations.bodies]
+        dq, ddq = rates(self.equations, pose, hung)
+        return replace(self, position=position, q=q, dq=dq, ddq=ddq)
+
+    def rows(self, which: slice | NDArray[Any]) -> "Track":
+        """Return some of the poses."""
+        return replace(self, position=self.position[which], q=self.q[which], dq=self.dq[which], ddq=self.ddq[which])
+
     def nearest(self, position: Samples) -> NDArray[np.intp]:
         """Return which poses are nearest to positions of the drive, shape (n,)."""
         middles = (self.position[1:] + self.position[:-1]) / 2
         return np.asarray(np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0)))
 
-    def leads_back(self, before: "Track") -> bool:
-        """Return whether the parabola through this pose is near the one before: else no position between may be found.
+    def off_parabola(self, before: "Track") -> Samples:
+        """Return how far the parabola through each pose is off the one before, of how far it may be, shape (N,).
 
-        A step can leap over a singular configuration, near which a parabola holds for less than a step.
+        Above one, no position between may be found: a step can leap over a singular configuration, near which a
+        parabola holds for less than a step.
         """
-        h, move = before.position - self.position, self.equations.length(self.q - before.q)
+        h, move = (before.position - self.position)[:, None], self.equations.length(self.q - before.q)
         off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
-        return bool((off <= SMOOTH * move + ROUGHLY * self.equations.size).all())
+        share: Samples = off / (SMOOTH * move + ROUGHLY * self.equations.size)
+        return share
 
     def _within(self, difference: Samples, least: float) -> Samples:
         """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
@@ -96,41 +122,65 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
         why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
         raise Failure(Status.cannot_assemble, why)
     if scene.driven_slide is not None:
-        back, forth = (_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0)))
-        return _joined([*back[:0:-1], *forth])
+        return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
     forward = _march(first, placed, turn)
-    ahead = forward[-1].position[0] - start
+    ahead = forward.position[-1] - start
     if ahead < turn - SMALLEST * step:
-        return _joined([*_march(first, placed, ahead - turn)[:0:-1], *forward])
-    if np.abs(np.exp(1j * forward[-1].q[:, 2::3]) - np.exp(1j * first.q[:, 2::3])).max() <= SAME:
-        return _joined(forward)
+        return _both(_march(first, placed, ahead - turn), forward)
+    if np.abs(np.exp(1j * forward.q[-1, 2::3]) - np.exp(1j * first.q[0, 2::3])).max() <= SAME:
+        return forward
     if most - least > turn - step:
         why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
         raise Failure(Status.unsupported, why)
     middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, where one angle has one pose
-    poses = [*_march(first, placed, -turn)[:0:-1], *forward]
-    return _joined([pose for pose in poses if abs(pose.position[0] - middle) <= turn / 2])
+    both = _both(_march(first, placed, -turn), forward)
+    return both.rows(np.abs(both.position - middle) <= turn / 2)
 
 
-def _march(first: Track, placed: PlacedAt, way: float) -> list[Track]:
-    """Return the poses from the first onwards, one a step; where Newton's method loses the branch, by smaller steps."""
+def _march(first: Track, placed: PlacedAt, way: float) -> Track:
+    """Return the poses from the first onwards, at most a step apart."""
+    strides = _strides(first, placed, way, STRIDE * first.step)
+    return _filled(strides, placed) or _strides(first, placed, way, first.step)
+
+
+def _strides(first: Track, placed: PlacedAt, way: float, longest: float) -> Track:
+    """Return the poses from the first onwards, a stride apart, shorter ones where Newton's method loses the branch."""
     poses, smallest = [first], SMALLEST * first.step
     h = first.step
     while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
         h = min(h, abs(way) - gone)
-        position = poses[-1].position + copysign(h, way)
-        pose, J = poses[-1].at(position, placed(position).pose)
-        if np.isnan(J).any():
-            h /= 2
+        reached = poses[-1].moved(np.array([copysign(h, way)]), placed)
+        off = inf if reached is None else float(reached.off_parabola(poses[-1])[0])
+        if reached is not None and off <= 1:
+            poses.append(reached)
+            h = min(h * SAFE / sqrt(max(off, FLAT)), longest)  # a parabola is off by h^3 of a move by h
         else:
-            q = coordinates(pose.z, pose.angle)[:, : 3 * first.equations.bodies]
-            reached = _pose(first.equations, first.step, first.turn, position, q, placed)
-            if reached.leads_back(poses[-1]):
-                poses.append(reached)
-                h = min(2 * h, first.step)
-            else:
-                h /= 2
-    return poses
+            h /= 2
+    return _joined(poses)
+
+
+def _filled(track: Track, placed: PlacedAt) -> Track | None:
+    """Return a track with poses half way between its own until they are at most a step apart, each near the last.
+
+    None where the branch does not reach one of them, or they are near each other at no distance.
+    """
+    while True:
+        before, after = track.rows(slice(-1)), track.rows(slice(1, None))
+        apart = after.position - before.position
+        wide = np.flatnonzero((np.abs(apart) > NEAR * track.step) | ~(after.off_parabola(before) <= 1))
+        if not len(wide):
+            return track
+        if np.abs(apart[wide]).min() < SMALLEST * track.step:
+            return None
+        between = before.rows(wide).moved(apart[wide] / 2, placed)
+        if between is None:
+            return None
+        track = _joined([track, between]).rows(np.argsort(np.r_[: len(track.q), wide + 0.5], kind="stable"))
+
+
+def _both(back: Track, forth: Track) -> Track:
+    """Return the poses on both sides of the first, by increasing position."""
+    return _joined([back.rows(slice(None, 0, -1)), forth])
 
 
 def _pose(
@@ -143,7 +193,7 @@ def _pose(
     return Track(equations, step, turn, position, q, *rates(equations, pose, hung), branch)
 
 
-def _joined(poses: list[Track]) -> Track:
+def _joined(poses: Sequence[Track]) -> Track:
     columns = zip(*((pose.position, pose.q, pose.dq, pose.ddq) for pose in poses), strict=True)
     position, q, dq, ddq = map(np.concatenate, columns)
     return replace(poses[0], position=position, q=q, dq=dq, ddq=ddq)

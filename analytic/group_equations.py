@@ -159,8 +159,13 @@ class GroupEquations:
 
     def length(self, correction: Samples) -> Samples:
         """Return the largest move of a correction, shape (n,), m."""
-        length: Samples = np.abs(correction * np.tile([1, 1, self.size], self.bodies)).max(axis=1)
+        length: Samples = np.abs(correction * self._arms).max(axis=1)
         return length
+
+    @cached_property
+    def _arms(self) -> Samples:
+        """Return what a correction of each coordinate moves by, shape (m,), m."""
+        return np.tile([1.0, 1.0, self.size], self.bodies)
 
     def _guides(self, pose: Pose) -> tuple[Complex, Complex]:
         """Return w and D of each slide, shape (n, s)."""
