@@ -87,7 +87,7 @@ def take_turns(
     def batches() -> Iterator[Sequence[int]]:
         spent = 0.0
         for done in range(LEAST_ROUNDS):
-            if spent <= max(PATIENCE, budget.seconds):
+            if spent + spent / max(done, 1) <= max(PATIENCE, budget.seconds):  # with one more like those before
                 progress(f"timing {len(times)} settings, round {done + 1}")
                 yield from _by_engine(range(len(times)), engines)
                 spent = sum(record.spent for record in times)

@@ -128,6 +128,14 @@ def test_one_angle_at_a_time(class_iii: Scene, solve: Solver) -> None:
     assert np.abs(far["D.y"] - whole["D.y"]).max() <= 1e5 * 2 * np.pi * 2.3e-16
 
 
+def test_strides_lead_where_single_steps_do(class_iii: Scene, solve: Solver, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(continuation, "_filled", lambda *_: None)
+    by_steps, by_strides = analytic.solve(class_iii, TURN), solve(TURN)
+    for channel in channels(class_iii)[1:]:
+        error = np.abs(by_steps[channel] - by_strides[channel]).max()
+        assert error <= 1e-12 * np.abs(by_steps[channel]).max(), channel  # roundings, well clear of lock
+
+
 # --- lock -------------------------------------------------------------------------------------------------------------
 
 

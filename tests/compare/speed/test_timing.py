@@ -81,8 +81,8 @@ def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
 
 
 def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
-    """Two settings of 2 s use up the patience in two rounds; a budget of 9 s takes all three."""
-    for budget, rounds in ((Budget(20, 1.0), 2), (Budget(20, 9.0), 3)):
+    """Of two settings of 2 s a second round would go beyond the patience, a third one beyond 9 s."""
+    for budget, rounds in ((Budget(20, 1.0), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
         times, _ = turns([Job("a", [2.0]), Job("b", [2.0])], budget, lambda _: ())
         assert [len(of.solve) for of in times] == [rounds, rounds]
 
