@@ -60,19 +60,30 @@ def as_fast(points: pd.DataFrame, error: str, limit: float, tie: float = TIE) ->
     The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
     first of the table.
     """
-    times, errors = points["solve_min_s"].to_numpy(float), points[error].to_numpy(float)
+    times, errors, steps = _numbers(points, error)
+    return points.take(_as_fast(times, errors, steps, limit, tie))
+
+
+def _numbers(points: pd.DataFrame, error: str) -> tuple[Samples, Samples, Samples]:
+    """Return the times, errors and steps of settings, shape (n,)."""
+    steps = points["steps_made"].fillna(0)
+    return points["solve_min_s"].to_numpy(float), points[error].to_numpy(float), steps.to_numpy(float)
+
+
+def _as_fast(times: Samples, errors: Samples, steps: Samples, limit: float, tie: float) -> NDArray[np.intp]:
+    """Return the rows of what `as_fast` returns."""
     good = errors <= limit
     fastest = times[good].min(initial=np.inf)
     level = np.flatnonzero(good & (times <= (1 + NEAR) * fastest))
-    steps = points["steps_made"].fillna(0).to_numpy(float)
-    return points.take(level[np.lexsort((steps[level], errors[level], times[level] > (1 + tie) * fastest))])
+    return level[np.lexsort((steps[level], errors[level], times[level] > (1 + tie) * fastest))]
 
 
 def front(points: pd.DataFrame, error: str, tie: float = TIE) -> pd.DataFrame:
     """Return every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
     plain = points[points["note"] == ""]
-    best = [as_fast(plain, error, limit, tie).index[0] for limit in plain[error].dropna()]
-    return plain.loc[list(dict.fromkeys(best))].sort_values("solve_min_s", kind="stable")
+    times, errors, steps = _numbers(plain, error)
+    best = [int(_as_fast(times, errors, steps, limit, tie)[0]) for limit in errors[~np.isnan(errors)]]
+    return plain.take(list(dict.fromkeys(best))).sort_values("solve_min_s", kind="stable")
 
 
 def choices(speed: pd.DataFrame) -> pd.DataFrame:
