@@ -10,6 +10,7 @@ from compare.judge.measure import measure
 from compare.judge.peaks.peaks import peaks
 from scenes import Motion, Sampling
 from scenes.motion import force_channels
+from scenes.scene import Force
 from tests import scene_files
 from tests.comparisons import SAMPLING, Plug, commanded
 
@@ -88,15 +89,17 @@ def test_the_worst_turn_counts(reference: Reference, plug: Plug, turn: int) -> N
 
 
 def test_on_a_switch_either_side_is_right(plug: Plug) -> None:
-    """A sample on the dead point, where the press force ends: it may act there or not."""
-    reference = found(scene_files.load("crank_press", {"drive.start": 90}))
+    """The one sample in the last 0.1 mm is on the dead point, where the press force ends: it may act there or not."""
+    reference = found(scene_files.load("crank_press", {"drive.start": 90, "loads.0.last": 0.1}))
     motion = commanded(reference)
-    without = found(replace(reference.scene, loads=())).at(motion["crank_angle"], motion["time"])
+    always = (Force("slider", "B", (0.0, 1600e3)),)
+    other = (found(replace(reference.scene, loads=loads)) for loads in ((), always))
+    never_and_always = [one.at(motion["crank_angle"], motion["time"]) for one in other]
     (row,) = np.flatnonzero(np.abs(np.sin(motion["crank_angle"]) + 1) < 1e-9)
-    for other in (motion, without):
+    for side in never_and_always:
         samples = {c: v.copy() for c, v in motion.samples.items()}
         for channel in force_channels(reference.scene):
-            samples[channel][row] = other[channel][row]
+            samples[channel][row] = side[channel][row]
         assert max(differences(reference, Motion(samples), plug).values()) <= 1e-9
 
 

@@ -154,6 +154,8 @@ def test_work_against_the_forces_that_take_it() -> None:
     assert numbers("quick_return")["work a turn"].value == pytest.approx(6e3 * 0.4, rel=5 * jump)
     servo = numbers("servo_press")
     assert servo["work a cycle"].value == pytest.approx(1600e3 * 6e-3, rel=5 * jump)
+    small = {"loads": [{"body": "slider", "at": "P5", "force": [0, 5], "last": 6}]}  # at no peak of any force
+    assert numbers("toggle_press", small)["work a turn"].value == pytest.approx(5e3 * 6e-3, rel=5 * jump)
     for name in ("toggle_press", "four_bar"):  # a force that does not change, and none
         assert numbers(name)["work a turn"].value == 0
 

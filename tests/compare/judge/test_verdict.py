@@ -11,7 +11,7 @@ from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.runner import Run, run
 from compare.judge.errors import compare, error_table
-from compare.judge.gates import gates
+from compare.judge.gates import gate_table, gates
 from compare.judge.measure import Measurement, measure
 from compare.speed.timing import Budget
 from compare.study import study
@@ -173,6 +173,20 @@ def test_what_has_no_error_misses_its_gate(reference: Reference, motion: Motion,
     assert judged(reference, {"position": 1e9}, replace(measured, errors=spoilt)) == [True]
     without = replace(measured, errors=measured.errors[measured.errors["group"] != "torque"])
     assert judged(reference, {"torque": 1e9}, without) == [True]
+
+
+def test_a_gate_shows_the_error_of_the_tables_and_weighs_what_is_unexplained(
+    reference: Reference, motion: Motion, plug: Plug
+) -> None:
+    plug(motion)
+    measured = measure(reference, "stub", SAMPLING)
+    explained = measured.errors["channel"] == "P4.y"
+    errors = measured.errors.assign(max=np.where(explained, 3e-5, 1e-6), unexplained=1e-6)
+    scene = replace(reference.scene, tolerances={"stub": {"position": 2e-6, "velocity": 5e-7}})
+    met, missed = gates(scene, [replace(measured, errors=errors)])
+    assert (met.error, met.worst, met.missed) == (3e-5, "P4.y", False)
+    assert (missed.error, missed.missed) == (1e-6, True)
+    assert gate_table([met, missed])["met"].tolist() == ["met: round-off explains the error", "missed"]
 
 
 def test_what_an_engine_refused_stays_refused(reference: Reference, motion: Motion, plug: Plug) -> None:
