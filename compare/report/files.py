@@ -9,8 +9,9 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
+import numpy as np
 
+from scenes import Motion
 from scenes.motion import header
 
 from ..engines.axis import axis
@@ -42,6 +43,7 @@ REPORT = (
     "hard.csv",
 )
 FAMILY = ("family.html", "family.json", "family.csv")
+BLOCK = 4096  # rows of a motion that are text at a time
 
 
 def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
@@ -54,12 +56,11 @@ def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
     """
     tables = {"peaks": peaks(study), "errors": study.errors, "speed": study.speed}
     tables |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if len(table)}
-    for engine, motion in study.motions.items():
-        named = {header(channel): values for channel, values in motion.samples.items()}
-        tables[f"motion.{engine}"] = pd.DataFrame(named)
     with _result(folder, study.scene.name, REPORT, complete=complete) as (aside, place):
         for name, table in tables.items():
             table.to_csv(aside / f"{name}.csv", index=False)
+        for engine, motion in study.motions.items():
+            _write_motion(motion, aside / f"motion.{engine}.csv")
         summary = {"complete": complete} | _summary(study)
         (aside / "summary.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "report.html").write_text(page(study), encoding="utf-8")
@@ -86,6 +87,15 @@ def write_family(family: Family, folder: Path) -> Path:
         (aside / "family.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "family.html").write_text(family_page(family), encoding="utf-8")
     return place
+
+
+def _write_motion(motion: Motion, file: Path) -> None:
+    """Write a motion's table in blocks: pandas takes three times as long for the same text, and a copy of it all."""
+    with file.open("w", encoding="utf-8", newline="\n") as text:
+        text.write(",".join(map(header, motion.samples)) + "\n")
+        for start in range(0, len(motion["time"]), BLOCK):
+            rows = np.stack([values[start : start + BLOCK] for values in motion.samples.values()], axis=1)
+            text.writelines(",".join(map(repr, row)) + "\n" for row in rows.tolist())
 
 
 @contextmanager

@@ -4,12 +4,14 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from compare.engines import registry
+from compare.report.files import _write_motion
 from compare.run import main
-from scenes import Scene
+from scenes import Motion, Scene
 from scenes.motion import channels, header
 from tests import scene_files
 
@@ -44,6 +46,19 @@ def test_motion_files(results: Path, toggle_press: Scene) -> None:
         assert len(table) == 361
         assert table.notna().all(axis=None)
     assert list(table.columns[:2]) == ["time [s]", "crank_angle [rad]"]
+
+
+@pytest.mark.parametrize("block", [1, 7, 10, 4096])
+def test_a_motion_file_is_the_text_that_pandas_writes(
+    block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten rows, in blocks of which the last may be short."""
+    monkeypatch.setattr("compare.report.files.BLOCK", block)
+    numbers = [0.0, -0.0, 1.0, -1e22, 1e16, 5e-324, 0.1 + 0.2, 1 / 3, -1.7976931348623157e308, np.pi]
+    motion = Motion({"time": np.arange(10) / 360, "P5.y": np.array(numbers), "P3/rod.fx": np.zeros(10)})
+    _write_motion(motion, tmp_path / "motion.csv")
+    table = pd.DataFrame({header(channel): values for channel, values in motion.samples.items()})
+    assert (tmp_path / "motion.csv").read_text(encoding="utf-8") == table.to_csv(index=False)
 
 
 def test_summary(results: Path, toggle_press: Scene) -> None:
