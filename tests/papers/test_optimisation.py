@@ -2,11 +2,14 @@
 
 import csv
 import json
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from signal import SIGINT
+from time import sleep
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from scipy.optimize import brentq
 
 import scenes
 from compare.engines import runner
+from compare.engines.isolation import Limits
 from papers.clamp.constraints import ALONE, BOTH, Clearance, slacks
 from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, acceleration, at, closed
 from papers.clamp.measures import MEASURES, measure
@@ -36,6 +40,7 @@ from papers.clamp.optimisation.study import (
 )
 from papers.clamp.optimisation.tables import findings, improved
 from papers.optimise import main
+from tests.deaths import children
 
 from .designs import AHEAD_IN_SIX
 
@@ -193,6 +198,25 @@ def test_a_run_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     (found,) = rechecks({"design": SCHEME_4}, ["exudyn"], lambda _: None)
     assert found.status == "diverged"
     assert np.isnan([found.M_P, found.R_S, found.R_V_max]).all()
+
+
+def test_ctrl_c_ends_the_searches(monkeypatch: pytest.MonkeyPatch) -> None:
+    def endless(_: object) -> None:
+        os.kill(os.getppid(), SIGINT)
+        sleep(600)
+
+    monkeypatch.setattr("papers.clamp.optimisation.study._point", endless)
+    monkeypatch.setattr("papers.clamp.optimisation.study.LIMITS", Limits(workers=1))  # for one Ctrl-C
+    with pytest.raises(KeyboardInterrupt):
+        study(Effort(2, 0), (1.0,), lambda _: None)
+    assert children() == []
+
+
+def test_a_search_that_dies_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("papers.clamp.optimisation.study._point", lambda _: os.abort())
+    with pytest.raises(RuntimeError, match=f"{MAIN}, R_S = 1.00: its process ended by SIGABRT"):
+        study(Effort(2, 0), (1.0,), lambda _: None)
+    assert children() == []
 
 
 def test_study_and_report(tmp_path: Path) -> None:

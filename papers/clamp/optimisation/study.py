@@ -7,14 +7,13 @@ scheme 4.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures import as_completed as in_any_order
 from dataclasses import dataclass, replace
 from itertools import count, product
-from multiprocessing import get_context
 from typing import TypeAlias
 
 import numpy as np
+
+from compare.engines.isolation import Ended, Limits, isolated
 
 from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
 from ..formulas import SCHEME_4
@@ -22,7 +21,7 @@ from ..measures import MEASURES, measure
 from .problem import Limit, Problem
 from .search import Optimum, restart, search
 
-WORKERS = 2
+LIMITS = Limits(seconds=3600.0, workers=2)  # a point takes minutes of processor time at most
 RATIOS = tuple(round(1 + 0.01 * step, 2) for step in range(13))  # of R_S
 TOLERANCE = 0.005
 PIN_ROOM = tuple(range(120, 141, 4))  # mm, of (d_D + d_E)/2
@@ -72,18 +71,20 @@ def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], Non
     ]
     beyond = list(_beyond(half))
     done, total = count(1), len(ratios) + len(curve) + len(beyond)
-    with ProcessPoolExecutor(WORKERS, get_context("spawn")) as pool:
 
-        def solve(tasks: Sequence[Task]) -> list[Point]:
-            futures = [pool.submit(_point, *task) for task in tasks]
-            for future in in_any_order(futures):
-                progress(f"{next(done)} of {total} points: {future.result().set}, {future.result().at}")
-            return [future.result() for future in futures]
+    def solve(tasks: Sequence[Task]) -> list[Point]:
+        found = dict[tuple[str, str], Point]()
+        for (name, at, *_), point in isolated(_point, tasks, LIMITS, lambda: None):
+            if isinstance(point, Ended):
+                raise RuntimeError(f"{name}, {at}: {point.reason}")
+            found[name, at] = point
+            progress(f"{next(done)} of {total} points: {name}, {at}")
+        return [found[name, at] for name, at, *_ in tasks]
 
-        points = solve([*curve, *beyond])
-        best, rest = points[: len(ratios)], points[len(ratios) :]
-        steps = [(LENGTHS, p.at, least_length(p), effort) for p in best if p.optimum.feasible]
-        return [*best, *solve(steps), *rest]
+    points = solve([*curve, *beyond])
+    best, rest = points[: len(ratios)], points[len(ratios) :]
+    steps = [(LENGTHS, p.at, least_length(p), effort) for p in best if p.optimum.feasible]
+    return [*best, *solve(steps), *rest]
 
 
 def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str] = frozenset({LITERAL})) -> Problem:
@@ -144,7 +145,8 @@ def _beyond(effort: Effort) -> Iterator[Task]:
     yield MOST_ROOM, AS_PRINTED, Problem("L4", replace(ALONE, L4=0.0), (force, ratio, length)), effort
 
 
-def _point(set_name: str, at: str, problem: Problem, effort: Effort) -> Point:
+def _point(task: Task) -> Point:
+    set_name, at, problem, effort = task
     optimum = search(problem, effort.starts)
     restarts = effort.restarts if optimum.feasible else 0
     short = tuple(restart(problem, optimum, seed) for seed in range(restarts))
