@@ -152,6 +152,14 @@ def alive(number: int) -> bool:
     return _stat(Path(f"/proc/{number}/stat"))[0] not in ("", "Z")
 
 
+def within(seconds: float, true: Callable[[], bool]) -> bool:
+    """Return whether something comes true in that time."""
+    end = time.monotonic() + seconds
+    while not true() and time.monotonic() < end:
+        time.sleep(0.02)
+    return true()
+
+
 def _stat(file: Path) -> tuple[str, int]:
     """Return the state and the parent of a process, none where it has gone."""
     try:

@@ -145,9 +145,9 @@ class Worker(Generic[Item, Result]):
         """Return how it ended that gave no answer; it may go on, its connection closed."""
         self.end()  # which leaves the exit code of what has ended
         code = self._process.exitcode or 0
-        if code == -signal.SIGKILL:
-            return Ended(Status.crashed, "its process was killed, as where memory runs out, or fell silent")
         cause = SIGNALS.get(-code, f"exit status {code}")
+        if cause == "SIGKILL":
+            return Ended(Status.crashed, "its process was killed, as where memory runs out, or fell silent")
         return Ended(Status.crashed, f"its process ended by {cause}")
 
 

@@ -1,13 +1,16 @@
 """Processes of their own: whatever happens in one is an outcome, and the others go on."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from compare.engines.isolation import Ended, Limits, isolated
 from compare.engines.stopping import Stopped, kept
 from scenes import Status
-from tests.deaths import DEATHS, MEMORY, TWELVE, children
+from tests.deaths import DEATHS, MEMORY, TWELVE, alive, children, within
 
 LIMITS = Limits(seconds=0.5, memory=MEMORY)
 
@@ -70,3 +73,19 @@ def test_the_memory_limit_is_named(memory: int) -> None:
     ((_, ended),) = isolated(do, ["memory"], Limits(memory=memory), lambda: None)
     assert isinstance(ended, Ended)
     assert f"{memory // 2**30} GiB" in ended.reason
+
+
+def test_processes_that_are_begun_anew_answer_die_and_end_with_their_parent() -> None:
+    """As they are off Linux, where no processor time of another process is known."""
+    command = [sys.executable, "-m", "tests.spawned"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=Path(__file__).parents[3], text=True) as process:
+        assert process.stdout is not None
+        *found, begun = (process.stdout.readline().strip() for _ in range(5))
+        process.kill()
+    assert found == [
+        "a: A",
+        "SystemExit: SystemExit: bye",
+        "asleep: no answer within 0.3 s",
+        "abort: its process ended by SIGABRT",
+    ]
+    assert within(5.0, lambda: not alive(int(begun)))

@@ -3,11 +3,10 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from signal import SIGINT, SIGKILL
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
@@ -20,7 +19,7 @@ from compare.engines.stopping import Stopped
 from compare.engines.workers import Job, Workers, limits, workers
 from scenes import Positions, Request, Sampling, Scene, Status
 from tests.comparisons import SLOW
-from tests.deaths import ASLEEP, DEATHS, FURTHER, TWELVE, alive, children, doomed
+from tests.deaths import ASLEEP, DEATHS, FURTHER, TWELVE, alive, children, doomed, within
 
 SAMPLING = Sampling(24)
 CORE = registry.engine("analytic").DEFAULT
@@ -166,10 +165,3 @@ def test_processes_end_with_their_parent_even_in_the_midst_of_c() -> None:
         os.kill(process.pid, SIGKILL)
     assert len(begun) == 2
     assert within(5.0, lambda: not any(map(alive, begun)))
-
-
-def within(seconds: float, true: Callable[[], bool]) -> bool:
-    end = monotonic() + seconds
-    while not true() and monotonic() < end:
-        sleep(0.02)
-    return true()

@@ -1,0 +1,33 @@
+"""Processes begun anew instead of forked, as off Linux: `python -m tests.spawned` prints what came of each item.
+
+They import this module too. The last item never ends: the number of its process is printed until this one is killed.
+"""
+
+from multiprocessing import get_context
+
+from compare.engines import isolation
+from compare.engines.isolation import Ended, Limits, Worker
+from tests.deaths import DEATHS, children
+
+isolation.LINUX, isolation.CONTEXT = False, get_context("spawn")
+
+
+def do(what: str) -> str:
+    if what in DEATHS:
+        DEATHS[what][0]()
+    return what.upper()
+
+
+def main() -> None:
+    """Ask one process three times, which ends it, then another two."""
+    workers = [Worker[str, str](do) for _ in range(3)]
+    for number, what, seconds in ((0, "a", 60.0), (0, "SystemExit", 60.0), (0, "asleep", 0.1), (1, "abort", 60.0)):
+        workers[number].ask(what, Limits(seconds))
+        outcome = workers[number].wait(lambda: None)
+        print(what, outcome.reason if isinstance(outcome, Ended) else outcome.result, sep=": ", flush=True)
+    workers[2].ask("asleep", Limits(60.0))
+    workers[2].wait(lambda: print(*children(), flush=True))
+
+
+if __name__ == "__main__":
+    main()
