@@ -1,7 +1,7 @@
 """Kill -9 at random moments: `python -m benchmarks.kills [--moments N] [--jobs main,family,full] [--seed S]`.
 
 An older, complete result is in place each time. It must be whole after the kill, or a new one must; no process may go
-on, and the next run must be whole and leave nothing else. The main run and the family take 30 moments in ten minutes;
+on, and the next whole run must leave nothing else. The main run and the family take 30 moments in ten minutes;
 `--full` takes a minute and a half a moment.
 """
 
@@ -17,7 +17,6 @@ JOBS = {
     "family": ["toggle_press", "--vary", "bodies.rocker.lengths.O-P3=290:310:3", "--samples", "72"],
     "full": ["toggle_press", "--full"],
 }
-KEPT = "hard.partial.jsonl"  # may stay after a kill, for the next run
 
 
 def main() -> int:
@@ -35,30 +34,34 @@ def broken(name: str, moments: int, draw: random.Random) -> int:
     """Kill a job at random moments, and return how many kills broke something."""
     count = 0
     with TemporaryDirectory() as folder:
-        out = Path(folder)
-        place, job = out / "toggle_press", ["-m", "compare.run", *JOBS[name], "--out", folder]
+        place, job = Path(folder) / "toggle_press", ["-m", "compare.run", *JOBS[name], "--out", folder]
         whole = completed(job)
         print(f"{name}: a whole run takes {whole:.1f} s", flush=True)
         for _ in range(moments):
             found = killed(job, place, draw.uniform(0, whole))
             older = digests(place)
-            if name != "full":
+            after, rest = "new", set[str]()
+            if name != "full":  # of which the next whole run comes at the end
                 completed(job)
-            after = compared(older, place) if name != "full" else "new"
-            rest = {path.name for path in out.iterdir()} - {place.name, KEPT if name == "full" else ""}
-            whole_after = after in ("older", "new")  # a family has no times, so its next result may be the same
-            fine = found.result in ("older", "new") and whole_after and not found.processes and not rest
+                after, rest = compared(older, place), beside(place)
+            whole_both = {found.result, after} <= {"older", "new"}  # a family has no times: its next may be the same
+            fine = whole_both and not found.processes and not rest
             count += not fine
             told = "" if fine else f"; BROKEN: {after}, {sorted(rest)}"
             print(f"{name}: {found}{told}", flush=True)
         if name == "full":
             older = digests(place)
             completed(job)
-            after, rest = compared(older, place), {path.name for path in out.iterdir()} - {place.name}
+            after, rest = compared(older, place), beside(place)
             print(f"{name}: the next run: {after}, beside it {sorted(rest)}")
             count += after != "new" or bool(rest)
         print(f"{name}: {count} of {moments} kills broke something", flush=True)
     return count
+
+
+def beside(place: Path) -> set[str]:
+    """Return the names of what else is in the folder of a result."""
+    return {path.name for path in place.parent.iterdir()} - {place.name}
 
 
 if __name__ == "__main__":
