@@ -36,12 +36,20 @@ def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
     projection = projected(scene, motion)
     scale = scales(scene, projection.ways[0], stroke)
     units = scale | _force_units(scene)
-    ways = [_unexplained(motion, way, scale, units, projection.condition) for way in projection.ways]
+    rounding = EPS * _turns(scene, motion), projection.condition
+    ways = [_unexplained(motion, way, scale, units, *rounding) for way in projection.ways]
     errors = ways[0]
     if len(ways) > 1:
         best = np.array([reduce(np.maximum, way.values()) for way in ways]).argmin(axis=0)
         errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in errors}
     return Estimate(errors, projection.branch, projection.condition)
+
+
+def _turns(scene: Scene, motion: Motion) -> Samples:
+    """Return how often a crank has turned, one at least: its angle is rounded by as much more."""
+    if scene.driven_slide is not None:
+        return np.ones_like(motion["time"])
+    return np.maximum(np.abs(motion[scene.drive_channel]) / (2 * np.pi), 1)
 
 
 def _force_units(scene: Scene) -> dict[str, float]:
@@ -51,7 +59,12 @@ def _force_units(scene: Scene) -> dict[str, float]:
 
 
 def _unexplained(
-    motion: Motion, true: Motion, scale: Mapping[str, float], units: Mapping[str, float], condition: Samples
+    motion: Motion,
+    true: Motion,
+    scale: Mapping[str, float],
+    units: Mapping[str, float],
+    eps: Samples,
+    condition: Samples,
 ) -> dict[str, Samples]:
     """Return the relative errors, zero where rounding explains them: by the largest value of their kind, in `units`."""
     found = relative_errors(motion, true, scale)
@@ -59,7 +72,7 @@ def _unexplained(
     for kind, power in enumerate(POWERS):
         own = [channel for channel in found if kinds[channel] == kind]
         values = (np.abs(true[channel]) / units[channel] for channel in own)
-        rounding = EPS * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
+        rounding = eps * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
         for channel in own:
             explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
             found[channel] = np.where((found[channel] <= explained) | np.isinf(condition), 0.0, found[channel])

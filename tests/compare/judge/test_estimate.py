@@ -125,6 +125,16 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
         assert (off[channel] == 0.0) is excused, share
 
 
+def test_a_crank_that_has_turned_a_thousand_times_is_rounded_as_much_more(reference: Reference) -> None:
+    """Its angle is known to 1e-12 of a turn; what follows from it may be off by that, not by a hundred times that."""
+    long = Sampling(8, turns=1000)
+    motion = reference.at(long.commanded(reference.scene), long.times(reference.scene))
+    promise = Settings("").promise
+    assert max(largest(reference, motion).values()) <= promise
+    off = changed(motion, "P5.ax", 100 * promise * reference.scale["P5.ax"], row=-1)
+    assert not largest(reference, off)["P5.ax"] <= promise
+
+
 def test_a_long_motion_is_taken_in_blocks(
     reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
