@@ -14,7 +14,7 @@ from compare.engines.registry import DEFAULT_ENGINES
 from compare.hard.cases import forget, hard_cases
 from compare.report.curves import over_angle, panels
 from compare.report.hard.tables import counts, verdict
-from compare.report.linkage import linkage
+from compare.report.linkage.svg import linkage_svg
 from compare.report.speed.figure import work_precision
 from compare.report.tables import by_group, checks, notes, overview, setup
 from compare.speed.timing import Budget
@@ -37,7 +37,7 @@ def main() -> None:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
             figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
     work_precision(result).write_image(FOLDER / "speed.svg", width=1180, height=930)
-    linkage(result).write_image(FOLDER / "linkage.svg", width=1180, height=620)
+    (FOLDER / "linkage.svg").write_text(linkage_svg(scene, result.motion), encoding="utf-8")
     speed = result.speed[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]
     ]

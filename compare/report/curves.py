@@ -28,6 +28,7 @@ class Curve:
     """A plotted quantity: the sum of channels, each times a factor, or the magnitude of the vector that they form."""
 
     name: str
+    unit: str
     factors: Mapping[str, float]  # by channel
     magnitude: bool = False
 
@@ -78,10 +79,11 @@ def _motion_panels(reference: Reference) -> Iterator[Panel]:
     for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
         x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
         factor, unit = prefixed(reference.scale[x], unit)
-        curves: tuple[Curve, ...] = (Curve("x", {x: factor}), Curve("y", {y: factor}))
+        curves: tuple[Curve, ...] = (Curve("x", unit, {x: factor}), Curve("y", unit, {y: factor}))
         if guided is not None:
             along = zip((x, y), guided[1].along, strict=True)
-            curves = (Curve("along the guide", {channel: factor * part for channel, part in along if part != 0}),)
+            factors = {channel: factor * part for channel, part in along if part != 0}
+            curves = (Curve("along the guide", unit, factors),)
         yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
 
 
@@ -92,20 +94,21 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
         factor, unit = prefixed(reference.scale[x], "N")
-        curves = (Curve("magnitude", {x: factor, y: factor}, True), Curve("x", {x: factor}), Curve("y", {y: factor}))
+        parts = Curve("x", unit, {x: factor}), Curve("y", unit, {y: factor})
+        curves = (Curve("magnitude", unit, {x: factor, y: factor}, True), *parts)
         yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{unit}]", curves, (x, y))
     for body in scene.bodies.values():
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
             per_force, newtons = prefixed(reference.scale[force], "N")
             per_moment, newton_metres = prefixed(reference.scale[moment], "N m")
-            both = (Curve("force", {force: per_force}), Curve("moment", {moment: per_moment}))
+            both = Curve("force", newtons, {force: per_force}), Curve("moment", newton_metres, {moment: per_moment})
             title = f"force [{newtons}], moment [{newton_metres}]"
             yield Panel(f"Guide: force and moment on {body.name}", title, both, (force, moment))
     effort, newtons = ("torque", "N m") if scene.driven_slide is None else ("force", "N")
     channel = f"drive.{effort}"
     factor, unit = prefixed(reference.scale[channel], newtons)
-    curve = Curve(effort, {channel: factor})
+    curve = Curve(effort, unit, {channel: factor})
     yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
 
 

@@ -9,7 +9,8 @@ let figures;
 const draw = place => {
   if (!figures || !places.delete(place)) return;
   const { data, layout } = figures[place.dataset.figure];
-  Plotly.newPlot(place, data, layout, { displayModeBar: false, responsive: true });
+  Plotly.newPlot(place, data, layout, { displaylogo: false, responsive: true });
+  place.dispatchEvent(new Event("drawn"));
 };
 
 const near = new IntersectionObserver(

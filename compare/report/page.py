@@ -16,7 +16,7 @@ from .extremes import affordable
 from .hard.section import hard_cases
 from .hard.stability import stability_maps
 from .html import render
-from .linkage import linkage
+from .linkage.moving import Moving
 from .singular import assur_groups, over_distance
 from .speed import tables as speed_tables
 from .speed.figure import work_precision
@@ -35,8 +35,8 @@ ROUND_OFF = (
 def page(study: Study) -> str:
     """Return the whole report as HTML."""
     scene, (drawn, left_out) = study.scene, chosen(study)
-    picture, sections = linkage(study), list(_sections(study, drawn))
-    most = affordable([picture, *(figure for _, figure, _, _ in sections)])
+    sections = list(_sections(study, drawn))
+    most = affordable(figure for _, figure, _, _ in sections)
     return render(
         "report.html",
         most=most,
@@ -46,7 +46,7 @@ def page(study: Study) -> str:
         verdict=first_screen.verdict(study),
         engines=[*first_screen.engines(study)],
         peaks=[],
-        linkage=picture,
+        moving=Moving(study, drawn),
         axis=axis(scene),
         position=position_name(scene),
         cycle=cycle_name(scene),

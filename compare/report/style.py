@@ -112,6 +112,7 @@ def drive_axes(figure: go.Figure, scene: Scene, turns: int = 1, row: int | None 
     backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
     ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees
     figure.update_xaxes(title=axis(scene).title, row=row)
+    figure.update_layout(dragmode=False, hovermode=False)  # the page's cursor follows the pointer instead
     return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
 
 

@@ -9,7 +9,6 @@ import pytest
 from compare.engines.axis import prefixed
 from compare.report import tables
 from compare.report.curves import Panel, over_angle, panels
-from compare.report.linkage import linkage
 from compare.report.page import page
 from compare.report.singular import assur_groups
 from compare.report.speed.figure import work_precision
@@ -147,36 +146,6 @@ def test_assur_groups(studies: Studies) -> None:
     assert "only the analytic core knows Assur groups" in page(result)
     without = Motion({channel: result.motion[channel] for channel in channels(result.scene)})
     assert assur_groups(replace(result, motion=without)) is None
-
-
-def test_a_slot_is_drawn_on_its_carrier(studies: Studies) -> None:
-    """The block is on the slot, and the slot is turned with the rocker."""
-    result = studies("shaper")
-    figure, motion = linkage(result), result.motion
-    for pose, row in enumerate((0, 18, 36, 54), start=1):
-        drawn = [trace for trace in figure.data if trace.xaxis == ("x" if pose == 1 else f"x{pose}")]
-        slot = next(trace for trace in drawn if trace.opacity == 0.3)
-        start, end = (complex(x, y) for x, y in zip(slot.x, slot.y, strict=True))
-        along = (end - start) / abs(end - start)
-        block = complex(1e3 * motion["A.x"][row], 1e3 * motion["A.y"][row]) - start
-        assert abs((along.conjugate() * block).imag) <= 1e-9
-        assert 0 < (along.conjugate() * block).real < abs(end - start)
-        assert np.angle(along * np.exp(-1j * motion["rocker.angle"][row])) == pytest.approx(np.arctan2(0.1, 2))
-        square = next(trace for trace in drawn if trace.name == "block")
-        assert square.marker.angle == pytest.approx(-np.degrees(np.angle(along)))
-
-
-def test_the_sketch_is_a_ghost_of_the_pose_there(studies: Studies) -> None:
-    result = studies("shaper")
-    drawn = [trace for trace in linkage(result).data if trace.xaxis == "x5"]
-    ghost = {point: (x, y) for t in drawn if t.name == "sketch" for point, x, y in zip(t.text, t.x, t.y, strict=False)}
-    expected = {point: (1e3 * x, 1e3 * y) for point, (x, y) in result.scene.sketch.points.items()}
-    assert {point: ghost[point] for point in expected} == expected
-    link = next(trace for trace in drawn if trace.name == "link")
-    off = {p: np.hypot(x - ghost[p][0], y - ghost[p][1]) for p, x, y in zip(link.text, link.x, link.y, strict=True)}
-    table = tables.sketch(result).set_index("point")["distance [mm]"]
-    assert off == pytest.approx({point: table[point] for point in off}, abs=1e-9)
-    assert table.is_monotonic_decreasing
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ import pytest
 from compare.report import curves
 from compare.report.extremes import CURVE, extremes
 from compare.report.html import ROWS, Parts, first, shortened
-from compare.report.linkage import linkage
 from compare.report.page import page
+from compare.report.speed.figure import work_precision
 from compare.study import Study
 from scenes import Motion, load
 from scenes.motion import Samples
@@ -89,7 +89,7 @@ def test_a_short_run_is_drawn_whole(result: Study) -> None:
 def test_a_figure_is_the_same_each_time(result: Study) -> None:
     one, other = Parts(CURVE), Parts(CURVE)
     for parts in (one, other):
-        parts.figure(linkage(result))
+        parts.figure(work_precision(result))
     assert one.figures == other.figures
 
 

@@ -1,0 +1,62 @@
+"""The forces that a picture of the linkage shows: of every pin, guide and load, and of a driven slider's drive."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.scene import PressForce
+
+from ...engines.motion_vectors import MotionVectors, Vectors
+from ...engines.press_switches import stroke_end
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """One force over a motion."""
+
+    name: str
+    point: str  # where it attacks
+    force: Vectors  # N, shape (n,)
+    components: tuple[str, str]  # their names: of a pin, its channels
+    load: bool = False  # rather than of a joint
+
+
+def arrows(scene: Scene, motion: Motion) -> list[Arrow]:
+    """Return the forces that a motion has, in the order of its files; a load is none of a scene without masses."""
+    return [*_joints(scene, motion), *_loads(scene, motion)] if scene.has_masses else []
+
+
+def _joints(scene: Scene, motion: Motion) -> Iterator[Arrow]:
+    state = MotionVectors(scene, motion)
+    for pin in scene.pins:
+        if f"{pin.channel}.fx" in motion and f"{pin.channel}.fy" in motion:
+            name = f"{pin.channel}: {pin.first} on {pin.second}"
+            components = f"{pin.channel}.fx", f"{pin.channel}.fy"
+            yield Arrow(name, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"), components)
+    for body in scene.bodies.values():
+        if body.slide is None:
+            continue
+        along = np.exp(1j * state.angle(body.slide.on)) * complex(*body.slide.along)
+        for channel, direction, name in (
+            (f"{body.name}.guide_force", 1j * along, f"guide on {body.name}"),
+            ("drive.force", along, f"drive on {body.name}"),
+        ):
+            if channel in motion and (channel != "drive.force" or body.name == scene.drive.body):
+                yield Arrow(name, body.points[0], motion[channel] * direction, (f"{name} x", f"{name} y"))
+
+
+def _loads(scene: Scene, motion: Motion) -> Iterator[Arrow]:
+    state = MotionVectors(scene, motion)
+    acting = [
+        load.acts(*state.displacement(scene.bodies[load.body])[:2], stroke_end(state, load))
+        for load in scene.loads
+        if isinstance(load, PressForce)
+    ]
+    state = MotionVectors(scene, motion, acting)
+    for body in scene.bodies.values():
+        own = [load for load in scene.loads if load.body == body.name]
+        for number, (load, applied) in enumerate(zip(own, state.applied(body), strict=False)):
+            components = f"load {body.name} {number} x", f"load {body.name} {number} y"
+            yield Arrow(f"load on {body.name}", load.at, applied.force, components, load=True)

@@ -1,0 +1,128 @@
+"""How a motion is drawn: where metres and newtons are in the picture."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor, log10
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.motion import Samples
+from scenes.scene import Body
+
+from ...engines.axis import prefixed
+from ...engines.motion_vectors import MotionVectors, Vectors, first_point
+from .arrows import Arrow, arrows
+
+SIZE = 1000.0  # of the picture's longer side, in its own units
+PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
+MARGIN = 34 * PX  # for signs and names around the outermost points
+SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """How a motion is drawn: where metres and newtons are in the picture."""
+
+    scene: Scene
+    motion: Motion
+
+    @cached_property
+    def state(self) -> MotionVectors:
+        """The motion's vectors."""
+        return MotionVectors(self.scene, self.motion)
+
+    @cached_property
+    def places(self) -> dict[str, Vectors]:
+        """Where every point is, m, shape (n,)."""
+        return {point: self.state.place(point) for point in self.scene.owners}
+
+    @cached_property
+    def arrows(self) -> list[Arrow]:
+        """Every force of the motion."""
+        return arrows(self.scene, self.motion)
+
+    @cached_property
+    def peak(self) -> float:
+        """The largest force, N, without what a fiftieth of the samples have: next to a singular configuration."""
+        return max((float(np.quantile(np.abs(arrow.force), 0.98)) for arrow in self.arrows), default=0.0)
+
+    @cached_property
+    def scale(self) -> tuple[float, float]:
+        """A round force, N, and how long its arrow is, in the file's unit of length; zeros where there is no force."""
+        if not self.peak > 0:
+            return 0.0, 0.0
+        places = np.concatenate([*self.places.values()])
+        power = 10.0 ** floor(log10(self.peak))
+        force = next(share * power for share in (5, 2, 1) if share * power <= self.peak)
+        longest = SHARE * max(np.ptp(places.real), np.ptp(places.imag))
+        return force, float(f"{force / self.peak * longest / self.scene.length_unit[1]:.2g}")
+
+    @property
+    def per_newton(self) -> float:
+        """How long an arrow is, m a newton."""
+        force, length = self.scale
+        return length * self.scene.length_unit[1] / force if force else 0.0
+
+    @property
+    def scale_text(self) -> str:
+        """The arrows' scale in words: `100 kN = 38 mm`; nothing where there is no force."""
+        force, length = self.scale
+        factor, newtons = prefixed(self.peak or 1.0, "N")
+        return f"{factor * force:g} {newtons} = {length:g} {self.scene.length_unit[0]}" if force else ""
+
+    @cached_property
+    def box(self) -> tuple[complex, complex]:
+        """The corners of what is drawn, m: of points, sketch and arrows, but for the tips of the longest peaks."""
+        shown = [*self.places.values(), np.array([complex(*place) for place in self.scene.sketch.points.values()])]
+        for arrow in self.arrows:
+            size = np.maximum(np.abs(arrow.force), 1e-300)
+            way: Vectors = arrow.force * np.minimum(self.per_newton, self.per_newton * self.peak / size)
+            shown.append(self.places[arrow.point] - way if arrow.load else self.places[arrow.point] + way)
+        every = np.concatenate([part for part in shown if len(part)])
+        return complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
+
+    @cached_property
+    def per_metre(self) -> float:
+        """The picture's units a metre."""
+        across = self.box[1] - self.box[0]
+        return (SIZE - 2 * MARGIN) / max(across.real, across.imag)
+
+    @cached_property
+    def size(self) -> tuple[float, float]:
+        """Width and height of the picture, in its units."""
+        across = self.per_metre * (self.box[1] - self.box[0])
+        return across.real + 2 * MARGIN, across.imag + 2 * MARGIN
+
+    @cached_property
+    def corner(self) -> complex:
+        """The picture's upper left corner, m."""
+        margin = MARGIN / self.per_metre
+        return complex(self.box[0].real - margin, self.box[1].imag + margin)
+
+    def units(self, places: Vectors) -> Vectors:
+        """Return places, m, in the picture's units, x to the right and i times y downwards."""
+        found: Vectors = self.per_metre * np.conj(places - self.corner)
+        return found
+
+    def frame(self, body: Body) -> Samples:
+        """Return the angle of a body in the picture, shape (n,), degrees clockwise, without jumps."""
+        return -np.degrees(np.unwrap(self.state.angle(body.name)))
+
+    def own(self, body: Body) -> dict[str, complex]:
+        """Return a body's points in its own frame from the first, in the picture's units."""
+        first = self.places[body.points[0]][0]
+        turn = self.per_metre * np.exp(1j * self.state.angle(body.name)[0])
+        return {point: complex(turn * (self.places[point][0] - first).conjugate()) for point in body.points}
+
+    def way(self, slider: Body) -> tuple[complex, complex]:
+        """Return both ends of a slider's way in the frame of its carrier, from that's first point, or on the ground."""
+        assert slider.slide is not None
+        way, carrier = self.state.on_guide(slider).real, self.scene.bodies.get(slider.slide.on)
+        origin, along = complex(*slider.slide.through), complex(*slider.slide.along)
+        if carrier is None:
+            ends = self.units(np.array([origin + end * along for end in (way.min(), way.max())]))
+            return complex(ends[0]), complex(ends[1])
+        origin -= first_point(carrier)
+        first, last = (self.per_metre * (origin + end * along).conjugate() for end in (way.min(), way.max()))
+        return first, last

@@ -1,0 +1,243 @@
+// One position of the drive for all: the picture moves to it, and every plot over the drive has its cursor there.
+const root = document.getElementById("linkage"), svg = root.querySelector("svg"), find = selector => root.querySelector(selector);
+
+const unpacked = async packed => {
+  const zipped = Uint8Array.from(atob(packed), c => c.charCodeAt(0));
+  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), start = bytes.indexOf(10) + 1;
+  const size = (bytes.length - start) / 4, words = new Uint8Array(4 * size);
+  for (let byte = 0; byte < 4; byte++)
+    for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
+  return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
+};
+const [head, buffer] = await unpacked(document.getElementById("motion").textContent);
+const { count, channels, panels, engines, axis, effort } = head;
+
+// --- numbers: the reference's are kept as second differences, an engine's as what they are off the reference's ---------
+
+const numbers = Float64Array.from(new Int32Array(buffer, 0, channels.length * count));
+for (let c = 0; c < channels.length; c++) {
+  const own = numbers.subarray(c * count, (c + 1) * count);
+  for (let order = 0; order < 2; order++) for (let n = 1; n < count; n++) own[n] += own[n - 1];
+  own.forEach((whole, n) => (own[n] = whole * head.quanta[c]));
+}
+const off = new Float32Array(buffer, 4 * channels.length * count);
+const place = Object.fromEntries(channels.map((channel, c) => [channel, c * count]));
+const width = head.compared + panels.length;
+const difference = (channel, n, engine) => (engine ? off[(engine - 1) * width * count + place[channel] + n] : 0);
+const value = (channel, n, engine = 0) => numbers[place[channel] + n] + difference(channel, n, engine);
+const error = (panel, n, engine) => off[((engine - 1) * width + head.compared + panel) * count + n];
+const over = n => value(axis.channel, n) * axis.factor;
+const rows = [...Array(count).keys()];
+const nearest = at => rows.reduce((best, n) => (Math.abs(over(n) - at) < Math.abs(over(best) - at) ? n : best), 0);
+
+const peak = values => values.reduce((most, v) => Math.max(most, Math.abs(v) || 0), 0);
+const decimals = (most, digits) => Math.min(Math.max(digits - 1 - Math.floor(Math.log10(most || 1)), 0), 12);
+const written = (v, places) => (Number.isFinite(v) ? v.toFixed(places).replace("-", "−") : "–");
+const overPlaces = decimals(peak(rows.map(over)), 4);
+const position = n => written(over(n), overPlaces) + (axis.unit === "deg" ? "°" : ` ${axis.unit}`);
+
+// --- the picture -------------------------------------------------------------------------------------------------------
+
+const inPicture = (x, y) => [(x - head.corner[0]) * head.perMetre, (head.corner[1] - y) * head.perMetre];
+const at = (point, n, engine = 0, times = 1) => {
+  if (point in head.ground) return inPicture(...head.ground[point]);
+  return inPicture(...["x", "y"].map(q => value(`${point}.${q}`, n) + times * difference(`${point}.${q}`, n, engine)));
+};
+const degrees = 180 / Math.PI, made = (name, parent, kind) => {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  element.setAttribute("class", kind);
+  return parent.appendChild(element);
+};
+const movers = [...svg.querySelectorAll("[data-point]")], forces = [...svg.querySelectorAll(".force")];
+const values = forces.map((force, k) => made("text", made("g", svg, ""), `sign value${head.arrows[k].load ? " load" : ""}`));
+const outlines = engines.map((_, engine) => {
+  const path = made("path", svg.querySelector(".engines"), "engine");
+  path.style.stroke = head.colours[engine];
+  return path;
+});
+const ring = made("circle", made("g", svg, "marked"), "sign mark");
+ring.setAttribute("r", 15);
+const [force, magnify, sketch, slider, output] = ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
+let now = 0, marked = "";
+const plots = new Map(); // by the section that has it
+
+const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
+const show = n => {
+  now = n;
+  for (const mover of movers) {
+    const { point, turn, to } = mover.dataset, [x, y] = at(point, n);
+    let transform = `translate(${x} ${y})`;
+    if (`${turn}.angle` in place) transform += ` rotate(${-degrees * value(`${turn}.angle`, n)})`;
+    if (to) {
+      const [a, b] = at(to, n);
+      transform += ` rotate(${degrees * Math.atan2(b - y, a - x)}) scale(${Math.hypot(a - x, b - y)} 1)`;
+    }
+    mover.setAttribute("transform", transform);
+  }
+  const by = force.value, px = Number(svg.style.getPropertyValue("--px"));
+  forces.forEach((group, k) => {
+    const arrow = head.arrows[k], [fx, fy] = vector(arrow, n, +by), size = Math.hypot(fx, fy);
+    const length = size * head.perNewton * head.perMetre, shown = by !== "" && length > 2 * px;
+    group.style.display = shown ? "" : "none";
+    values[k].style.display = shown && length > 24 * px ? "" : "none";
+    if (!shown) return;
+    const [x, y] = at(arrow.point, n), [u, v] = [fx / size, -fy / size], tip = arrow.load ? 0 : length;
+    group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
+    group.children[1].setAttribute("transform", `scale(${length} 1)`);
+    group.children[2].setAttribute("transform", `translate(${tip} 0) scale(${Math.min(length / (11 * px), 1)})`);
+    const end = arrow.load ? -length - 8 * px : length + 6 * px;
+    values[k].parentNode.setAttribute("transform", `translate(${x + end * u} ${y + end * v + 4 * px})`);
+    values[k].setAttribute("text-anchor", Math.abs(u) < 0.4 ? "middle" : u > 0 === arrow.load ? "end" : "start");
+    values[k].textContent = newtons(size);
+  });
+  outlines.forEach((path, engine) => {
+    const corners = outline => outline.map(point => at(point, n, engine, +magnify.value).map(z => z.toFixed(2)).join(" "));
+    const drawn = engine && +magnify.value ? head.outlines.map(outline => `M${corners(outline).join("L")}`).join("") : "";
+    path.setAttribute("d", drawn.includes("NaN") ? "" : drawn);
+  });
+  ring.style.display = marked ? "" : "none";
+  if (marked) ring.parentNode.setAttribute("transform", `translate(${at(marked, n).join(" ")})`);
+  slider.value = n;
+  const where = `${axis.quantity} ${position(n)}`;
+  slider.setAttribute("aria-valuetext", position(n));
+  output.textContent = position(n);
+  const most = largest(n, +by);
+  find(".now").textContent = most;
+  svg.setAttribute("aria-label", `${head.title} at ${where}. ${most}`);
+  plots.forEach(plot => plot.show(n));
+};
+const newtons = size => `${(size * head.newton[0]).toPrecision(3)} ${head.newton[1]}`;
+const largest = (n, engine) => {
+  const sizes = head.arrows.map(arrow => (arrow.load ? 0 : Math.hypot(...vector(arrow, n, engine)) || 0)), most = Math.max(...sizes);
+  const told = effort ? ` Drive: ${written(value(effort.channel, n, engine) * effort.factor, 3)} ${effort.unit}.` : "";
+  return sizes.length ? `Largest joint force: ${newtons(most)}, ${head.arrows[sizes.indexOf(most)].name}.${told}` : "";
+};
+
+// --- one cursor through all plots --------------------------------------------------------------------------------------
+
+class Plot {
+  constructor(section, panel) {
+    this.plot = section.querySelector(".plot");
+    this.line = document.createElement("div");
+    this.line.className = "cursor";
+    if (panel >= 0) this.cells = this.table(section, panel);
+    this.plot.addEventListener("drawn", () => (this.plot.append(this.line), this.show(now)));
+    seen.observe(section);
+    plots.set(section, this);
+    for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
+  }
+
+  table(section, panel) {
+    const table = document.createElement("table"), { curves } = panels[panel], cells = [];
+    table.className = "readout";
+    const row = texts => texts.map((text, k) => {
+      const cell = (table.rows[table.rows.length - 1] ?? table.insertRow()).appendChild(document.createElement(k ? "td" : "th"));
+      cell.textContent = text;
+      return cell;
+    });
+    row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
+    const sum = (curve, n, engine) => {
+      const parts = Object.entries(curve.factors).map(([channel, factor]) => factor * value(channel, n, engine));
+      return curve.magnitude ? Math.hypot(...parts) : parts.reduce((a, b) => a + b);
+    };
+    const places = curves.map(curve => decimals(peak(rows.map(n => sum(curve, n, 0))), 6));
+    engines.forEach((engine, e) => {
+      table.insertRow();
+      const own = row([engine, ...curves.map(() => ""), ""]);
+      own[0].style.setProperty("--c", head.colours[e]);
+      curves.forEach((curve, k) => cells.push([own[k + 1], n => written(sum(curve, n, e), places[k])]));
+      if (e) cells.push([own.at(-1), n => (error(panel, n, e) >= 0 ? error(panel, n, e).toExponential(1) : "–")]);
+    });
+    section.querySelector("h3").after(table);
+    return cells;
+  }
+
+  get axis() {
+    const layout = this.plot._fullLayout;
+    return layout && [layout.xaxis, layout.xaxis2].find(found => found?.title.text === axis.title);
+  }
+
+  show(n) {
+    if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
+    const found = this.axis;
+    if (!found) return;
+    const { t, h } = this.plot._fullLayout._size;
+    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${found._offset + found.l2p(over(n))}px)`;
+  }
+
+  handleEvent(event) {
+    const found = this.axis;
+    if (!found || this.plot._fullLayout.dragmode) return;
+    if (event.type === "pointerleave") return this.show(now);
+    const n = nearest(found.p2l(event.clientX - this.plot.getBoundingClientRect().left - found._offset));
+    if (event.type === "pointerdown") this.plot.setPointerCapture(event.pointerId);
+    if (event.buttons) scrub(n);
+    else this.show(n);
+  }
+}
+const seen = new IntersectionObserver(
+  entries => entries.forEach(({ target, isIntersecting }) => ((plots.get(target).near = isIntersecting), plots.get(target).show(now))),
+  { rootMargin: "100%" });
+for (const section of document.querySelectorAll("section:has(> h3):has(.plot)"))
+  new Plot(section, panels.findIndex(panel => panel.title === section.querySelector("h3").textContent));
+
+// --- what the reader does ----------------------------------------------------------------------------------------------
+
+const LONG = 5000; // ms, one run
+let began = null, heard = 0;
+
+const scrub = (n, mark = "") => {
+  stop();
+  marked = mark;
+  show(Math.max(0, Math.min(count - 1, n)));
+  clearTimeout(heard);
+  heard = setTimeout(() => (find("[aria-live]").textContent = svg.getAttribute("aria-label")), 400);
+};
+const stop = () => {
+  began = null;
+  find(".play").textContent = "Play";
+};
+const play = once => {
+  const start = value("time", 0), span = value("time", count - 1) - start;
+  find(".play").textContent = "Pause";
+  marked = "";
+  const mine = (began = performance.now() - (now < count - 1 ? ((value("time", now) - start) / span) * LONG : 0));
+  const step = moment => {
+    if (began !== mine) return;
+    const share = Math.max(moment - began, 0) / LONG, time = start + (share % 1) * span;
+    if (once && share >= 1) return stop(), show(0);
+    let n = 0;
+    while (n < count - 1 && value("time", n + 1) <= time) n++;
+    show(n);
+    requestAnimationFrame(step);
+  };
+  requestAnimationFrame(step);
+};
+
+find(".play").onclick = () => (began === null ? play() : stop());
+slider.oninput = () => scrub(+slider.value);
+force.onchange = magnify.onchange = () => show(now);
+sketch.onchange = () => svg.querySelector(".ghost").setAttribute("visibility", sketch.checked ? "visible" : "hidden");
+root.addEventListener("keydown", event => {
+  if (event.target.closest("select, button, [type=checkbox]")) return;
+  const to = { ArrowLeft: now - 1, ArrowDown: now - 1, ArrowRight: now + 1, ArrowUp: now + 1, Home: 0, End: count - 1 };
+  if (event.key in to) scrub(to[event.key]);
+  else if (event.key === " ") find(".play").click();
+  else return;
+  event.preventDefault();
+});
+document.addEventListener("click", event => {
+  const goal = event.target.closest("[data-at]");
+  if (!goal) return;
+  const stem = (goal.dataset.channel ?? "").replace(/\.[^.]*$/, ""), point = stem.split("/")[0];
+  scrub(nearest(goal.dataset.at * axis.factor), head.marks[stem] ?? (`${point}.x` in place || point in head.ground ? point : ""));
+  root.scrollIntoView({ block: "nearest" });
+});
+new ResizeObserver(() => {
+  svg.style.setProperty("--px", 1 / svg.getScreenCTM().a);
+  show(now);
+}).observe(svg);
+new ResizeObserver(() => plots.forEach(plot => plot.show(now))).observe(document.body);
+for (const part of root.querySelectorAll("[hidden]")) part.hidden = false;
+if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);

@@ -1,0 +1,172 @@
+"""What the moving picture needs: every engine's pose, forces and plotted channels at some samples, packed."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+from xml.etree.ElementTree import tostring
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion
+from scenes.motion import Samples
+
+from ...engines.axis import axis, prefixed
+from ...engines.registry import REFERENCE
+from ...judge.measure import Measurement
+from ...study import Study
+from ..curves import Panel
+from ..style import DARK_GREY, colour
+from .arrows import arrows
+from .drawing import Drawing
+from .packing import packed
+from .shapes import outlines
+from .svg import picture
+
+SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
+NUMBERS = 400_000  # packed, at most: all channels of all engines at all samples
+STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
+SEEN = 0.1  # of the picture: how large the largest difference is then, at most
+
+
+@dataclass(frozen=True)
+class Moving:
+    """The picture of a study, and its data."""
+
+    study: Study
+    panels: Sequence[Panel]
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """The reference's motion as it is drawn."""
+        return Drawing(self.study.scene, self.study.motion)
+
+    @property
+    def svg(self) -> str:
+        """The picture at the first sample."""
+        return tostring(picture(self.drawing)[0], encoding="unicode")
+
+    @cached_property
+    def engines(self) -> dict[str, tuple[str, Measurement, Motion]]:
+        """By engine with a motion of all samples, but for the reference: its colour, measurement and motion."""
+        count = len(self.study.motion["time"])
+        return {
+            m.run.engine: (colour(number), m, m.run.motion)
+            for number, m in enumerate(self.study.measurements)
+            if m.run.engine != REFERENCE and m.run.motion is not None and len(m.run.motion["time"]) == count
+        }
+
+    @property
+    def names(self) -> list[str]:
+        """The reference and the engines, as they are numbered in the data."""
+        return [REFERENCE, *self.engines]
+
+    @property
+    def data(self) -> str:
+        """The text that the page's script unpacks."""
+        reference, others = self._tables
+        rows = self.rows
+        return packed(self._header(), reference[:, rows], [other[:, rows] for other in others])
+
+    @cached_property
+    def rows(self) -> NDArray[np.intp]:
+        """Which samples are packed: all, or some, with the extremes of every channel as far as there is room."""
+        tables = [table for of in (self._tables[1], [self._tables[0]]) for table in of]
+        count, most = tables[0].shape[1], max(NUMBERS // sum(map(len, tables)), LEAST)
+        if count <= min(SAMPLES, most):
+            return np.arange(count)
+        evenly = np.linspace(0, count - 1, min(SAMPLES, most) // 2).round().astype(np.intp)
+        peaks = np.concatenate([np.where(np.isfinite(t), np.abs(t), -1.0).argmax(axis=1) for t in tables])
+        return np.unique([*evenly, *[*dict.fromkeys(peaks.tolist())][: len(evenly)]])
+
+    @cached_property
+    def _tables(self) -> tuple[NDArray[np.float64], list[NDArray[np.float64]]]:
+        """The reference's channels, and by engine what those compared are off them, and the errors of the panels."""
+        own, compared = self._samples(self.study.motion), [*self._compared]
+        reference = np.array([own[channel] for channel in (*compared, *self._only_reference)])
+        others = []
+        for _, measurement, motion in self.engines.values():
+            samples = self._samples(motion)
+            off = [samples[channel] - own[channel] for channel in compared]
+            others.append(np.array([*off, *self._errors(measurement)]))
+        return reference, others
+
+    @cached_property
+    def _only_reference(self) -> tuple[str, ...]:
+        scene = self.study.scene
+        return tuple(dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning))))
+
+    @cached_property
+    def _compared(self) -> Mapping[str, None]:
+        """Names of what is packed of every engine: places, what is plotted, the drive's effort, forces drawn."""
+        places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
+        plotted = [channel for panel in self.panels for curve in panel.curves for channel in curve.factors]
+        effort = [self._effort["channel"]] if self._effort else []
+        return dict.fromkeys([*places, *plotted, *effort, *(c for a in self.drawing.arrows for c in a.components)])
+
+    def _samples(self, motion: Motion) -> dict[str, Samples]:
+        """Return what is packed of a motion by its name; NaN where it has none."""
+        none = np.full(len(motion["time"]), np.nan)
+        found = {c: motion.samples.get(c, none) for c in (*self._compared, *self._only_reference)}
+        for arrow in arrows(self.study.scene, motion):
+            found |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
+        return found
+
+    def _errors(self, measurement: Measurement) -> Iterator[Samples]:
+        """Yield by panel the error that is drawn below it."""
+        actual = measurement.comparison.actual if measurement.comparison else {}
+        for panel in self.panels:
+            if all(channel in actual for channel in panel.judged):
+                yield np.sqrt(sum(np.square(actual[channel]) for channel in panel.judged))
+            else:
+                yield np.full(len(self.study.motion["time"]), np.nan)
+
+    def _header(self) -> dict[str, Any]:
+        scene, drawing = self.study.scene, self.drawing
+        first = {body.name: body.points[0] for body in scene.bodies.values()}
+        over = axis(scene)
+        return {
+            "title": scene.title,
+            "axis": asdict(over) | {"title": over.title},
+            "count": len(self.rows),
+            "channels": [*self._compared, *self._only_reference],
+            "compared": len(self._compared),
+            "engines": self.names,
+            "colours": [DARK_GREY, *(colour for colour, _, _ in self.engines.values())],
+            "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
+            "perMetre": drawing.per_metre,
+            "perNewton": drawing.per_newton,
+            "newton": prefixed(drawing.peak or 1.0, "N"),
+            "corner": [drawing.corner.real, drawing.corner.imag],
+            "ground": dict(scene.ground),
+            "arrows": [
+                {"name": a.name, "point": a.point, "load": a.load, "components": a.components} for a in drawing.arrows
+            ],
+            "effort": self._effort,
+            "outlines": [*outlines(drawing)],
+            "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
+        }
+
+    @cached_property
+    def _effort(self) -> dict[str, Any] | None:
+        """The channel of the drive's torque or force, and its unit; nothing where there is none."""
+        for channel, newtons in (("drive.torque", "N m"), ("drive.force", "N")):
+            if channel in self.study.motion:
+                factor, unit = prefixed(self.study.reference.scale[channel], newtons)
+                return {"channel": channel, "factor": factor, "unit": unit}
+        return None
+
+    @property
+    def magnified(self) -> Iterator[tuple[float, str]]:
+        """Yield by how much differences can be magnified, and the engines whose largest one then shows."""
+        found: dict[float, list[str]] = {}
+        size = abs(self.drawing.box[1] - self.drawing.box[0])
+        places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
+        for name, (_, _, motion) in self.engines.items():
+            off = [np.abs(motion[place] - self.study.motion[place]).max() for place in places if place in motion]
+            fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
+            if np.max(off, initial=0.0) > 0 and len(fitting):
+                found.setdefault(float(fitting[-1]), []).append(name)
+        yield 1.0, ""
+        yield from ((times, " and ".join(names)) for times, names in sorted(found.items()))

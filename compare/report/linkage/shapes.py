@@ -1,0 +1,209 @@
+"""The signs of a drawing: bars, plates, blocks on their guides, pins, ground, springs, arrows.
+
+Each is drawn once in the frame of its body; what is not to scale, as a pin, is in pixels (class `sign`).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import atan2, degrees
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from scenes.motion import Samples
+from scenes.scene import GROUND, Body
+
+from ...engines.motion_vectors import Vectors
+from ..extremes import extremes
+from .arrows import Arrow
+from .drawing import PX, Drawing
+
+PATH = 300  # points of a path, at most
+GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
+HEAD = 11  # px, of an arrow
+HATCH = 9  # px between two lines of a hatching
+NEAR = 18  # px from a point to its name
+DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
+
+
+@dataclass(frozen=True)
+class Mover:
+    """An element that moves: its place in the picture, its angle in degrees clockwise, its stretch along its own x."""
+
+    element: Element
+    place: Vectors
+    angle: Samples | None = None
+    stretch: Samples | None = None
+    evenly: bool = False  # and across too
+
+    def transforms(self, rows: Sequence[int], *, css: bool = False) -> list[str]:
+        """Return the transforms at rows of the motion, as an attribute's text or that of a style."""
+        length, turn, gap = ("px", "deg", ",") if css else ("", "", " ")
+        found = []
+        for row in rows:
+            text = f"translate({self.place[row].real:.2f}{length}{gap}{self.place[row].imag:.2f}{length})"
+            if self.angle is not None:
+                text += f" rotate({self.angle[row]:.3f}{turn})"
+            if self.stretch is not None:
+                text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
+            found.append(text)
+        return found
+
+
+def background(root: Element, drawing: Drawing) -> None:
+    """Draw what stands still: paths, guides on the ground, the sketch."""
+    scene = drawing.scene
+    for point in scene.moving_points:
+        path = drawing.units(drawing.places[point])
+        _line(root, "path", path[extremes(path.real, path.imag, PATH)])
+    for body in scene.bodies.values():
+        if body.slide is not None and body.slide.on == GROUND:
+            _guide(root, *drawing.way(body))
+    ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
+    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+    for points in outlines(drawing):
+        shown = np.array([drawn[point] for point in points if point in drawn], np.complex128)
+        _line(ghost, "sketch", drawing.units(shown))
+
+
+def outlines(drawing: Drawing) -> Iterator[tuple[str, ...]]:
+    """Yield the points around each body; one of more than two comes back to the first."""
+    for body in drawing.scene.bodies.values():
+        if len(body.points) > 1:
+            yield _around(drawing, body)
+
+
+def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every body with the slots of those that slide on it."""
+    scene = drawing.scene
+    for body in scene.bodies.values():
+        group = SubElement(root, "g", {"class": "body", "data-point": body.points[0], "data-turn": body.name})
+        if body.name == scene.drive.body:
+            group.set("class", "body driven")
+        SubElement(group, "title").text = body.name
+        own = drawing.own(body)
+        for slider in scene.bodies.values():
+            if slider.slide is not None and slider.slide.on == body.name:
+                _slot(group, *drawing.way(slider))
+        if len(body.points) > 1:
+            kind = "bar" if len(body.points) == 2 else "plate"
+            _line(group, kind, np.array([own[point] for point in _around(drawing, body)]))
+        if body.slide is not None:
+            turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
+            half = SLOT - 2 if body.slide.on != GROUND else GUIDE - 2
+            _sign(SubElement(group, "g", turn), "block", f"M{-BLOCK} {-half}H{BLOCK}V{half}H{-BLOCK}Z")
+        elif len(body.points) == 1:
+            _sign(group, "block", "M-11 0A11 11 0 0 0 11 0A11 11 0 0 0 -11 0Z")
+        yield Mover(group, drawing.units(drawing.places[body.points[0]]), drawing.frame(body))
+
+
+def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every spring as a zigzag, as long as one unit and stretched between its ends."""
+    for spring in drawing.scene.springs:
+        (_, first), (_, second) = spring.first, spring.second
+        group = SubElement(root, "g", {"data-point": first, "data-to": second})
+        teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
+        _across(group, "spring", f"M0 0H.2{teeth}L.8 0H1")
+        ends = drawing.units(drawing.places[first]), drawing.units(drawing.places[second])
+        way = ends[1] - ends[0]
+        yield Mover(group, ends[0], np.degrees(np.unwrap(np.angle(way))), np.maximum(np.abs(way), 1e-6))
+
+
+def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every point as a pin with its name, upright, and a fixed one on hatched ground."""
+    around = list(outlines(drawing))
+    for point in drawing.scene.owners:
+        group = SubElement(root, "g", {"data-point": point})
+        if point in drawing.scene.ground:
+            _sign(group, "", "M0 0L-11 18H11Z M-17 18H17")
+            _sign(group, "hatch", " ".join(f"M{x} 18l-6 7" for x in range(-13, 18, 6)))
+        _sign(group, "pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
+        side = _free(drawing, point, around)
+        anchor = "middle" if abs(side.real) < 0.5 else "start" if side.real > 0 else "end"
+        at = {"x": f"{NEAR * side.real * 0.8:.1f}", "y": f"{5 + NEAR * side.imag:.1f}", "text-anchor": anchor}
+        SubElement(group, "text", {"class": "sign name"} | at).text = point
+        yield Mover(group, drawing.units(drawing.places[point]))
+
+
+def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
+    """Draw a force as an arrow from where it attacks, or a load as one that ends there."""
+    place = drawing.units(drawing.places[force.point])
+    way = drawing.per_metre * drawing.per_newton * np.conj(force.force)
+    kind, length = "force load" if force.load else "force", np.abs(way)
+    group = SubElement(root, "g", {"class": kind})
+    SubElement(group, "title").text = force.name
+    shaft, head = SubElement(group, "g"), SubElement(group, "g")
+    SubElement(shaft, "path", {"d": "M-1 0H0" if force.load else "M0 0H1"})
+    _sign(head, "head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
+    still, tip = np.zeros(len(place), complex), np.zeros(len(place), complex)
+    yield Mover(group, place, np.degrees(np.unwrap(np.angle(way))))
+    yield Mover(shaft, still, None, np.maximum(length, 1e-3))
+    yield Mover(head, tip if force.load else tip + length, None, np.clip(length / (HEAD * PX), 1e-3, 1), evenly=True)
+
+
+def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
+    """Return the points around a body, back to the first of more than two; many in the order around their middle."""
+    own = drawing.own(body)
+    if len(own) < 3:
+        return body.points
+    middle = sum(own.values()) / len(own)
+    first = own[body.points[0]] - middle or 1.0
+    order = sorted(own, key=lambda point: float(np.angle((own[point] - middle) / first) % (2 * np.pi)))
+    return (*order, order[0])
+
+
+def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> complex:
+    """Return the direction from a point, x to the right and i times y downwards, that bodies leave free the longest."""
+    rows = np.linspace(0, len(drawing.motion["time"]) - 1, 24).astype(int)
+    at = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
+    names = at[point] + 1.2 * NEAR * PX * DIRECTIONS[:, np.newaxis]
+    gaps = [np.abs(names - other) for name, other in at.items() if name != point]
+    for outline in around:
+        for start, end in pairwise(outline):
+            way, off = at[end] - at[start], names - at[start]
+            along = np.clip((off * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
+            gaps.append(np.abs(off - along * way))
+    if point in drawing.scene.ground:
+        gaps.append(np.abs(names - at[point] - 15j * PX))
+    near = np.minimum(np.min(gaps, axis=0), NEAR * PX) if gaps else np.ones((len(DIRECTIONS), 1))
+    return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
+
+
+def _guide(root: Element, first: complex, last: complex) -> None:
+    """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
+    turn, length = degrees(atan2((last - first).imag, (last - first).real)), abs(last - first)
+    group = SubElement(root, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({turn:.3f})"})
+    start, end, step, lines = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, HATCH * PX, ""
+    _across(group, "guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
+    for x in np.arange(start, end, step):
+        lines += f"M{x:.1f} {GUIDE}l{-0.7 * step:.1f} 7M{x:.1f} {-GUIDE}l{0.7 * step:.1f} -7"
+    _across(group, "hatch", lines)
+
+
+def _slot(group: Element, first: complex, last: complex) -> None:
+    """Draw the slot of a carrier, longer than the way by a block at each end, joined to the carrier's first point."""
+    way = last - first
+    length = abs(way) or 1.0
+    foot = first + way / length * float(np.clip((-first * way.conjugate() / length).real, 0, abs(way)))
+    _line(group, "bar", np.array([0j, foot]))
+    turn = degrees(atan2(way.imag, way.real))
+    inner = SubElement(group, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({turn:.3f})"})
+    start, end = -1.4 * BLOCK * PX, abs(way) + 1.4 * BLOCK * PX
+    _across(inner, "slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
+
+
+def _line(parent: Element, kind: str, corners: Vectors) -> None:
+    path = "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in corners)
+    if path:
+        SubElement(parent, "path", {"class": kind, "d": f"M{path}"})
+
+
+def _sign(parent: Element, kind: str, path: str) -> None:
+    """Draw a path in pixels, which does not scale."""
+    SubElement(parent, "path", {"class": f"sign {kind}".strip(), "d": path})
+
+
+def _across(parent: Element, kind: str, path: str) -> None:
+    """Draw a path that scales along its x alone; y is in pixels."""
+    SubElement(parent, "path", {"class": f"across {kind}", "d": path})

@@ -1,0 +1,66 @@
+"""The linkage as one SVG: at the first sample of a motion, or moving by itself."""
+
+from importlib.resources import files
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import numpy as np
+
+from scenes import Motion, Scene
+
+from . import shapes
+from .drawing import PX, Drawing
+
+FRAMES = 72  # poses of a picture that moves by itself, at most
+PLAY = 5.0  # s that it takes
+
+
+def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
+    """Return the linkage as one self-contained SVG without a script, light or dark as the reader's system is.
+
+    Args:
+        scene: the linkage.
+        motion: where its points are, and its forces, if it has them; a whole cycle of the drive.
+        moving: whether it moves by itself over the motion, again and again, rather than stands at the first sample.
+    """
+    drawing = Drawing(scene, motion)
+    rows = np.linspace(0, len(motion["time"]) - 1, FRAMES + 1).round().astype(int)
+    root, movers = picture(drawing)
+    style = [text("linkage.css"), text("colours.css")]
+    for number, mover in enumerate(movers if moving else []):
+        mover.element.set("style", f"animation: m{number} {PLAY:g}s linear infinite")
+        steps = zip(np.linspace(0, 100, len(rows)), mover.transforms(rows.tolist(), css=True), strict=True)
+        frames = " ".join(f"{share:.4g}%{{transform:{transform}}}" for share, transform in steps)
+        style.append(f"@keyframes m{number} {{ {frames} }}")
+    root[0].text = "\n".join(style)
+    for side, length in zip(("width", "height"), drawing.size, strict=True):
+        root.set(side, f"{length / PX:.0f}")
+    return tostring(root, encoding="unicode")
+
+
+def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
+    """Return a drawing at its first sample, its style as the first child, and what in it moves.
+
+    A group that moves names what moves it: `data-point`, where it is; `data-turn`, the body it turns with; `data-to`,
+    the point at the other end of a spring. Those of arrows are in the order of the drawing's.
+    """
+    (width, height), scene = drawing.size, drawing.scene
+    box = {"class": "linkage", "viewBox": f"0 0 {width:.1f} {height:.1f}", "style": f"--px: {PX:.4f}"}
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": scene.title} | box)
+    SubElement(root, "style").text = text("linkage.css")
+    shapes.background(root, drawing)
+    movers = [*shapes.bodies(root, drawing), *shapes.springs(root, drawing)]
+    SubElement(root, "g", {"class": "engines"})
+    movers += shapes.points(root, drawing)
+    for arrow in drawing.arrows:
+        movers += shapes.arrow(root, drawing, arrow)
+    if drawing.scale_text:
+        corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
+        SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-8"}).text = f"forces: {drawing.scale_text}"
+    for mover in movers:
+        mover.element.set("transform", mover.transforms([0])[0])
+    return root, movers
+
+
+def text(name: str) -> str:
+    """Return a file that lies beside this one."""
+    return files("compare.report.linkage").joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,41 @@
+"""A browser, and one report in it: of the toggle press by three engines."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from compare.report import files
+from compare.study import Study
+from scenes import load
+from tests.comparisons import studied
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+@pytest.fixture(scope="session")
+def press_study() -> Study:
+    return studied(load("toggle_press"), ["analytic", "exudyn", "pymunk"])
+
+
+@pytest.fixture(scope="session")
+def press_report(press_study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the report, with the page and every engine's motion."""
+    return files.write(press_study, tmp_path_factory.mktemp("press"))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator["Browser"]:
+    """Return Debian's chromium, driven by playwright; tests with it are skipped where either is missing."""
+    driver = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no chromium is installed")
+    with driver.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
