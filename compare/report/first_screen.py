@@ -1,29 +1,46 @@
-"""What the first screen shows: the verdict in a word, the designer's numbers, one row an engine."""
+"""What the first screen shows: the verdict's sign, the designer's numbers, one row an engine."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import degrees, isnan
+
+from scenes.motion import quantity
 
 from ..engines.axis import Axis, axis
 from ..engines.registry import REFERENCE
+from ..judge.agreement import Word, worst_error
 from ..judge.measure import Measurement
+from ..judge.peaks.peaks import Peak
 from ..study import Study
-from .numbers import engineering
+from .numbers import engineering, percent, short
 from .style import colour
 
-MARKS = {"agrees": "✓", "agrees in part": "≈", "disagrees": "✗", "not solved": "✗"}
+MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
+OF_A_PIN, OF_A_JOINT = ("fx",), ("fx", "guide_force", "guide_moment")  # quantities
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """How far the engines agree."""
+class Place:
+    """A button that shows a pose, with a channel marked."""
 
-    word: str
-    sentence: str
+    channel: str
+    at: float  # on the axis, SI
+    text: str
 
-    @property
-    def mark(self) -> str:
-        """A sign beside the word."""
-        return MARKS[self.word]
+
+@dataclass(frozen=True)
+class Shown:
+    """One of the designer's numbers."""
+
+    name: str
+    text: str
+    value: float
+    unit: str
+    of: str  # the joint, where its name is not in that of the number
+    place: Place | None
+    direction: str
+    differ: str  # by how much the engines differ at most
+    each: str  # by how much each of them does
 
 
 @dataclass(frozen=True)
@@ -34,29 +51,72 @@ class Row:
     colour: str
     status: str
     worst: float
-    channel: str  # with the largest error; empty where there is none
-    at: float  # on the axis, SI
-    where: str
+    place: Place | None
     time: str
 
 
-def verdict(study: Study) -> Verdict:
-    """Return whether the engines agree, in a word and a sentence."""
-    return Verdict(study.agreement.word, study.agreement.sentence)
+def peaks(study: Study) -> list[Shown]:
+    """Return the numbers of the whole linkage, of the forces of its pins the largest."""
+    pins = [peak for peak in study.peaks if quantity(peak.channel) in OF_A_PIN]
+    largest = max(pins, key=lambda peak: peak.value, default=None)
+    joints = _of_joints(study)
+    first = [_shown(study, peak) for peak in study.peaks if peak not in joints]
+    if largest is None:
+        return first
+    at = next((n for n, peak in enumerate(first) if peak.name.startswith("Peak drive")), len(first))
+    return [*first[:at], _shown(study, largest, "Largest pin force", largest.of), *first[at:]]
+
+
+def joints(study: Study) -> list[Shown]:
+    """Return the largest force and moment of every joint."""
+    return [_shown(study, peak) for peak in _of_joints(study)]
+
+
+def _of_joints(study: Study) -> Sequence[Peak]:
+    return [peak for peak in study.peaks if quantity(peak.channel) in OF_A_JOINT]
+
+
+def _shown(study: Study, peak: Peak, name: str = "", of: str = "") -> Shown:
+    found = [size for size in peak.differs.values() if not isnan(size)]
+    return Shown(
+        name or peak.name[:1].upper() + peak.name[1:],
+        _written(study, peak),
+        peak.value,
+        peak.unit,
+        of,
+        _place(axis(study.scene), peak.channel, peak.position),
+        "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°",
+        percent(max(found)) if found else "–",
+        ", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
+    )
+
+
+def _written(study: Study, peak: Peak) -> str:
+    """Return a number with the unit a reader expects: lengths in that of the file, angles in degrees."""
+    unit, size = study.scene.length_unit
+    if peak.unit == "m":
+        return f"{short(peak.value / size)} {unit}"
+    if peak.unit == "rad":
+        return f"{short(degrees(peak.value))}°"
+    return engineering(peak.value, peak.unit.replace("*", " ").replace("^2", "²")) if peak.unit else short(peak.value)
 
 
 def engines(study: Study) -> Iterator[Row]:
     """Yield a row per engine, in the order asked for."""
     over = axis(study.scene)
     for number, m in enumerate(study.measurements):
-        worst, channel, at = _worst(m)
-        named = (_named(m), colour(number), m.run.status.name)
-        yield Row(*named, worst, channel, at / over.factor, place(over, at), _time(study, m))
+        worst = worst_error(study.scene, m)
+        size = worst.size if worst else float("nan")
+        place = _place(over, worst.channel, worst.position) if worst else None
+        yield Row(_named(m), colour(number), m.run.status.name, size, place, _time(study, m))
 
 
-def place(over: Axis, at: float) -> str:
-    """Return a place on the axis, given in its unit: `171°`, `3.2 mm`."""
-    return f"{at:.4g}°" if over.unit == "deg" else f"{at:.4g} {over.unit}"
+def _place(over: Axis, channel: str, position: float) -> Place | None:
+    """Return a place on the axis, given in SI: `171°`, `3.2 mm`."""
+    at = position * over.factor
+    return (
+        None if isnan(at) else Place(channel, position, f"{at:.4g}°" if over.unit == "deg" else f"{at:.4g} {over.unit}")
+    )
 
 
 def _named(measured: Measurement) -> str:
@@ -64,14 +124,6 @@ def _named(measured: Measurement) -> str:
     run = measured.run
     version = run.version.partition(",")[0]
     return f"{run.engine} (reference)" if run.engine == REFERENCE else version or run.engine
-
-
-def _worst(measured: Measurement) -> tuple[float, str, float]:
-    """Return the largest error, its channel, and where it is, in the axis' unit; a NaN counts as the largest."""
-    if measured.errors.empty:
-        return float("nan"), "", float("nan")
-    row = measured.errors.iloc[int(measured.errors["max"].to_numpy().argmax())]
-    return float(row["max"]), str(row["channel"]), float(row["max_at"])
 
 
 def _time(study: Study, measured: Measurement) -> str:
