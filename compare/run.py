@@ -174,13 +174,15 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
 
 def _print_result(result: "Study") -> None:
+    from .engines.axis import group_name
     from .judge.errors import SHOWN_GROUPS
     from .report.speed import tables as speed_tables
     from .report.tables import overview, verdict
 
     print(f"{result.scene.name}  {verdict(result)}")
     for row in overview(result).to_dict("records"):
-        errors = "  ".join(f"{group} {row[group]:.1e}" for group in SHOWN_GROUPS if row[group] == row[group])
+        known = [group for group in SHOWN_GROUPS if row[group] == row[group]]
+        errors = "  ".join(f"{group_name(result.scene, group)} {row[group]:.1e}" for group in known)
         print(f"{result.scene.name}  {row['engine']:14} {row['status']:15} {errors}")
     for m in result.measurements:
         if m.run.reason:

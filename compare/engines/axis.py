@@ -34,9 +34,8 @@ def axis(scene: Scene) -> Axis:
         return Axis("time", unit, "time", factor)
     if scene.driven_slide is None:
         return Axis("crank angle", "deg", scene.drive_channel, 180 / pi)
-    least, largest = scene.drive.extent
-    factor, unit = prefixed(largest - least, "m")
-    return Axis(position_name(scene), unit, scene.drive_channel, factor)
+    unit, size = scene.length_unit
+    return Axis(position_name(scene), unit, scene.drive_channel, 1 / size)
 
 
 def position_name(scene: Scene) -> str:
@@ -52,6 +51,11 @@ def turns_fully(scene: Scene) -> bool:
 def cycle_name(scene: Scene) -> str:
     """Return what a cycle of the drive is called."""
     return "turn" if turns_fully(scene) else "cycle"
+
+
+def group_name(scene: Scene, group: str) -> str:
+    """Return what a channel group is called: of a driven slider, `torque` is the drive's force."""
+    return "drive force" if group == "torque" and scene.driven_slide is not None else group
 
 
 def prefixed(scale: float, unit: str) -> tuple[float, str]:

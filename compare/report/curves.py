@@ -12,12 +12,13 @@ import plotly.graph_objects as go
 from scenes import Motion, Request
 from scenes.motion import Samples, quantity
 
-from ..engines.axis import axis, prefixed
+from ..engines.axis import axis
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..judge.errors import GROUPS
 from ..study import Study
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
+from .units import units
 
 MARKERS = 36  # per cycle, shared out between the engines
 FIGURES = 24  # of panels, at most
@@ -76,9 +77,9 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
 def _motion_panels(reference: Reference) -> Iterator[Panel]:
     scene = reference.scene
     guided = scene.guided(scene.output)
-    for title, unit, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s²", "a")):
+    for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
         x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
-        factor, unit = prefixed(reference.scale[x], unit)
+        factor, unit = units(reference)[si]
         curves: tuple[Curve, ...] = (Curve("x", unit, {x: factor}), Curve("y", unit, {y: factor}))
         if guided is not None:
             along = zip((x, y), guided[1].along, strict=True)
@@ -91,23 +92,22 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
     scene = reference.scene
     if not scene.has_masses:
         return
+    (per_newton, newtons), (per_moment, moments) = (units(reference)[si] for si in ("N", "N*m"))
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        factor, unit = prefixed(reference.scale[x], "N")
-        parts = Curve("x", unit, {x: factor}), Curve("y", unit, {y: factor})
-        curves = (Curve("magnitude", unit, {x: factor, y: factor}, True), *parts)
-        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{unit}]", curves, (x, y))
+        parts = Curve("x", newtons, {x: per_newton}), Curve("y", newtons, {y: per_newton})
+        curves = (Curve("magnitude", newtons, {x: per_newton, y: per_newton}, True), *parts)
+        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{newtons}]", curves, (x, y))
     for body in scene.bodies.values():
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
-            per_force, newtons = prefixed(reference.scale[force], "N")
-            per_moment, newton_metres = prefixed(reference.scale[moment], "N m")
-            both = Curve("force", newtons, {force: per_force}), Curve("moment", newton_metres, {moment: per_moment})
-            title = f"force [{newtons}], moment [{newton_metres}]"
+            both = Curve("force", newtons, {force: per_newton}), Curve("moment", moments, {moment: per_moment})
+            title = f"force [{newtons}], moment [{moments}]"
             yield Panel(f"Guide: force and moment on {body.name}", title, both, (force, moment))
-    effort, newtons = ("torque", "N m") if scene.driven_slide is None else ("force", "N")
+    effort, factor, unit = ("torque", per_moment, moments)
+    if scene.driven_slide is not None:
+        effort, factor, unit = ("force", per_newton, newtons)
     channel = f"drive.{effort}"
-    factor, unit = prefixed(reference.scale[channel], newtons)
     curve = Curve(effort, unit, {channel: factor})
     yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
 

@@ -12,8 +12,9 @@ from ..judge.agreement import Word, worst_error
 from ..judge.measure import Measurement
 from ..judge.peaks.peaks import Peak
 from ..study import Study
-from .numbers import engineering, percent, short
+from .numbers import percent, written
 from .style import colour
+from .units import units
 
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 OF_A_PIN, OF_A_JOINT = ("fx",), ("fx", "guide_force", "guide_moment")  # quantities
@@ -80,25 +81,15 @@ def _shown(study: Study, peak: Peak, name: str = "", of: str = "") -> Shown:
     found = [size for size in peak.differs.values() if not isnan(size)]
     return Shown(
         name or peak.name[:1].upper() + peak.name[1:],
-        _written(study, peak),
+        written(peak.value, peak.unit, units(study.reference)),
         peak.value,
         peak.unit,
         of,
         _place(axis(study.scene), peak.channel, peak.position),
-        "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°",
+        "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
         percent(max(found)) if found else "–",
         ", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
     )
-
-
-def _written(study: Study, peak: Peak) -> str:
-    """Return a number with the unit a reader expects: lengths in that of the file, angles in degrees."""
-    unit, size = study.scene.length_unit
-    if peak.unit == "m":
-        return f"{short(peak.value / size)} {unit}"
-    if peak.unit == "rad":
-        return f"{short(degrees(peak.value))}°"
-    return engineering(peak.value, peak.unit.replace("*", " ").replace("^2", "²")) if peak.unit else short(peak.value)
 
 
 def engines(study: Study) -> Iterator[Row]:
@@ -113,10 +104,10 @@ def engines(study: Study) -> Iterator[Row]:
 
 def _place(over: Axis, channel: str, position: float) -> Place | None:
     """Return a place on the axis, given in SI: `171°`, `3.2 mm`."""
-    at = position * over.factor
-    return (
-        None if isnan(at) else Place(channel, position, f"{at:.4g}°" if over.unit == "deg" else f"{at:.4g} {over.unit}")
-    )
+    if isnan(position):
+        return None
+    at = f"{position * over.factor:.4g}".replace("-", "−")
+    return Place(channel, position, f"{at}°" if over.unit == "deg" else f"{at} {over.unit}")
 
 
 def _named(measured: Measurement) -> str:
@@ -132,4 +123,4 @@ def _time(study: Study, measured: Measurement) -> str:
     if settings is None or speed.empty:
         return "–"
     timed = speed[(speed["engine"] == measured.run.engine) & (speed["setting"] == settings.label)]["solve_min_s"]
-    return engineering(float(timed.iloc[0]), "s") if len(timed) else "–"
+    return written(float(timed.iloc[0]), "s", {}) if len(timed) else "–"

@@ -7,12 +7,13 @@ import plotly.graph_objects as go
 
 from scenes.motion import Samples, quantity
 
-from ..engines.axis import axis, prefixed
+from ..engines.axis import axis
 from ..engines.registry import REFERENCE
 from ..judge.errors import GROUPS
 from ..study import Study
 from . import style
 from .style import colour, draw, drive_axes, error_axes, layout, side_by_side, stacked
+from .units import units
 
 PLOTTED = ("velocity", "acceleration", "reaction")
 
@@ -20,7 +21,7 @@ PLOTTED = ("velocity", "acceleration", "reaction")
 def assur_groups(study: Study) -> go.Figure | None:
     """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
     motion, over = study.motion, axis(study.scene).of(study.motion)
-    per_metre, metres = prefixed(study.reference.stroke, "m")
+    per_metre, metres = units(study.reference)["m"]
     rows = {
         measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
         for measured, factor in (("transmission", 180 / np.pi), ("to_lock", per_metre))
@@ -72,7 +73,8 @@ def over_distance(study: Study) -> go.Figure | None:
     if not runs or study.sampling.channels is not None:
         return None
     locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
-    distance = np.min(locks, axis=0) if locks else 1 / study.explained.condition
+    per_metre, metres = units(study.reference)["m"]
+    distance = per_metre * np.min(locks, axis=0) if locks else 1 / study.explained.condition
     order = np.argsort(distance)
     figure = side_by_side(groups)
     for column, group in enumerate(groups, start=1):
@@ -83,5 +85,5 @@ def over_distance(study: Study) -> go.Figure | None:
             draw(figure, engine, distance, shown, 1, column, mode="markers", marker=mark)
         explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
         draw(figure, style.ROUND_OFF, distance[order], explained[order], 1, column, line=style.BOUND)
-    error_axes(figure, "distance to lock [m]" if locks else "1/κ [-]")
+    error_axes(figure, f"distance to lock [{metres}]" if locks else "1/κ [-]")
     return figure.update_layout(layout(380, titled=True))

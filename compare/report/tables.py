@@ -105,9 +105,8 @@ def setup(study: Study) -> str:
     """Return what was run, in one sentence."""
     scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
-    stroke = 1e3 * study.reference.stroke
     run = f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle}"
-    return f"{run}; stroke {stroke:.4f} mm. The reference's way: {registry.route(scene)}."
+    return f"{run}. The reference's way: {registry.route(scene)}."
 
 
 def _motion_of_the_drive(scene: Scene) -> str:
@@ -115,7 +114,8 @@ def _motion_of_the_drive(scene: Scene) -> str:
     if not isinstance(drive, ConstantSpeed):
         return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.repeats}"
     if scene.driven_slide is not None:
-        return f"at {1e3 * drive.speed:g} mm/s from {1e3 * drive.start:g} to {1e3 * drive.after(1):g} mm"
+        unit, size = scene.length_unit
+        return f"at {drive.speed / size:g} {unit}/s from {drive.start / size:g} to {drive.after(1) / size:g} {unit}"
     rpm = f"at {drive.speed * 30 / pi:g} rpm"
     return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
 
@@ -123,7 +123,7 @@ def _motion_of_the_drive(scene: Scene) -> str:
 def scales(scene: Scene) -> str:
     """Return the scales of errors where the drive is more than a crank at constant speed."""
     if scene.driven_slide is not None:
-        return " ω is the drive's peak speed over its travel; the force of the drive stands under torque."
+        return " ω is the drive's peak speed over its travel."
     return "" if isinstance(scene.drive, ConstantSpeed) else " ω is the drive's peak rate."
 
 
@@ -138,7 +138,7 @@ def notes(study: Study) -> list[str]:
     if study.sampling.channels is not None:
         asked = ", ".join(study.sampling.wanted(study.scene)[2:])
         sentences.append(f"Asked for: {asked}; checks and tolerances of other channels are left out.")
-    sentences += [f"{reason}." for reason in study.reasons]
+    sentences += [f"{reason[:1].upper()}{reason[1:]}." for reason in study.reasons]
     for run in (m.run for m in study.measurements):
         if run.status is not Status.ok:
             sentences.append(f"{run.engine}: {run.status.name}. {run.status.value} Here: {run.reason}.")
