@@ -11,12 +11,13 @@ from scenes.motion import Samples
 from scenes.scene import Body
 
 from ...engines.axis import prefixed
-from ...engines.motion_vectors import MotionVectors, Vectors, first_point
+from ...engines.motion_vectors import MotionVectors, Vectors
 from .arrows import Arrow, arrows
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
 MARGIN = 34 * PX  # for signs and names around the outermost points
+FOOT = 20 * PX  # for the scale of the forces
 SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
 
 
@@ -73,11 +74,18 @@ class Drawing:
 
     @cached_property
     def box(self) -> tuple[complex, complex]:
-        """The corners of what is drawn, m: of points, sketch and arrows, but for the tips of the longest peaks."""
-        shown = [*self.places.values(), np.array([complex(*place) for place in self.scene.sketch.points.values()])]
+        """The corners of what is drawn, m: points, slots, sketch and arrows, but for the tips of the longest peaks."""
+        shown: list[Vectors] = [
+            *self.places.values(),
+            np.array([complex(*place) for place in self.scene.sketch.points.values()]),
+        ]
+        for body in self.scene.bodies.values():
+            if body.slide is not None:
+                origin, x_axis = self.state.frame(body.slide.on)
+                shown += [origin + x_axis * end for end in self.way(body)]
         for arrow in self.arrows:
             size = np.maximum(np.abs(arrow.force), 1e-300)
-            way: Vectors = arrow.force * np.minimum(self.per_newton, self.per_newton * self.peak / size)
+            way = arrow.force * (self.per_newton * np.minimum(1.0, self.peak / size)).astype(np.complex128)
             shown.append(self.places[arrow.point] - way if arrow.load else self.places[arrow.point] + way)
         every = np.concatenate([part for part in shown if len(part)])
         return complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
@@ -92,7 +100,7 @@ class Drawing:
     def size(self) -> tuple[float, float]:
         """Width and height of the picture, in its units."""
         across = self.per_metre * (self.box[1] - self.box[0])
-        return across.real + 2 * MARGIN, across.imag + 2 * MARGIN
+        return across.real + 2 * MARGIN, across.imag + 2 * MARGIN + (FOOT if self.scale_text else 0.0)
 
     @cached_property
     def corner(self) -> complex:
@@ -102,7 +110,7 @@ class Drawing:
 
     def units(self, places: Vectors) -> Vectors:
         """Return places, m, in the picture's units, x to the right and i times y downwards."""
-        found: Vectors = self.per_metre * np.conj(places - self.corner)
+        found: Vectors = self.per_metre * (places - self.corner).conj()
         return found
 
     def frame(self, body: Body) -> Samples:
@@ -116,13 +124,10 @@ class Drawing:
         return {point: complex(turn * (self.places[point][0] - first).conjugate()) for point in body.points}
 
     def way(self, slider: Body) -> tuple[complex, complex]:
-        """Return both ends of a slider's way in the frame of its carrier, from that's first point, or on the ground."""
+        """Return both ends of a slider's way in the frame of its carrier, or of the ground, m."""
         assert slider.slide is not None
-        way, carrier = self.state.on_guide(slider).real, self.scene.bodies.get(slider.slide.on)
-        origin, along = complex(*slider.slide.through), complex(*slider.slide.along)
-        if carrier is None:
-            ends = self.units(np.array([origin + end * along for end in (way.min(), way.max())]))
-            return complex(ends[0]), complex(ends[1])
-        origin -= first_point(carrier)
-        first, last = (self.per_metre * (origin + end * along).conjugate() for end in (way.min(), way.max()))
+        way = self.state.on_guide(slider).real
+        first, last = (
+            complex(*slider.slide.through) + end * complex(*slider.slide.along) for end in (way.min(), way.max())
+        )
         return first, last

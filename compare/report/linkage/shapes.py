@@ -14,7 +14,7 @@ import numpy as np
 from scenes.motion import Samples
 from scenes.scene import GROUND, Body
 
-from ...engines.motion_vectors import Vectors
+from ...engines.motion_vectors import Vectors, first_point
 from ..extremes import extremes
 from .arrows import Arrow
 from .drawing import PX, Drawing
@@ -59,7 +59,7 @@ def background(root: Element, drawing: Drawing) -> None:
         _line(root, "path", path[extremes(path.real, path.imag, PATH)])
     for body in scene.bodies.values():
         if body.slide is not None and body.slide.on == GROUND:
-            _guide(root, *drawing.way(body))
+            _guide(root, drawing.units(np.array(drawing.way(body))))
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
     drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
     for points in outlines(drawing):
@@ -85,7 +85,8 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
         own = drawing.own(body)
         for slider in scene.bodies.values():
             if slider.slide is not None and slider.slide.on == body.name:
-                _slot(group, *drawing.way(slider))
+                ends = np.array(drawing.way(slider)) - first_point(body)
+                _slot(group, drawing.per_metre * ends.conj(), [own[point] for point in _around(drawing, body)])
         if len(body.points) > 1:
             kind = "bar" if len(body.points) == 2 else "plate"
             _line(group, kind, np.array([own[point] for point in _around(drawing, body)]))
@@ -160,19 +161,17 @@ def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> comp
     names = at[point] + 1.2 * NEAR * PX * DIRECTIONS[:, np.newaxis]
     gaps = [np.abs(names - other) for name, other in at.items() if name != point]
     for outline in around:
-        for start, end in pairwise(outline):
-            way, off = at[end] - at[start], names - at[start]
-            along = np.clip((off * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
-            gaps.append(np.abs(off - along * way))
+        gaps += [np.abs(names - _foot(names, at[start], at[end])) for start, end in pairwise(outline)]
     if point in drawing.scene.ground:
         gaps.append(np.abs(names - at[point] - 15j * PX))
     near = np.minimum(np.min(gaps, axis=0), NEAR * PX) if gaps else np.ones((len(DIRECTIONS), 1))
     return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
 
 
-def _guide(root: Element, first: complex, last: complex) -> None:
+def _guide(root: Element, ends: Vectors) -> None:
     """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
-    turn, length = degrees(atan2((last - first).imag, (last - first).real)), abs(last - first)
+    first, way = ends[0], ends[1] - ends[0]
+    turn, length = degrees(np.angle(way)), abs(way)
     group = SubElement(root, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({turn:.3f})"})
     start, end, step, lines = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, HATCH * PX, ""
     _across(group, "guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
@@ -181,16 +180,27 @@ def _guide(root: Element, first: complex, last: complex) -> None:
     _across(group, "hatch", lines)
 
 
-def _slot(group: Element, first: complex, last: complex) -> None:
-    """Draw the slot of a carrier, longer than the way by a block at each end, joined to the carrier's first point."""
-    way = last - first
-    length = abs(way) or 1.0
-    foot = first + way / length * float(np.clip((-first * way.conjugate() / length).real, 0, abs(way)))
-    _line(group, "bar", np.array([0j, foot]))
-    turn = degrees(atan2(way.imag, way.real))
-    inner = SubElement(group, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({turn:.3f})"})
+def _slot(group: Element, ends: Vectors, outline: Sequence[complex]) -> None:
+    """Draw the slot of a carrier, longer than the way by a block at each end, and joined to bars that pass it by."""
+    first, way = ends[0], ends[1] - ends[0]
+    along = np.linspace(ends[0], ends[1], 9)
+    bars = [_foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
+    bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
+    if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
+        _line(group, "bar", np.array([bars[bar][place], along[place]]))
+    inner = SubElement(
+        group, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({degrees(np.angle(way)):.3f})"}
+    )
     start, end = -1.4 * BLOCK * PX, abs(way) + 1.4 * BLOCK * PX
     _across(inner, "slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
+
+
+def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
+    """Return the points of a bar that are nearest to some places."""
+    way = end - start
+    share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
+    nearest: Vectors = start + share * way
+    return nearest
 
 
 def _line(parent: Element, kind: str, corners: Vectors) -> None:

@@ -1,0 +1,163 @@
+"""The drawing of the linkage: every part where the motion has it, in a picture that holds all poses."""
+
+import re
+from dataclasses import replace
+from xml.etree.ElementTree import Element, fromstring, tostring
+
+import numpy as np
+import pytest
+
+from compare.engines.reference import found
+from compare.report.linkage.drawing import Drawing
+from compare.report.linkage.svg import linkage_svg, picture
+from scenes import Motion, Scene
+from scenes.motion import quantity
+from tests import scene_files
+from tests.comparisons import References, commanded
+
+SVG = "{http://www.w3.org/2000/svg}"
+NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
+PLACE = 0.02  # of the picture's units, a thousandth of its longer side each: two decimals
+
+
+def numbers(text: str | None) -> list[float]:
+    return [float(number) for number in re.findall(NUMBER, text or "")]
+
+
+def corners(path: Element) -> list[complex]:
+    found = numbers(path.get("d"))
+    return [complex(*pair) for pair in zip(found[::2], found[1::2], strict=True)]
+
+
+def drawn(scene: Scene, motion: Motion) -> tuple[Drawing, Element]:
+    """Return the drawing, and its SVG as it was written."""
+    drawing = Drawing(scene, motion)
+    return drawing, fromstring(tostring(picture(drawing)[0]))
+
+
+def placed(group: Element, places: list[complex]) -> list[complex]:
+    """Return places in a group's own frame as they are in the picture."""
+    x, y, angle = [*numbers(group.get("transform")), 0.0][:3]
+    return [complex(x, y) + np.exp(1j * np.radians(angle)) * place for place in places]
+
+
+def part(root: Element, body: str) -> Element:
+    return next(group for group in root.iter(f"{SVG}g") if group.get("data-turn") == body)
+
+
+def kind(root: Element, name: str) -> Element:
+    return next(element for element in root.iter() if name in (element.get("class") or "").split())
+
+
+@pytest.mark.parametrize("name", scene_files.MECHANISMS)
+def test_every_point_is_in_the_picture_at_every_pose(references: References, name: str) -> None:
+    reference = references(name)
+    scene, motion = reference.scene, commanded(reference)
+    drawing, root = drawn(scene, motion)
+    names = {text.text for text in root.iter(f"{SVG}text") if "name" in (text.get("class") or "")}
+    assert names == scene.owners.keys()
+    *_, width, height = numbers(root.get("viewBox"))
+    for point in scene.moving_points:
+        places = drawing.units(motion[f"{point}.x"] + 1j * motion[f"{point}.y"])
+        assert 0 < places.real.min() <= places.real.max() < width
+        assert 0 < places.imag.min() <= places.imag.max() < height
+    for body in scene.bodies.values():
+        if len(body.points) == 2:
+            group = part(root, body.name)
+            ends = placed(group, corners([*group.iter(f"{SVG}path")][-1 - (body.slide is not None)]))
+            expected = [drawing.units(drawing.places[point])[0] for point in body.points]
+            assert np.allclose(ends, expected, rtol=0, atol=0.1), body.name
+
+
+def test_a_slot_is_drawn_on_its_carrier(references: References) -> None:
+    """The block is on the slot, and the slot is turned with the rocker."""
+    scene, motion = references("shaper").scene, commanded(references("shaper"))
+    drawing, root = drawn(scene, motion)
+    rocker = part(root, "rocker")
+    inner = next(group for group in rocker.iter(f"{SVG}g") if group is not rocker)
+    x, y, angle = numbers(inner.get("transform"))
+    slot = numbers(kind(inner, "slot").get("d"))
+    start, end = (placed(rocker, [complex(x, y) + np.exp(1j * np.radians(angle)) * at])[0] for at in (slot[0], slot[2]))
+    along = (end - start) / abs(end - start)
+    block = complex(drawing.units(drawing.places["A"])[0]) - start
+    assert abs((along.conjugate() * block).imag) <= 0.1
+    assert 0 < (along.conjugate() * block).real < abs(end - start)
+    turned = along.conjugate() * np.exp(-1j * motion["rocker.angle"][0])
+    assert np.angle(turned) == pytest.approx(np.arctan2(0.1, 2), abs=1e-4)
+
+
+def test_the_sketch_is_where_the_file_has_it(references: References) -> None:
+    scene, motion = references("shaper").scene, commanded(references("shaper"))
+    drawing, root = drawn(scene, motion)
+    ghost = [corner for path in kind(root, "ghost") for corner in corners(path)]
+    for point, place in scene.sketch.points.items():
+        expected = complex(drawing.units(np.array([complex(*place)]))[0])
+        assert min(abs(corner - expected) for corner in ghost) <= 0.1, point
+
+
+def test_a_load_ends_where_it_attacks_and_a_force_begins_there(references: References) -> None:
+    scene, motion = references("scotch_yoke").scene, commanded(references("scotch_yoke"))
+    drawing, root = drawn(scene, motion)
+    arrows = {
+        str(group.findtext(f"{SVG}title")): group
+        for group in root.iter(f"{SVG}g")
+        if "force" in (group.get("class") or "").split()
+    }
+    _, shaft, head = pin = next(arrow for name, arrow in arrows.items() if name.startswith("O:"))
+    start, tip = placed(pin, [0j, complex(*numbers(head.get("transform"))[:2])])
+    assert start == pytest.approx(complex(drawing.units(drawing.places["O"])[0]), abs=PLACE)
+    newtons, length = re.findall(r"([\d.]+) N = ([\d.]+) mm", str(kind(root, "scale").text))[0]
+    force = complex(motion["O.fx"][0], motion["O.fy"][0])
+    expected = force / float(newtons) * 1e-3 * float(length) * drawing.per_metre
+    assert (tip - start).conjugate() == pytest.approx(expected, abs=0.1)
+    assert numbers(shaft.get("transform"))[2] == pytest.approx(abs(expected), rel=1e-3)
+    _, shaft, head = next(arrow for name, arrow in arrows.items() if name.startswith("load"))
+    assert numbers(head.get("transform"))[:2] == [0, 0]
+    assert numbers(next(shaft.iter(f"{SVG}path")).get("d"))[0] == -1
+
+
+def test_a_scene_without_masses_has_no_forces() -> None:
+    gone = dict.fromkeys([f"bodies.{body}.mass" for body in scene_files.load("shaper").bodies] + ["loads"])
+    reference = found(scene_files.load("shaper", gone))
+    root = drawn(reference.scene, commanded(reference))[1]
+    assert not any(set((element.get("class") or "").split()) & {"force", "scale"} for element in root.iter())
+
+
+def test_the_picture_is_the_same_at_any_size(references: References) -> None:
+    """A millionth as large: as of micrometres."""
+    scene, motion = references("shaper").scene, commanded(references("shaper"))
+    small = Motion({c: 1e-6 * v if quantity(c) in ("x", "y") else v for c, v in motion.samples.items()})
+    ground = {point: (1e-6 * x, 1e-6 * y) for point, (x, y) in scene.ground.items()}
+    sketch = {point: (1e-6 * x, 1e-6 * y) for point, (x, y) in scene.sketch.points.items()}
+    bodies = dict(scene.bodies)
+    for name, body in bodies.items():
+        if body.slide is not None:
+            x, y = body.slide.through
+            bodies[name] = replace(body, slide=replace(body.slide, through=(1e-6 * x, 1e-6 * y)))
+    tiny = replace(scene, ground=ground, bodies=bodies, sketch=replace(scene.sketch, points=sketch))
+    pictures = [drawn(*of)[1] for of in ((scene, motion), (tiny, small))]
+    for root in pictures:
+        kind(root, "scale").text = ""
+    one, other = (numbers(tostring(root, "unicode")) for root in pictures)
+    assert np.allclose(one, other, rtol=0, atol=0.2)
+
+
+def test_one_svg_moves_by_itself(references: References) -> None:
+    scene, motion = references("shaper").scene, commanded(references("shaper"))
+    text = linkage_svg(scene, motion)
+    assert "<script" not in text
+    root = fromstring(text)
+    drawing = Drawing(scene, motion)
+    rocker = part(root, "rocker")
+    name = str(rocker.get("style")).split()[1]
+    frames = re.search(rf"@keyframes {name} {{(.*)}}", str(root[0].text))
+    assert frames is not None
+    steps = re.findall(r"([\d.]+)%{transform:translate\(([^)]*)\) rotate\(([^)]*)deg\)}", frames[1])
+    assert len(steps) == 73
+    for share, place, angle in steps[::9]:
+        row = round(0.72 * float(share))
+        assert complex(*numbers(place)) == pytest.approx(complex(drawing.units(drawing.places["C"])[row]), abs=PLACE)
+        turned = np.degrees(motion["rocker.angle"][row])
+        assert (float(angle) + turned + 180) % 360 - 180 == pytest.approx(0, abs=PLACE)
+    still = linkage_svg(scene, motion, moving=False)
+    assert "keyframes" not in still
