@@ -8,8 +8,8 @@ from base64 import b64decode
 
 def unpacked(text: str) -> list[str]:
     """Return the library and all figures of a page, as JSON."""
-    packed = re.findall(r'<script type="application/gzip"[^>]*>([^<]*)</script>', text)
-    figures, library = (gzip.decompress(b64decode(part)).decode() for part in packed)
+    packed = dict(re.findall(r'<script type="application/gzip" id="(\w+)">([^<]*)</script>', text))
+    figures, library = (gzip.decompress(b64decode(packed[name])).decode() for name in ("figures", "plotly"))
     return [library, *(json.dumps(figure, separators=(",", ":")) for figure in json.loads(figures))]
 
 

@@ -4,12 +4,13 @@ const unpacked = async id => {
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 };
 const places = new Set(document.querySelectorAll("[data-figure]"));
+const pointed = matchMedia("(hover: hover)").matches; // by a mouse: its bar of buttons would lie over a phone's legend
 let figures;
 
 const draw = place => {
   if (!figures || !places.delete(place)) return;
   const { data, layout } = figures[place.dataset.figure];
-  Plotly.newPlot(place, data, layout, { displaylogo: false, responsive: true });
+  Plotly.newPlot(place, data, layout, { displayModeBar: pointed && "hover", displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"], responsive: true });
   place.dispatchEvent(new Event("drawn"));
 };
 

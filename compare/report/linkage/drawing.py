@@ -16,7 +16,7 @@ from .arrows import Arrow, arrows
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
-MARGIN = 34 * PX  # for signs and names around the outermost points
+MARGIN, WIDER = 32 * PX, 46 * PX  # for signs and names around the outermost points; with the values of forces
 FOOT = 20 * PX  # for the scale of the forces
 SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
 
@@ -90,22 +90,28 @@ class Drawing:
         every = np.concatenate([part for part in shown if len(part)])
         return complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
 
+    @property
+    def margin(self) -> float:
+        """What is left free around the box, in the picture's units."""
+        return WIDER if self.arrows else MARGIN
+
     @cached_property
     def per_metre(self) -> float:
         """The picture's units a metre."""
         across = self.box[1] - self.box[0]
-        return (SIZE - 2 * MARGIN) / max(across.real, across.imag)
+        return (SIZE - 2 * self.margin) / max(across.real, across.imag)
 
     @cached_property
     def size(self) -> tuple[float, float]:
         """Width and height of the picture, in its units."""
         across = self.per_metre * (self.box[1] - self.box[0])
-        return across.real + 2 * MARGIN, across.imag + 2 * MARGIN + (FOOT if self.scale_text else 0.0)
+        foot = FOOT if self.scale_text else 0.0
+        return across.real + 2 * self.margin, across.imag + 2 * self.margin + foot
 
     @cached_property
     def corner(self) -> complex:
         """The picture's upper left corner, m."""
-        margin = MARGIN / self.per_metre
+        margin = self.margin / self.per_metre
         return complex(self.box[0].real - margin, self.box[1].imag + margin)
 
     def units(self, places: Vectors) -> Vectors:

@@ -48,12 +48,12 @@ class Moving:
         return tostring(picture(self.drawing)[0], encoding="unicode")
 
     @cached_property
-    def engines(self) -> dict[str, tuple[str, Measurement, Motion]]:
-        """By engine with a motion of all samples, but for the reference: its colour, measurement and motion."""
+    def engines(self) -> dict[str, tuple[Measurement, Motion]]:
+        """By engine with a motion of all samples, but for the reference: its measurement and motion."""
         count = len(self.study.motion["time"])
         return {
-            m.run.engine: (colour(number), m, m.run.motion)
-            for number, m in enumerate(self.study.measurements)
+            m.run.engine: (m, m.run.motion)
+            for m in self.study.measurements
             if m.run.engine != REFERENCE and m.run.motion is not None and len(m.run.motion["time"]) == count
         }
 
@@ -86,7 +86,7 @@ class Moving:
         own, compared = self._samples(self.study.motion), [*self._compared]
         reference = np.array([own[channel] for channel in (*compared, *self._only_reference)])
         others = []
-        for _, measurement, motion in self.engines.values():
+        for measurement, motion in self.engines.values():
             samples = self._samples(motion)
             off = [samples[channel] - own[channel] for channel in compared]
             others.append(np.array([*off, *self._errors(measurement)]))
@@ -133,7 +133,7 @@ class Moving:
             "channels": [*self._compared, *self._only_reference],
             "compared": len(self._compared),
             "engines": self.names,
-            "colours": [DARK_GREY, *(colour for colour, _, _ in self.engines.values())],
+            "colours": [*self._colours],
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
@@ -147,6 +147,12 @@ class Moving:
             "outlines": [*outlines(drawing)],
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
+
+    @property
+    def _colours(self) -> Iterator[str]:
+        """Yield the colours of the reference, which need not be among the engines asked for, and of the others."""
+        numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}
+        yield from (colour(numbers[name]) if name in numbers else DARK_GREY for name in self.names)
 
     @cached_property
     def _effort(self) -> dict[str, Any] | None:
@@ -163,7 +169,7 @@ class Moving:
         found: dict[float, list[str]] = {}
         size = abs(self.drawing.box[1] - self.drawing.box[0])
         places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
-        for name, (_, _, motion) in self.engines.items():
+        for name, (_, motion) in self.engines.items():
             off = [np.abs(motion[place] - self.study.motion[place]).max() for place in places if place in motion]
             fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
             if np.max(off, initial=0.0) > 0 and len(fitting):
