@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 import numpy as np
 
@@ -18,9 +19,9 @@ from .variants import differenced, half_angle_position
 class AnalyticSettings(Settings):
     """How the motion is found; the forces follow from it in one way."""
 
-    half_angles: bool = False  # instead of the triangle's area
-    single: bool = False  # precision
-    steps: int | None = None  # a cycle, of differences of positions instead of derivatives
+    half_angles: Annotated[bool, "angles by the half-angle form instead of the triangle's area"] = False
+    single: Annotated[bool, "single precision"] = False
+    steps: Annotated[int | None, "per cycle, of differences of positions instead of derivatives"] = None
 
 
 def _differences(steps: int) -> AnalyticSettings:

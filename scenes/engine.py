@@ -12,7 +12,7 @@ Any stage may raise `Failure`.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol, TypeVar
+from typing import Annotated, Protocol, TypeVar
 
 from .motion import Motion
 from .request import Request, Sampling
@@ -50,15 +50,20 @@ class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not a
 
 @dataclass(frozen=True)
 class Settings:
-    """Base of every engine's settings."""
+    """Base of every engine's settings; each field is annotated with its meaning for a reader."""
 
-    label: str  # the name in tables and figures, of no other settings of the engine
-    # The largest error of an ok run, relative, of any channel; it changes nothing in what is computed.
-    promise: float = field(default=0.1, kw_only=True, compare=False)
-    drive_promise: float = field(default=1e-9, kw_only=True)  # of the drive's position, by 1 rad or the slider's travel
-    family: str = field(default="", kw_only=True)  # of settings that differ in their steps a cycle alone
-    order: float | None = field(default=None, kw_only=True)  # of convergence, that theory expects within the family
-    note: str = field(default="", kw_only=True)  # what a reader has to know before believing it
+    label: Annotated[str, "name in tables and figures, of no other settings of the engine"]
+    promise: Annotated[float, "largest relative error of an ok run in any channel; it changes nothing in the run"] = (
+        field(default=0.1, kw_only=True, compare=False)
+    )
+    drive_promise: Annotated[float, "the same for the drive's position, of 1 rad or of the slider's travel"] = field(
+        default=1e-9, kw_only=True
+    )
+    family: Annotated[str, "settings that differ in their steps per cycle alone"] = field(default="", kw_only=True)
+    order: Annotated[float | None, "order of convergence that theory expects within the family"] = field(
+        default=None, kw_only=True
+    )
+    note: Annotated[str, "what to know before believing the result"] = field(default="", kw_only=True)
 
 
 def equal_steps(request: Request) -> Sampling:

@@ -12,6 +12,7 @@ from ..speed.work_precision import NEAR, TIE
 from ..study import Study
 from . import first_screen, tables
 from .curves import Panel, chosen, over_angle
+from .description import described
 from .extremes import affordable
 from .hard.section import hard_cases
 from .hard.stability import stability_maps
@@ -67,14 +68,15 @@ def page(study: Study) -> str:
 def _sections(study: Study, drawn: Iterable[Panel]) -> Iterator[tuple[str, go.Figure, str, str]]:
     """Yield title, figure, its text and a note of the panels, and of the figures of singular configurations."""
     for panel in drawn:
-        yield panel.title, over_angle(study, panel), panel.title, ""
+        figure = over_angle(study, panel)
+        yield panel.title, figure, described(panel.title, figure), ""
     groups, distance = assur_groups(study), over_distance(study)
     if groups is not None:
         title = "Assur groups: transmission angle, and distance to the singular configuration"
-        yield title, groups, title, ONLY_ANALYTIC
+        yield title, groups, described(title, groups), ONLY_ANALYTIC
     if distance is not None:
         title = "Errors against the distance to the singular configuration"
-        yield title, distance, title, ROUND_OFF
+        yield title, distance, described(title, distance), ROUND_OFF
 
 
 def _not_drawn(study: Study, most: int, left_out: Sequence[Panel]) -> str:

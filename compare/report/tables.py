@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
+from enum import Enum
 from math import degrees, nan, pi
+from typing import get_type_hints
 
 import numpy as np
 import pandas as pd
@@ -89,13 +91,21 @@ def sketch(study: Study) -> pd.DataFrame:
 
 
 def settings(study: Study) -> pd.DataFrame:
-    """Return every engine's version and settings."""
+    """Return the settings of every engine's run, their values and meanings, but for texts that are empty."""
     rows = []
-    for run in (m.run for m in study.measurements):
-        values = asdict(run.settings) if run.settings else {}
-        listed = ", ".join(f"{name}={value}" for name, value in values.items())
-        rows.append({"engine": run.engine, "version": run.version, "settings": listed})
+    for run in (m.run for m in study.measurements if m.run.settings):
+        meanings = get_type_hints(type(run.settings), include_extras=True)
+        for name, value in vars(run.settings).items():
+            if value != "":
+                named = {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
+                rows.append(named | {"meaning": meanings[name].__metadata__[0]})
     return pd.DataFrame(rows)
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return value.value if isinstance(value, Enum) else value
 
 
 # --- sentences -------------------------------------------------------------------------------------------------------

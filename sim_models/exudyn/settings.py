@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 from scenes import Settings
 
@@ -35,15 +35,15 @@ class Pointwise(Settings):
 class TimeStepping(Settings):
     """Integrate in time with a constant step."""
 
-    steps: int  # per cycle, at least: rounded up to a multiple of the samples
-    solver: str = "GeneralizedAlpha"  # or TrapezoidalIndex2
-    richardson: bool = True  # also take twice the steps, and extrapolate: cancels the error's h^2
-    spectral_radius: float = 0.5  # of generalised-alpha at high frequency; damps the start transient by this per step
-    pre_roll: int = 24  # steps before the first sample
-    newton: Newton = Newton.ONE_A_STEP  # the fastest at the same accuracy
-    tolerance: float = 1e-10  # of Newton's method; Exudyn's 1e-8 shows in the reactions
-    reduced: bool = False  # one coordinate for every body that only turns or slides on the ground
-    extra: Extra = Extra.NOTHING
+    steps: Annotated[int, "per cycle, at least: rounded up to a multiple of the samples"]
+    solver: Annotated[str, "Exudyn's integrator: GeneralizedAlpha or TrapezoidalIndex2"] = "GeneralizedAlpha"
+    richardson: Annotated[bool, "also twice the steps, and extrapolation, which cancels the error's h²"] = True
+    spectral_radius: Annotated[float, "of generalised-alpha: the start transient is damped by it in a step"] = 0.5
+    pre_roll: Annotated[int, "steps before the first sample"] = 24
+    newton: Annotated[Newton, "when Newton's iterations factorise the Jacobian"] = Newton.ONE_A_STEP  # the fastest
+    tolerance: Annotated[float, "of Newton's method"] = 1e-10  # Exudyn's 1e-8 shows in the reactions
+    reduced: Annotated[bool, "one coordinate for every body that only turns or slides on the ground"] = False
+    extra: Annotated[Extra, "what is modelled"] = Extra.NOTHING
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Settings of the arbitrary-precision model: its number of digits, and the processor time it may take."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from scenes import Request, Sampling, Settings
 
@@ -9,11 +10,10 @@ from scenes import Request, Sampling, Settings
 class MultiprecisionSettings(Settings):
     """The precision of the arithmetic."""
 
-    digits: int = 50  # significant decimal digits of every number
-    # Of processor time, for the build and for each cycle or hundred samples: more than ten times what any shipped scene
-    # takes. It ends what passes a singular configuration by a hair, since steps shrink with the distance from it, and
-    # what goes to infinity, as a slider between guides that become parallel does.
-    seconds: float = 20.0
+    digits: Annotated[int, "significant decimal digits of every number"] = 50
+    # More than ten times what any shipped scene takes. It ends what passes a singular configuration by a hair, since
+    # steps shrink with the distance from it, and what goes to infinity, as a slider between parallel guides.
+    seconds: Annotated[float, "of processor time at most, for the build and for each cycle or hundred samples"] = 20.0
 
     def seconds_for(self, request: Request) -> float:
         """Return what the solution of a request may take of processor time, s."""

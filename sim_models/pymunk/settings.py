@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Annotated, Any, Literal, TypeAlias, get_args
 
 from scenes import Failure, Settings, Status
 
@@ -25,12 +25,12 @@ LEVELS = 4  # at most; a fifth would take more than half of all steps to remove 
 class PymunkSettings(Settings):
     """Steps, sweeps and Richardson extrapolation with an order of convergence; see `engine`."""
 
-    steps: int  # per cycle of the coarsest run, at least: rounded up to a multiple of the samples
-    levels: int  # runs for the Richardson extrapolation, 1 to 4, each with twice the steps of the one before
-    iterations: int  # Gauss-Seidel sweeps over all joints per step
-    correction: float | None = 1.0  # the part of a joint's error that a step corrects; None: pymunk's default
-    fictitious: bool = False  # masses: those with which sweeps converge fast, in place of the true ones
-    extra: Extra = ""
+    steps: Annotated[int, "per cycle of the coarsest run, at least: rounded up to a multiple of the samples"]
+    levels: Annotated[int, "runs for the Richardson extrapolation, 1 to 4, each with twice the steps of the last"]
+    iterations: Annotated[int, "Gauss-Seidel sweeps over all joints per step"]
+    correction: Annotated[float | None, "part of a joint's error that a step corrects; none: pymunk's default"] = 1.0
+    fictitious: Annotated[bool, "masses with which sweeps converge fast, in place of the true ones"] = False
+    extra: Annotated[Extra, "what is modelled besides"] = ""
 
     def __post_init__(self) -> None:
         # Without sweeps, pymunk's C core ends the whole process.
@@ -64,8 +64,8 @@ class PymunkSettings(Settings):
 class TextbookSettings(Settings):
     """The set-up of the manual's examples, with pymunk's defaults; see `textbook`."""
 
-    steps: int  # per cycle, at least: rounded up to a multiple of the samples
-    iterations: int = 10
+    steps: Annotated[int, "per cycle, at least: rounded up to a multiple of the samples"]
+    iterations: Annotated[int, "Gauss-Seidel sweeps over all joints per step"] = 10
 
 
 AnySettings: TypeAlias = PymunkSettings | TextbookSettings

@@ -1,0 +1,39 @@
+"""Figures in words, for those who do not see them: of every panel its extremes and where they are."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+
+from .numbers import short
+from .style import FLOOR, ROUND_OFF
+
+
+def described(title: str, figure: go.Figure) -> str:
+    """Return what curves over a common axis show: the least and the largest value by panel."""
+    panels: dict[str, list[Any]] = {}
+    for trace in figure.data:
+        if trace.name and trace.name not in (FLOOR, ROUND_OFF) and len(trace.x):
+            panels.setdefault(trace.yaxis or "y", []).append(trace)
+    over = [axis.title.text for axis in figure.select_xaxes() if axis.title.text]
+    titled = {f"y{axis.plotly_name.removeprefix('yaxis')}": axis for axis in figure.select_yaxes()}
+    names = [note.text for note in figure.layout.annotations] or [titled[panel].title.text for panel in panels]
+    sentences = [f"{title}, over {over[-1]}"] if over else [title]
+    for name, (panel, traces) in zip(names, panels.items(), strict=False):
+        lines = [trace for trace in traces if trace.mode == "lines"]  # markers lie on them
+        sentences.append(f"{name}: {_extremes(lines or traces)}")
+    return ". ".join(sentences) + "."
+
+
+def _extremes(traces: Sequence[Any]) -> str:
+    """Return the least and the largest value of some curves, each with its place and the name of its curve."""
+    values = [np.asarray(trace.y, float) for trace in traces]
+
+    def at(pick: Any, most: Any, none: float) -> str:
+        found = [pick(np.where(np.isnan(y), none, y)) for y in values]
+        number = int(most([y[row] for y, row in zip(values, found, strict=True)]))
+        trace, row = traces[number], found[number]
+        return f"{short(float(values[number][row]))} ({trace.name}) at {short(float(trace.x[row]))}"
+
+    return f"from {at(np.argmin, np.nanargmin, np.inf)} to {at(np.argmax, np.nanargmax, -np.inf)}"
