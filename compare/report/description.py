@@ -20,7 +20,7 @@ def described(title: str, figure: go.Figure) -> str:
     titled = {f"y{axis.plotly_name.removeprefix('yaxis')}": axis for axis in figure.select_yaxes()}
     names = [note.text for note in figure.layout.annotations] or [titled[panel].title.text for panel in panels]
     sentences = [f"{title}, over {over[-1]}"] if over else [title]
-    for name, (panel, traces) in zip(names, panels.items(), strict=False):
+    for name, traces in zip(names, panels.values(), strict=False):
         lines = [trace for trace in traces if trace.mode == "lines"]  # markers lie on them
         sentences.append(f"{name}: {_extremes(lines or traces)}")
     return ". ".join(sentences) + "."
