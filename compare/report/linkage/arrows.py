@@ -23,18 +23,26 @@ class Arrow:
     load: bool = False  # rather than of a joint
 
 
-def arrows(scene: Scene, motion: Motion) -> list[Arrow]:
-    """Return the forces that a motion has, in the order of its files; a load is none of a scene without masses."""
-    return [*_joints(scene, motion), *_loads(scene, motion)] if scene.has_masses else []
+def arrows(scene: Scene, pose: Motion, motion: Motion) -> list[Arrow]:
+    """Return the forces of the joints that a motion has, and the loads; none of a scene without masses.
+
+    Args:
+        scene: the linkage.
+        pose: how guides are turned, and where loads act; of all channels.
+        motion: forces, shape (n,) as those of the pose.
+    """
+    if not scene.has_masses:
+        return []
+    return [*_joints(MotionVectors(scene, pose), motion), *_loads(scene, pose)]
 
 
-def _joints(scene: Scene, motion: Motion) -> Iterator[Arrow]:
-    state = MotionVectors(scene, motion)
+def _joints(state: MotionVectors, motion: Motion) -> Iterator[Arrow]:
+    scene = state.scene
     for pin in scene.pins:
-        if f"{pin.channel}.fx" in motion and f"{pin.channel}.fy" in motion:
+        components = f"{pin.channel}.fx", f"{pin.channel}.fy"
+        if all(component in motion for component in components):
             name = f"{pin.channel}: {pin.first} on {pin.second}"
-            components = f"{pin.channel}.fx", f"{pin.channel}.fy"
-            yield Arrow(name, pin.point, state.vector(f"{pin.channel}.", "fx", "fy"), components)
+            yield Arrow(name, pin.point, motion[components[0]] + 1j * motion[components[1]], components)
     for body in scene.bodies.values():
         if body.slide is None:
             continue

@@ -41,12 +41,14 @@ class Drawing:
     @cached_property
     def arrows(self) -> list[Arrow]:
         """Every force of the motion."""
-        return arrows(self.scene, self.motion)
+        return arrows(self.scene, self.motion, self.motion)
 
     @cached_property
     def peak(self) -> float:
-        """The largest force, N, without what a fiftieth of the samples have: next to a singular configuration."""
-        return max((float(np.quantile(np.abs(arrow.force), 0.98)) for arrow in self.arrows), default=0.0)
+        """The largest force, N, but for those of a fiftieth of the samples, which a singular configuration may have."""
+        sizes = [np.abs(arrow.force) for arrow in self.arrows]
+        usual = max((float(np.quantile(size, 0.98)) for size in sizes), default=0.0)
+        return usual or max((float(size.max()) for size in sizes), default=0.0)
 
     @cached_property
     def scale(self) -> tuple[float, float]:

@@ -50,7 +50,11 @@ const degrees = 180 / Math.PI, made = (name, parent, kind) => {
   return parent.appendChild(element);
 };
 const movers = [...svg.querySelectorAll("[data-point]")], forces = [...svg.querySelectorAll(".force")];
-const values = forces.map((force, k) => made("text", made("g", svg, ""), `sign value${head.arrows[k].load ? " load" : ""}`));
+const values = forces.map((force, k) => {
+  const group = made("g", svg, "");
+  forces[0].before(group); // under the arrows
+  return made("text", group, `sign value${head.arrows[k].load ? " load" : ""}`);
+});
 const outlines = engines.map((_, engine) => {
   const path = made("path", svg.querySelector(".engines"), "engine");
   path.style.stroke = head.colours[engine];
@@ -94,7 +98,7 @@ const show = n => {
   outlines.forEach((path, engine) => {
     const corners = outline => outline.map(point => at(point, n, engine, +magnify.value).map(z => z.toFixed(2)).join(" "));
     const drawn = engine && +magnify.value ? head.outlines.map(outline => `M${corners(outline).join("L")}`).join("") : "";
-    path.setAttribute("d", drawn.includes("NaN") ? "" : drawn);
+    path.setAttribute("d", /NaN|Inf/.test(drawn) ? "" : drawn);
   });
   ring.style.display = marked ? "" : "none";
   if (marked) ring.parentNode.setAttribute("transform", `translate(${at(marked, n).join(" ")})`);
@@ -122,7 +126,11 @@ class Plot {
     this.line = document.createElement("div");
     this.line.className = "cursor";
     if (panel >= 0) this.cells = this.table(section, panel);
-    this.plot.addEventListener("drawn", () => (this.plot.append(this.line), this.show(now)));
+    this.plot.addEventListener("drawn", () => {
+      this.plot.append(this.line);
+      this.plot.on("plotly_relayout", () => this.show(now)); // after a zoom
+      this.show(now);
+    });
     seen.observe(section);
     plots.set(section, this);
     for (const kind of ["pointerdown", "pointermove", "pointerleave"]) this.plot.addEventListener(kind, this);
@@ -162,8 +170,9 @@ class Plot {
     if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
     const found = this.axis;
     if (!found) return;
-    const { t, h } = this.plot._fullLayout._size;
-    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${found._offset + found.l2p(over(n))}px)`;
+    const { t, h } = this.plot._fullLayout._size, x = found.l2p(over(n));
+    this.line.hidden = x < -1 || x > found._length + 1; // beyond what a zoom shows
+    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${found._offset + x}px)`;
   }
 
   handleEvent(event) {

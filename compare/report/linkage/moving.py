@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.motion import Samples
+from scenes.motion import UNITS, Samples, quantity
 
-from ...engines.axis import axis, prefixed
+from ...engines.axis import axis
 from ...engines.registry import REFERENCE
 from ...judge.measure import Measurement
 from ...study import Study
 from ..curves import Panel
 from ..style import DARK_GREY, colour
+from ..units import Units, units
 from .arrows import arrows
 from .drawing import Drawing
 from .packing import packed
@@ -103,13 +104,14 @@ class Moving:
         places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
         plotted = [channel for panel in self.panels for curve in panel.curves for channel in curve.factors]
         effort = [self._effort["channel"]] if self._effort else []
-        return dict.fromkeys([*places, *plotted, *effort, *(c for a in self.drawing.arrows for c in a.components)])
+        forces = [component for arrow in self.drawing.arrows for component in arrow.components]
+        return dict.fromkeys([*places, *plotted, *effort, *forces])
 
     def _samples(self, motion: Motion) -> dict[str, Samples]:
         """Return what is packed of a motion by its name; NaN where it has none."""
         none = np.full(len(motion["time"]), np.nan)
         found = {c: motion.samples.get(c, none) for c in (*self._compared, *self._only_reference)}
-        for arrow in arrows(self.study.scene, motion):
+        for arrow in arrows(self.study.scene, self.study.motion, motion):
             found |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
         return found
 
@@ -137,7 +139,7 @@ class Moving:
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
-            "newton": prefixed(drawing.peak or 1.0, "N"),
+            "newton": self._units["N"],
             "corner": [drawing.corner.real, drawing.corner.imag],
             "ground": dict(scene.ground),
             "arrows": [
@@ -148,6 +150,10 @@ class Moving:
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
 
+    @cached_property
+    def _units(self) -> Units:
+        return units(self.study.reference)
+
     @property
     def _colours(self) -> Iterator[str]:
         """Yield the colours of the reference, which need not be among the engines asked for, and of the others."""
@@ -157,9 +163,9 @@ class Moving:
     @cached_property
     def _effort(self) -> dict[str, Any] | None:
         """The channel of the drive's torque or force, and its unit; nothing where there is none."""
-        for channel, newtons in (("drive.torque", "N m"), ("drive.force", "N")):
+        for channel in ("drive.torque", "drive.force"):
             if channel in self.study.motion:
-                factor, unit = prefixed(self.study.reference.scale[channel], newtons)
+                factor, unit = self._units[UNITS[quantity(channel)]]
                 return {"channel": channel, "factor": factor, "unit": unit}
         return None
 

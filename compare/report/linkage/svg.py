@@ -2,6 +2,7 @@
 
 from importlib.resources import files
 from xml.etree.ElementTree import Element, SubElement, tostring
+from zlib import crc32
 
 import numpy as np
 
@@ -25,12 +26,13 @@ def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
     drawing = Drawing(scene, motion)
     rows = np.linspace(0, len(motion["time"]) - 1, FRAMES + 1).round().astype(int)
     root, movers = picture(drawing)
-    style = [text("linkage.css"), text("colours.css")]
+    style, own = [text("linkage.css"), text("colours.css")], crc32(tostring(root))  # names of its own on a page
     for number, mover in enumerate(movers if moving else []):
-        mover.element.set("style", f"animation: m{number} {PLAY:g}s linear infinite")
+        name = f"m{own:x}-{number}"
+        mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
         steps = zip(np.linspace(0, 100, len(rows)), mover.transforms(rows.tolist(), css=True), strict=True)
         frames = " ".join(f"{share:.4g}%{{transform:{transform}}}" for share, transform in steps)
-        style.append(f"@keyframes m{number} {{ {frames} }}")
+        style.append(f"@keyframes {name} {{ {frames} }}")
     root[0].text = "\n".join(style)
     for side, length in zip(("width", "height"), drawing.size, strict=True):
         root.set(side, f"{length / PX:.0f}")

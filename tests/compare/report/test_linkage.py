@@ -151,6 +151,7 @@ def test_one_svg_moves_by_itself(references: References) -> None:
     rocker = part(root, "rocker")
     name = str(rocker.get("style")).split()[1]
     frames = re.search(rf"@keyframes {name} {{(.*)}}", str(root[0].text))
+    assert name not in linkage_svg(scene, Motion({c: v[::2] for c, v in motion.samples.items()})), "two on one page"
     assert frames is not None
     steps = re.findall(r"([\d.]+)%{transform:translate\(([^)]*)\) rotate\(([^)]*)deg\)}", frames[1])
     assert len(steps) == 73
