@@ -42,9 +42,9 @@ class Mover:
         length, turn, gap = ("px", "deg", ",") if css else ("", "", " ")
         found = []
         for row in rows:
-            text = f"translate({self.place[row].real:.2f}{length}{gap}{self.place[row].imag:.2f}{length})"
+            text = f"translate({self.place[row].real:.1f}{length}{gap}{self.place[row].imag:.1f}{length})"
             if self.angle is not None:
-                text += f" rotate({self.angle[row]:.3f}{turn})"
+                text += f" rotate({self.angle[row]:.2f}{turn})"
             if self.stretch is not None:
                 text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
             found.append(text)

@@ -46,8 +46,11 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
     the point at the other end of a spring. Those of arrows are in the order of the drawing's.
     """
     (width, height), scene = drawing.size, drawing.scene
+    first = scene.where(float(drawing.motion[scene.drive_channel][0]))
     box = {"class": "linkage", "viewBox": f"0 0 {width:.1f} {height:.1f}", "style": f"--px: {PX:.4f}"}
-    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": scene.title} | box)
+    root = Element(
+        "svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": f"{scene.title} at {first}"} | box
+    )
     SubElement(root, "style").text = text("linkage.css")
     shapes.background(root, drawing)
     movers = [*shapes.bodies(root, drawing), *shapes.springs(root, drawing)]
@@ -57,7 +60,12 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
         movers += shapes.arrow(root, drawing, arrow)
     if drawing.scale_text:
         corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
-        SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-8"}).text = f"forces: {drawing.scale_text}"
+        note = SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-8"})
+        SubElement(note, "tspan", {"class": "joint"}).text = "joint forces"
+        if any(arrow.load for arrow in drawing.arrows):
+            note[0].tail = " and "
+            SubElement(note, "tspan", {"class": "load"}).text = "loads"
+        note[-1].tail = f": {drawing.scale_text}"
     for mover in movers:
         mover.element.set("transform", mover.transforms([0])[0])
     return root, movers

@@ -1,5 +1,7 @@
 """Pages of long runs and of many joints: of a size to open, with every extreme drawn and what is left out named."""
 
+import gzip
+import json
 import re
 from base64 import b64decode
 from dataclasses import replace
@@ -11,6 +13,7 @@ import pytest
 from compare.report import curves
 from compare.report.extremes import CURVE, extremes
 from compare.report.html import ROWS, Parts, first, shortened
+from compare.report.linkage.moving import SAMPLES, Moving
 from compare.report.page import page
 from compare.report.speed.figure import work_precision
 from compare.study import Study
@@ -78,6 +81,36 @@ def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: 
     assert re.search(r"Drawn: at most [\d,]+ of 14,401 samples a curve", text)
     assert "<table>" in text, "tables need no script"
     assert long_page.index('id="figures"') > long_page.index("</main>"), "the text is there before what is packed"
+
+
+def test_a_long_run_moves_through_some_samples_with_the_extremes(result: Study) -> None:
+    long = longer(result)
+    moving = Moving(long, [*curves.panels(long.reference, long.sampling)])
+    assert len(moving.rows) <= SAMPLES
+    assert 11_111 in moving.rows
+    assert np.abs(long.motion["P5.ay"]).argmax() in moving.rows
+    assert moving.rows[[0, -1]].tolist() == [0, 14_400]
+
+
+def test_what_moves_the_linkage_can_be_unpacked(result: Study) -> None:
+    """As its format is described: second differences, then an engine's part, byte by byte."""
+    moving = Moving(result, [*curves.panels(result.reference, result.sampling)])
+    line, _, packed = gzip.decompress(b64decode(moving.data)).partition(b"\n")
+    head = json.loads(line)
+    words = np.frombuffer(packed, np.uint8).reshape(4, -1).T.copy()
+    channels, count = head["channels"], head["count"]
+    whole = words[: len(channels) * count].view("<i4").reshape(-1, count)
+    off = words[len(channels) * count :].view("<f4").reshape(-1, count)
+    assert head["engines"] == ["analytic", "pymunk"]
+    for number, channel in enumerate(channels):
+        if channel in result.motion:
+            values = whole[number].cumsum().cumsum() * head["quanta"][number]
+            peak = np.abs(result.motion[channel]).max()
+            assert np.abs(values - result.motion[channel]).max() <= 2e-9 * peak  # half of 2^-28
+    for number, channel in enumerate(channels[: head["compared"]]):
+        if channel in result.motion:
+            expected = result.motions["pymunk"][channel] - result.motion[channel]
+            assert off[number] == pytest.approx(expected, rel=1e-7, abs=1e-30), channel
 
 
 def test_a_short_run_is_drawn_whole(result: Study) -> None:
