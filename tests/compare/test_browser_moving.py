@@ -205,7 +205,7 @@ def test_the_picture_has_a_text(opened: "Page", press_study: Study) -> None:
     )
     assert "crank angle 180.0°" in label
     assert f"Largest joint force: {largest:.3g} kN" in label
-    opened.wait_for_function("document.querySelector('#linkage [aria-live]').textContent.includes('180.0°')")
+    opened.wait_for_function("document.querySelector('#linkage [aria-live=polite]').textContent.includes('180.0°')")
 
 
 def test_magnified_differences(opened: "Page", press_study: Study) -> None:

@@ -201,7 +201,7 @@ const scrub = (n, mark = "") => {
   marked = mark;
   show(Math.max(0, Math.min(count - 1, n)));
   clearTimeout(heard);
-  heard = setTimeout(() => (find("[aria-live]").textContent = svg.getAttribute("aria-label")), 400);
+  heard = setTimeout(() => (find(".unseen").textContent = svg.getAttribute("aria-label")), 400);
 };
 const stop = () => {
   began = null;
