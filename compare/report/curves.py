@@ -15,7 +15,7 @@ from scenes.motion import Samples, quantity
 from ..engines.axis import axis
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
-from ..judge.errors import GROUPS
+from ..judge.errors import GROUPS, Comparison
 from ..study import Study
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 from .units import units
@@ -112,6 +112,17 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
     yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
 
 
+def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
+    """Return an engine's error of what a panel shows, shape (n,), never below the reference's floor; NaN for none."""
+    worst: Samples = np.max([comparison.actual[channel] for channel in panel.judged], axis=0)
+    floor = _floor(study, panel)
+    return np.maximum(worst, floor) if floor else np.where(worst > 0, worst, np.nan)
+
+
+def _floor(study: Study, panel: Panel) -> float:
+    return max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
+
+
 def over_angle(study: Study, panel: Panel) -> go.Figure:
     """Draw one panel over the drive's position or the time: curves above, errors below."""
     figure = stacked(0.6, 0.4)
@@ -119,7 +130,7 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
     for curve, dash in zip(panel.curves, DASHES, strict=False):
         draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
     stride = max(study.sampling.samples // MARKERS, 1)
-    floor = max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
+    floor = _floor(study, panel)
     for number, m in enumerate(study.measurements):
         if m.run.motion is None or m.comparison is None or any(c not in m.run.motion for c in panel.judged):
             continue
@@ -128,10 +139,8 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
         for curve in panel.curves:
             draw(figure, engine, over[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
-            error = np.max([m.comparison.actual[channel] for channel in panel.judged], axis=0)
-            shown = np.maximum(error, floor) if floor else np.where(error > 0, error, np.nan)
             line = {"color": colour(number), "width": 1.3}
-            draw(figure, f"{engine} error", over, shown, 2, group=engine, line=line)
+            draw(figure, f"{engine} error", over, error(study, panel, m.comparison), 2, group=engine, line=line)
     if floor:
         draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
     figure.update_yaxes(title=panel.axis, row=1, col=1)

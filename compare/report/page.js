@@ -10,7 +10,8 @@ let figures;
 const draw = place => {
   if (!figures || !places.delete(place)) return;
   const { data, layout } = figures[place.dataset.figure];
-  Plotly.newPlot(place, data, layout, { displayModeBar: pointed && "hover", displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"], responsive: true });
+  const left = ["select2d", "lasso2d"], bar = { displayModeBar: pointed && "hover", modeBarButtonsToRemove: left };
+  Plotly.newPlot(place, data, layout, { ...bar, displaylogo: false, responsive: true });
   place.dispatchEvent(new Event("drawn"));
 };
 

@@ -1,5 +1,5 @@
 // One position of the drive for all: the picture moves to it, and every plot over the drive has its cursor there.
-const root = document.getElementById("linkage"), svg = root.querySelector("svg"), find = selector => root.querySelector(selector);
+const root = document.getElementById("linkage"), find = selector => root.querySelector(selector), svg = find("svg");
 
 const unpacked = async packed => {
   const zipped = Uint8Array.from(atob(packed), c => c.charCodeAt(0));
@@ -13,7 +13,7 @@ const unpacked = async packed => {
 const [head, buffer] = await unpacked(document.getElementById("motion").textContent);
 const { count, channels, panels, engines, axis, effort } = head;
 
-// --- numbers: the reference's are kept as second differences, an engine's as what they are off the reference's ---------
+// --- numbers: the reference's are kept as second differences, an engine's as what they are off the reference's -------
 
 const numbers = Float64Array.from(new Int32Array(buffer, 0, channels.length * count));
 for (let c = 0; c < channels.length; c++) {
@@ -37,38 +37,22 @@ const written = (v, places) => (Number.isFinite(v) ? v.toFixed(places).replace("
 const overPlaces = decimals(peak(rows.map(over)), 4);
 const position = n => written(over(n), overPlaces) + (axis.unit === "deg" ? "°" : ` ${axis.unit}`);
 
-// --- the picture -------------------------------------------------------------------------------------------------------
+// --- the picture -----------------------------------------------------------------------------------------------------
 
+const degrees = 180 / Math.PI;
 const inPicture = (x, y) => [(x - head.corner[0]) * head.perMetre, (head.corner[1] - y) * head.perMetre];
 const at = (point, n, engine = 0, times = 1) => {
   if (point in head.ground) return inPicture(...head.ground[point]);
   return inPicture(...["x", "y"].map(q => value(`${point}.${q}`, n) + times * difference(`${point}.${q}`, n, engine)));
 };
-const degrees = 180 / Math.PI, made = (name, parent, kind) => {
+const made = (name, parent, kind) => {
   const element = document.createElementNS("http://www.w3.org/2000/svg", name);
   element.setAttribute("class", kind);
   return parent.appendChild(element);
 };
-const movers = [...svg.querySelectorAll("[data-point]")], forces = [...svg.querySelectorAll(".force")];
-const values = forces.map((force, k) => {
-  const group = made("g", svg, "");
-  forces[0].before(group); // under the arrows
-  return made("text", group, `sign value${head.arrows[k].load ? " load" : ""}`);
-});
-const outlines = engines.map((_, engine) => {
-  const path = made("path", svg.querySelector(".engines"), "engine");
-  path.style.stroke = head.colours[engine];
-  return path;
-});
-const ring = made("circle", made("g", svg, "marked"), "sign mark");
-ring.setAttribute("r", 15);
-const [force, magnify, sketch, slider, output] = ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
-let now = 0, marked = "";
-const plots = new Map(); // by the section that has it
 
-const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
-const show = n => {
-  now = n;
+const movers = [...svg.querySelectorAll("[data-point]")];
+const pose = n => {
   for (const mover of movers) {
     const { point, turn, to } = mover.dataset, [x, y] = at(point, n);
     let transform = `translate(${x} ${y})`;
@@ -79,46 +63,83 @@ const show = n => {
     }
     mover.setAttribute("transform", transform);
   }
-  const by = force.value, px = Number(svg.style.getPropertyValue("--px"));
-  forces.forEach((group, k) => {
-    const arrow = head.arrows[k], [fx, fy] = vector(arrow, n, +by), size = Math.hypot(fx, fy);
-    const length = size * head.perNewton * head.perMetre, shown = by !== "" && length > 2 * px;
-    group.style.display = shown ? "" : "none";
-    values[k].style.display = shown && length > 24 * px ? "" : "none";
-    if (!shown) return;
-    const [x, y] = at(arrow.point, n), [u, v] = [fx / size, -fy / size], tip = arrow.load ? 0 : length;
-    group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
-    group.children[1].setAttribute("transform", `scale(${length} 1)`);
-    group.children[2].setAttribute("transform", `translate(${tip} 0) scale(${Math.min(length / (11 * px), 1)})`);
-    const end = arrow.load ? -length - 8 * px : length + 6 * px;
-    values[k].parentNode.setAttribute("transform", `translate(${x + end * u} ${y + end * v + 4 * px})`);
-    values[k].setAttribute("text-anchor", Math.abs(u) < 0.4 ? "middle" : u > 0 === arrow.load ? "end" : "start");
-    values[k].textContent = newtons(size);
-  });
-  outlines.forEach((path, engine) => {
-    const corners = outline => outline.map(point => at(point, n, engine, +magnify.value).map(z => z.toFixed(2)).join(" "));
-    const drawn = engine && +magnify.value ? head.outlines.map(outline => `M${corners(outline).join("L")}`).join("") : "";
-    path.setAttribute("d", /NaN|Inf/.test(drawn) ? "" : drawn);
-  });
-  ring.style.display = marked ? "" : "none";
-  if (marked) ring.parentNode.setAttribute("transform", `translate(${at(marked, n).join(" ")})`);
-  slider.value = n;
-  const where = `${axis.quantity} ${position(n)}`;
-  slider.setAttribute("aria-valuetext", position(n));
-  output.textContent = position(n);
-  const most = largest(n, +by);
-  find(".now").textContent = most;
-  svg.setAttribute("aria-label", `${head.title} at ${where}. ${most}`);
-  plots.forEach(plot => plot.show(n));
-};
-const newtons = size => `${(size * head.newton[0]).toPrecision(3)} ${head.newton[1]}`;
-const largest = (n, engine) => {
-  const sizes = head.arrows.map(arrow => (arrow.load ? 0 : Math.hypot(...vector(arrow, n, engine)) || 0)), most = Math.max(...sizes);
-  const told = effort ? ` Drive: ${written(value(effort.channel, n, engine) * effort.factor, 3)} ${effort.unit}.` : "";
-  return sizes.length ? `Largest joint force: ${newtons(most)}, ${head.arrows[sizes.indexOf(most)].name}.${told}` : "";
 };
 
-// --- one cursor through all plots --------------------------------------------------------------------------------------
+const vector = (arrow, n, engine) => arrow.components.map(channel => value(channel, n, engine));
+const newtons = size => `${(size * head.newton[0]).toPrecision(3)} ${head.newton[1]}`;
+const forces = [...svg.querySelectorAll(".force")];
+const arrows = forces.map((group, k) => {
+  const text = made("g", svg, "");
+  forces[0].before(text); // under the arrows
+  return { ...head.arrows[k], group, text: made("text", text, `sign value${head.arrows[k].load ? " load" : ""}`) };
+});
+const pull = (n, engine) => {
+  const px = Number(svg.style.getPropertyValue("--px"));
+  for (const arrow of arrows) {
+    const [fx, fy] = vector(arrow, n, +engine), size = Math.hypot(fx, fy);
+    const length = size * head.perNewton * head.perMetre, shown = engine !== "" && length > 2 * px;
+    arrow.group.style.display = shown ? "" : "none";
+    arrow.text.style.display = shown && length > 24 * px ? "" : "none";
+    if (!shown) continue;
+    const [x, y] = at(arrow.point, n), [u, v] = [fx / size, -fy / size], [, shaft, tip] = arrow.group.children;
+    arrow.group.setAttribute("transform", `translate(${x} ${y}) rotate(${degrees * Math.atan2(v, u)})`);
+    shaft.setAttribute("transform", `scale(${length} 1)`);
+    tip.setAttribute("transform", `translate(${arrow.load ? 0 : length} 0) scale(${Math.min(length / (11 * px), 1)})`);
+    const end = arrow.load ? -length - 8 * px : length + 6 * px;
+    arrow.text.parentNode.setAttribute("transform", `translate(${x + end * u} ${y + end * v + 4 * px})`);
+    arrow.text.setAttribute("text-anchor", Math.abs(u) < 0.4 ? "middle" : u > 0 === arrow.load ? "end" : "start");
+    arrow.text.textContent = newtons(size);
+  }
+};
+
+const outlines = engines.slice(1).map((_, e) => {
+  const path = made("path", svg.querySelector(".engines"), "engine");
+  path.style.stroke = head.colours[e + 1];
+  return path;
+});
+const magnified = (n, times) => outlines.forEach((path, e) => {
+  const corner = point => at(point, n, e + 1, times).map(z => z.toFixed(2)).join(" ");
+  const drawn = times ? head.outlines.map(points => `M${points.map(corner).join("L")}`).join("") : "";
+  path.setAttribute("d", /NaN|Inf/.test(drawn) ? "" : drawn);
+});
+
+const ring = made("circle", made("g", svg, "marked"), "sign mark");
+ring.setAttribute("r", 15);
+const mark = (n, point) => {
+  ring.style.display = point ? "" : "none";
+  if (point) ring.parentNode.setAttribute("transform", `translate(${at(point, n).join(" ")})`);
+};
+
+const drives = (n, engine) => value(effort.channel, n, engine) * effort.factor;
+const drivesPlaces = effort && decimals(peak(rows.map(n => drives(n, 0))), 5);
+const words = (n, engine) => {
+  const joints = arrows.filter(arrow => !arrow.load);
+  if (!joints.length) return "";
+  const sizes = joints.map(arrow => Math.hypot(...vector(arrow, n, engine)) || 0), most = Math.max(...sizes);
+  const drive = effort ? ` Drive: ${written(drives(n, engine), drivesPlaces)} ${effort.unit}.` : "";
+  return `Largest joint force: ${newtons(most)}, ${joints[sizes.indexOf(most)].name}.${drive}`;
+};
+
+const [force, magnify, sketch, slider, output] =
+  ["[name=force]", "[name=magnify]", "[name=sketch]", "[type=range]", "output"].map(find);
+const plots = new Map(); // by the section that has it
+let now = 0, marked = "";
+
+const show = n => {
+  now = n;
+  pose(n);
+  pull(n, force.value);
+  magnified(n, +magnify.value);
+  mark(n, marked);
+  slider.value = n;
+  slider.setAttribute("aria-valuetext", position(n));
+  output.textContent = position(n);
+  find(".now").textContent = words(n, +force.value);
+  svg.setAttribute("aria-label", `${head.title} at ${axis.quantity} ${position(n)}. ${words(n, +force.value)}`);
+  plots.forEach(plot => plot.show(n));
+};
+
+// --- one cursor through all plots ------------------------------------------------------------------------------------
 
 class Plot {
   constructor(section, panel) {
@@ -139,11 +160,14 @@ class Plot {
   table(section, panel) {
     const table = document.createElement("table"), { curves } = panels[panel], cells = [];
     table.className = "readout";
-    const row = texts => texts.map((text, k) => {
-      const cell = (table.rows[table.rows.length - 1] ?? table.insertRow()).appendChild(document.createElement(k ? "td" : "th"));
-      cell.textContent = text;
-      return cell;
-    });
+    const row = texts => {
+      const added = table.insertRow();
+      return texts.map((text, k) => {
+        const cell = added.appendChild(document.createElement(k ? "td" : "th"));
+        cell.textContent = text;
+        return cell;
+      });
+    };
     row(["", ...curves.map(curve => `${curve.name} [${curve.unit}]`), "error"]);
     const sum = (curve, n, engine) => {
       const parts = Object.entries(curve.factors).map(([channel, factor]) => factor * value(channel, n, engine));
@@ -151,7 +175,6 @@ class Plot {
     };
     const places = curves.map(curve => decimals(peak(rows.map(n => sum(curve, n, 0))), 6));
     engines.forEach((engine, e) => {
-      table.insertRow();
       const own = row([engine, ...curves.map(() => ""), ""]);
       own[0].style.setProperty("--c", head.colours[e]);
       curves.forEach((curve, k) => cells.push([own[k + 1], n => written(sum(curve, n, e), places[k])]));
@@ -185,13 +208,17 @@ class Plot {
     else this.show(n);
   }
 }
-const seen = new IntersectionObserver(
-  entries => entries.forEach(({ target, isIntersecting }) => ((plots.get(target).near = isIntersecting), plots.get(target).show(now))),
-  { rootMargin: "100%" });
+const seen = new IntersectionObserver(entries => {
+  for (const { target, isIntersecting } of entries) {
+    const plot = plots.get(target);
+    plot.near = isIntersecting;
+    plot.show(now);
+  }
+}, { rootMargin: "100%" });
 for (const section of document.querySelectorAll("section:has(> h3):has(.plot)"))
   new Plot(section, panels.findIndex(panel => panel.title === section.querySelector("h3").textContent));
 
-// --- what the reader does ----------------------------------------------------------------------------------------------
+// --- what the reader does --------------------------------------------------------------------------------------------
 
 const LONG = 5000; // ms, one run
 let began = null, heard = 0;
@@ -239,8 +266,8 @@ root.addEventListener("keydown", event => {
 document.addEventListener("click", event => {
   const goal = event.target.closest("[data-at]");
   if (!goal) return;
-  const stem = (goal.dataset.channel ?? "").replace(/\.[^.]*$/, ""), point = stem.split("/")[0];
-  scrub(nearest(goal.dataset.at * axis.factor), head.marks[stem] ?? (`${point}.x` in place || point in head.ground ? point : ""));
+  const stem = (goal.dataset.channel ?? "").replace(/\.[^.]*$/, ""), point = head.marks[stem] ?? stem.split("/")[0];
+  scrub(nearest(goal.dataset.at * axis.factor), `${point}.x` in place || point in head.ground ? point : "");
   root.scrollIntoView({ block: "nearest" });
 });
 new ResizeObserver(() => {
@@ -248,5 +275,5 @@ new ResizeObserver(() => {
   show(now);
 }).observe(svg);
 new ResizeObserver(() => plots.forEach(plot => plot.show(now))).observe(document.body);
-for (const part of root.querySelectorAll("[hidden]")) part.hidden = false;
+for (const part of root.querySelectorAll(".player")) part.hidden = false;
 if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play(true);

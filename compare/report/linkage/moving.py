@@ -16,7 +16,7 @@ from ...engines.axis import axis
 from ...engines.registry import REFERENCE
 from ...judge.measure import Measurement
 from ...study import Study
-from ..curves import Panel
+from ..curves import Panel, error
 from ..style import DARK_GREY, colour
 from ..units import Units, units
 from .arrows import arrows
@@ -117,10 +117,10 @@ class Moving:
 
     def _errors(self, measurement: Measurement) -> Iterator[Samples]:
         """Yield by panel the error that is drawn below it."""
-        actual = measurement.comparison.actual if measurement.comparison else {}
+        comparison = measurement.comparison
         for panel in self.panels:
-            if all(channel in actual for channel in panel.judged):
-                yield np.sqrt(sum(np.square(actual[channel]) for channel in panel.judged))
+            if comparison is not None and all(channel in comparison.actual for channel in panel.judged):
+                yield error(self.study, panel, comparison)
             else:
                 yield np.full(len(self.study.motion["time"]), np.nan)
 
