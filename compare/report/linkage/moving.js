@@ -220,8 +220,8 @@ for (const section of document.querySelectorAll("section:has(> h3):has(.plot)"))
 
 // --- what the reader does --------------------------------------------------------------------------------------------
 
-const LONG = 5000; // ms, one run
-let began = null, heard = 0;
+const LONG = 5000, FRAME = 100; // ms: one run; what a frame advances at most, however late it comes
+let playing = null, heard = 0;
 
 const scrub = (n, mark = "") => {
   stop();
@@ -231,27 +231,29 @@ const scrub = (n, mark = "") => {
   heard = setTimeout(() => (find(".unseen").textContent = svg.getAttribute("aria-label")), 400);
 };
 const stop = () => {
-  began = null;
+  playing = null;
   find(".play").textContent = "Play";
 };
 const play = once => {
   const start = value("time", 0), span = value("time", count - 1) - start;
   find(".play").textContent = "Pause";
   marked = "";
-  const mine = (began = performance.now() - (now < count - 1 ? ((value("time", now) - start) / span) * LONG : 0));
+  let share = now < count - 1 ? (value("time", now) - start) / span : 0, last = performance.now();
   const step = moment => {
-    if (began !== mine) return;
-    const share = Math.max(moment - began, 0) / LONG, time = start + (share % 1) * span;
+    if (playing !== step) return;
+    share += Math.min(Math.max(moment - last, 0), FRAME) / LONG;
+    last = moment;
     if (once && share >= 1) return stop(), show(0);
     let n = 0;
-    while (n < count - 1 && value("time", n + 1) <= time) n++;
+    while (n < count - 1 && value("time", n + 1) <= start + (share % 1) * span) n++;
     show(n);
     requestAnimationFrame(step);
   };
+  playing = step;
   requestAnimationFrame(step);
 };
 
-find(".play").onclick = () => (began === null ? play() : stop());
+find(".play").onclick = () => (playing ? stop() : play());
 slider.oninput = () => scrub(+slider.value);
 force.onchange = magnify.onchange = () => show(now);
 sketch.onchange = () => svg.querySelector(".ghost").setAttribute("visibility", sketch.checked ? "visible" : "hidden");
