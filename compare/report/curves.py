@@ -146,4 +146,4 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
     figure.update_yaxes(title=panel.axis, row=1, col=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
-    return figure.update_layout(layout(480))
+    return figure.finished(layout(480))

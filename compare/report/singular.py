@@ -41,7 +41,7 @@ def assur_groups(study: Study) -> go.Figure | None:
             vertical = {"title": f"to lock [{metres}]"} | _logarithmic(np.array(list(curves.values())))
         figure.update_yaxes(**vertical, row=row, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, len(rows))
-    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
+    return figure.finished(layout((300, 480)[len(rows) - 1]))
 
 
 def _logarithmic(values: Samples) -> dict[str, Any]:
@@ -86,4 +86,4 @@ def over_distance(study: Study) -> go.Figure | None:
         explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
         draw(figure, style.ROUND_OFF, distance[order], explained[order], 1, column, line=style.BOUND)
     error_axes(figure, f"distance to lock [{metres}]" if locks else "1/κ [-]")
-    return figure.update_layout(layout(380, titled=True))
+    return figure.finished(layout(380, titled=True))

@@ -4,17 +4,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.io import templates
-from plotly.subplots import make_subplots
 
 from scenes import Scene
 from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, turns_fully
+from .draft import Draft
 from .extremes import CURVE, extremes
-
-templates.default = "plotly_white"  # once for all: a template in each layout costs a third of the report's time
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe and Ito, for any colour vision
 BODY_COLOURS = (*COLOURS[4:], *COLOURS[2:4], *COLOURS[:2], "#f0e442")  # the same in an order unlike the engines'
@@ -42,7 +38,7 @@ def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:
 
 
 def draw(
-    figure: go.Figure,
+    figure: Draft,
     name: str,
     x: Any,
     y: Any,
@@ -67,32 +63,29 @@ def draw(
         style: further attributes of plotly's scatter trace.
     """
     group = group or name
-    listed = bool(name) and not any(trace.legendgroup == group and trace.showlegend for trace in figure.data)
+    listed = bool(name) and not figure.lists(group)
     style = ({} if name else {"hoverinfo": "skip"}) | style
     if len(x) > CURVE and "text" not in style:
         rows = extremes(x, y)
         x, y = np.asarray(x)[rows], np.asarray(y)[rows]
-    figure.add_scatter(
-        x=x, y=y, name=name, mode=mode, legendgroup=group, showlegend=listed, row=row, col=column, **style
-    )
+    trace = {"x": x, "y": y, "name": name, "mode": mode, "legendgroup": group, "showlegend": listed}
+    figure.add(trace | style, row, column)
 
 
-def stacked(*heights: float) -> go.Figure:
+def stacked(*heights: float) -> Draft:
     """Return empty panels one above the other over one axis, by their relative heights; a single one by default."""
-    return make_subplots(len(heights) or 1, 1, shared_xaxes=True, row_heights=heights or None, vertical_spacing=0.06)
+    return Draft(len(heights) or 1, 1, shared_xaxes=True, row_heights=heights or None, vertical_spacing=0.06)
 
 
-def side_by_side(titles: Sequence[str], gap: float = 0.03) -> go.Figure:
+def side_by_side(titles: Sequence[str], gap: float = 0.03) -> Draft:
     """Return an empty panel per title, all in one row with one vertical axis; `gap` is a share of the width."""
-    return make_subplots(1, len(titles), subplot_titles=titles, shared_yaxes=True, horizontal_spacing=gap)
+    return Draft(1, len(titles), titles, shared_yaxes=True, horizontal_spacing=gap)
 
 
-def grid(titles: Sequence[str], columns: int) -> go.Figure:
+def grid(titles: Sequence[str], columns: int) -> Draft:
     """Return an empty panel per title, row by row, each with axes of its own; see `cell`."""
     rows = max(-(-len(titles) // columns), 1)
-    return make_subplots(
-        rows, columns, subplot_titles=titles, horizontal_spacing=0.18 / columns, vertical_spacing=0.3 / rows
-    )
+    return Draft(rows, columns, titles, horizontal_spacing=0.18 / columns, vertical_spacing=0.3 / rows)
 
 
 def cell(number: int, columns: int) -> tuple[int, int]:
@@ -101,13 +94,13 @@ def cell(number: int, columns: int) -> tuple[int, int]:
     return row + 1, column + 1
 
 
-def error_axes(figure: go.Figure, across: str, error: str = "relative error [-]") -> go.Figure:
+def error_axes(figure: Draft, across: str, error: str = "relative error [-]") -> Draft:
     """Make all axes of a figure logarithmic: `across` titles the horizontal ones, `error` the first vertical one."""
     figure.update_xaxes(LOG, title=across, nticks=6)
     return figure.update_yaxes(LOG, nticks=8).update_yaxes(title=error, col=1)
 
 
-def drive_axes(figure: go.Figure, scene: Scene, turns: int = 1, row: int | None = None) -> go.Figure:
+def drive_axes(figure: Draft, scene: Scene, turns: int = 1, row: int | None = None) -> Draft:
     """Let time run from left to right over the drive's position; of stacked panels, only `row` gets the title."""
     backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
     ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees

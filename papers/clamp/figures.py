@@ -27,14 +27,14 @@ def figures() -> Iterator[tuple[str, str, go.Figure]]:
         misprinted = acceleration(pose, SPEED, printed=True)
         draw(accelerations, f"{name}, as printed", way, misprinted, line=line | {"dash": "dot"})
     for figure in (ratios, accelerations):
-        figure.update_xaxes(title="way of the platen from open [mm]").update_layout(layout(480))
+        figure.update_xaxes(title="way of the platen from open [mm]")
     yield (
         "Clamp: velocity ratio over the stroke",
         "From open to locked. Circles: the printed peaks and startup values, where the computed ones are.",
-        ratios.update_yaxes(title="R_V = v_m / v_o [-]", rangemode="tozero"),
+        ratios.update_yaxes(title="R_V = v_m / v_o [-]", rangemode="tozero").finished(layout(480)),
     )
     yield (
         "Clamp: acceleration of the platen over the stroke",
         f"At an assumed {SPEED:g} mm/s of the crosshead. Solid: the corrected formula; dotted: as printed.",
-        accelerations.update_yaxes(title="a_m [mm/s²]"),
+        accelerations.update_yaxes(title="a_m [mm/s²]").finished(layout(480)),
     )

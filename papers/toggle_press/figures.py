@@ -49,7 +49,7 @@ def _presses() -> go.Figure:
     figure.update_yaxes(title="speed [mm/s]", row=2, col=1)
     figure.update_xaxes(dtick=60)
     figure.update_xaxes(title="crank angle from the lowest point [deg]", row=2, col=1)
-    return figure.update_layout(layout(560))
+    return figure.finished(layout(560))
 
 
 def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
@@ -71,4 +71,4 @@ def _family() -> go.Figure:
         add(name, member, {"color": colour(number // 2), "dash": DASHES[1 - number % 2]})
     figure.update_yaxes(title="height [mm]")
     figure.update_xaxes(title="crank angle from the lowest point, counter-clockwise [deg]", dtick=60)
-    return figure.update_layout(layout(560), legend=LEGEND_BESIDE)
+    return figure.finished(layout(560) | {"legend": LEGEND_BESIDE})

@@ -36,7 +36,7 @@ def curves(family: Family) -> go.Figure:
             draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
     drive_axes(figure, family.scene)
-    return figure.update_layout(layout(60 + 380 * ceil(len(units) / 2)), legend=LEGEND_BESIDE)
+    return figure.finished(layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE})
 
 
 def _drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:

@@ -30,4 +30,4 @@ def over_condition(cases: pd.DataFrame) -> go.Figure | None:
             draw(figure, str(engine), *at, mode="markers", marker=mark, text=text, hovertemplate=hover)
         draw(figure, "κ ε", span, EPS * span, 1, column, line=BOUND)
     error_axes(figure, "condition κ [-]", "largest relative error [-]")
-    return figure.update_layout(layout(420, titled=True))
+    return figure.finished(layout(420, titled=True))

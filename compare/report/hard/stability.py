@@ -51,13 +51,14 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
         figure = side_by_side(engines)
         for column, engine in enumerate(engines, start=1):
             rows = cells[cells["engine"] == engine]
-            figure.add_traces([*_traces(rows)], rows=1, cols=column)
+            for trace in _traces(rows):
+                figure.add(trace, 1, column)
             figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, col=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
         figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps per cycle", col=1)
-        figure.add_annotation(text=_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper", showarrow=False)
-        figure.update_layout(layout(190 + 42 * len(steps), titled=True), coloraxis=SCALE)
-        yield title, figure.update_layout(margin_b=100)
+        figure.note(_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper")
+        figure.update_layout(layout(190 + 42 * len(steps), titled=True))
+        yield title, figure.finished({"coloraxis": SCALE, "margin": {"b": 100}})
 
 
 def _steps(cells: pd.DataFrame) -> list[int]:

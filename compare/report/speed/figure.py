@@ -15,6 +15,7 @@ from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
 from ...speed.work_precision import contenders, families, front, groups, solved
 from ...study import Study
+from ..draft import Draft
 from ..style import BOUND, FLOOR, GREY, cell, colour, draw, error_axes, grid, layout, marker
 from .tables import contender
 
@@ -27,19 +28,20 @@ def work_precision(study: Study) -> go.Figure:
     found = groups(study.speed)
     figure, rms = _panels(study, found, "max"), _panels(study, found, "rms")
     error_axes(figure, f"ms per {cycle_name(study.scene)}").update_xaxes(dtick=1).update_yaxes(dtick=2)
-    figure.update_layout(layout(150 + 390 * -(-len(found) // COLUMNS), titled=True), margin_t=110)
     choices = [_button("largest error", figure), _button("RMS error", rms)]
     place = {"x": 1, "xanchor": "right", "y": 1.01, "yanchor": "bottom", "pad": {"b": 25}}
-    return figure.update_layout(updatemenus=[{"type": "buttons", "direction": "right", "buttons": choices} | place])
+    menu = {"type": "buttons", "direction": "right", "buttons": choices} | place
+    arranged = layout(150 + 390 * -(-len(found) // COLUMNS), titled=True)
+    return figure.update_layout(arranged).finished({"updatemenus": [menu], "margin": {"t": 110}})
 
 
-def _button(label: str, figure: go.Figure) -> dict[str, object]:
+def _button(label: str, figure: Draft) -> dict[str, object]:
     """Return a button that puts a figure's numbers into the traces of the one that is shown."""
-    numbers = {axis: [list(trace[axis]) for trace in figure.data] for axis in ("x", "y")}
+    numbers = {axis: [[*trace[axis]] for trace in figure.traces] for axis in ("x", "y")}
     return {"label": label, "method": "restyle", "args": [numbers]}
 
 
-def _panels(study: Study, found: Sequence[str], kind: str) -> go.Figure:
+def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
     """Draw the floor, the Pareto fronts, the families' lines and the settings of every group, from back to front."""
     figure = grid([group_name(study.scene, group) for group in found], min(COLUMNS, len(found)) or 1)
     speed = study.speed.assign(ms=1e3 * study.speed["solve_min_s"]) if found else study.speed

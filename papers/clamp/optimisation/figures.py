@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
+from compare.report.draft import Draft
 from compare.report.style import BOUND, DASHES, MARGIN, colour, draw, layout, marker, stacked
 
 from ..formulas import DEGREE, PUBLISHED, Design, acceleration, at, velocity_ratio
@@ -35,12 +36,12 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> go.Fig
     for mark, name in zip(MARKS, PUBLISHED, strict=False):
         values = {axis: [float(TABLE_1[axis][name])] for axis in AXES}
         _draw(figure, f"{name}, printed", values, mode="markers", marker=marker(1, f"{mark}-open", 11))
-    label = {"annotation_text": "largest M_P in print", "annotation_position": "top"}
-    figure.add_hline(y=float(LARGEST_FORCE_RATIO), line=BOUND, **label, row=1, col=1)
     figure.update_yaxes(title="M_P at α = 2.5° [-]", row=1, col=1)
     figure.update_yaxes(title="L_sum [mm]", row=2, col=1)
     figure.update_xaxes(title="R_S [-]", row=2, col=1)
-    return figure.update_layout(layout(760), margin=MARGIN | {"t": 110})
+    drawn = figure.finished(layout(760) | {"margin": MARGIN | {"t": 110}})
+    label = {"annotation_text": "largest M_P in print", "annotation_position": "top"}
+    return drawn.add_hline(y=float(LARGEST_FORCE_RATIO), line=BOUND, **label, row=1, col=1)
 
 
 def _of(points: Sequence[Point], name: str) -> Mapping[str, Sequence[float]]:
@@ -48,7 +49,7 @@ def _of(points: Sequence[Point], name: str) -> Mapping[str, Sequence[float]]:
     return {axis: [measure(axis, point.optimum.design) for point in of(points, name)] for axis in AXES}
 
 
-def _draw(figure: go.Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
+def _draw(figure: Draft, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
     for row, axis in ((1, "M_P"), (2, "L_sum")):
         draw(figure, name, values["R_S"], values[axis], row, **style)
 
@@ -63,4 +64,4 @@ def over_stroke(designs: Mapping[str, Design]) -> go.Figure:
     figure.update_yaxes(title="R_V [-]", row=1, col=1)
     figure.update_yaxes(title="a_m / v_o² [1/m]", row=2, col=1)
     figure.update_xaxes(title="α [deg]", autorange="reversed", row=2, col=1)
-    return figure.update_layout(layout(560))
+    return figure.finished(layout(560))
