@@ -1,4 +1,4 @@
-"""A figure while it is drawn: plain data, which plotly checks once, at the end; each by itself takes three times as long."""
+"""A figure while it is drawn: plain data that plotly checks once, at the end; one by one takes three times as long."""
 
 from collections.abc import Mapping, Sequence
 from copy import deepcopy

@@ -47,7 +47,9 @@ def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
     speed = study.speed.assign(ms=1e3 * study.speed["solve_min_s"]) if found else study.speed
     points = solved(speed)
     engines = {m.run.engine: number for number, m in enumerate(study.measurements)}
-    notes = list(dict.fromkeys(note for _, note, _ in contenders(points) if note))
+    lines = {engine: [rows for _, rows in families(points[points["engine"] == engine], "steps")] for engine in engines}
+    settings = [(*found, _hover(study, found[-1])) for found in contenders(points)]
+    notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
     for panel, group in enumerate(found):
         error, where = f"{group}_{kind}", cell(panel, COLUMNS)
         floor = group_floors(study.reference).get(group, np.nan)
@@ -59,13 +61,12 @@ def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
             line = {"color": shade, "width": 7, "shape": "hv"}
             draw(figure, name, *_front(rows, error), *where, line=line, opacity=0.2, hoverinfo="skip")
         for engine, number in engines.items():
-            lines = [rows for _, rows in families(points[points["engine"] == engine], "steps")]
-            x, y = ([value for rows in lines for value in (*rows[axis], np.nan)] for axis in ("ms", error))  # with gaps
+            x, y = ([v for rows in lines[engine] for v in (*rows[axis], np.nan)] for axis in ("ms", error))  # with gaps
             draw(figure, "", x, y, *where, line={"color": colour(number), "width": 0.8}, opacity=0.5)
-        for engine, note, rows in contenders(points):
+        for engine, note, rows, hover in settings:
             mark = marker(engines[engine], NOTED[notes.index(note) % len(NOTED)] if note else "", 9)
-            style = _hover(study, rows) | {"marker": mark}
-            draw(figure, contender(engine, note), rows["ms"], rows[error], *where, mode="markers", **style)
+            name, at = contender(engine, note), (rows["ms"], rows[error])
+            draw(figure, name, *at, *where, mode="markers", marker=mark, **hover)
         failed = speed[(speed["status"] != Status.ok.name) & speed[error].notna()]
         if len(failed):
             style = _hover(study, failed) | {"marker": {"color": GREY, "symbol": "x", "size": 8}}
