@@ -65,8 +65,8 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
         return RigidBody(local, as_complex(body.com), mass, body.inertia)
     corners = list(local.values())
     sides_squared = sum(abs(a - b) ** 2 for i, a in enumerate(corners) for b in corners[i + 1 :])
-    # point mass, uniform bar m l^2 / 12, uniform triangular plate m (a^2 + b^2 + c^2) / 36
-    inertia = mass * sides_squared / {1: 1, 2: 12, 3: 36}[len(corners)]
+    # point mass, uniform bar m l^2 / 12, uniform triangular plate m (a^2 + b^2 + c^2) / 36; with more points, no mass
+    inertia = mass * sides_squared / {1: 1, 2: 12}.get(len(corners), 36)
     return RigidBody(local, sum(corners) / len(corners), mass, inertia)
 
 

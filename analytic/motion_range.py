@@ -1,7 +1,7 @@
 """How far the drive can move: where every group reaches, and what stops it at either end."""
 
 from dataclasses import dataclass
-from math import degrees, inf, pi
+from math import ceil, inf, pi
 
 import numpy as np
 
@@ -33,12 +33,10 @@ class Interval:
 def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
     """Return the intervals of one turn, or of a driven slider's way, in which the linkage assembles.
 
-    None when it never does, or all the way.
+    None when it never does, or all the way. An interval of a crank that does not hold its start ends in the first turn.
     """
-    least, most = scene.drive.extent
     turn = 2 * pi if scene.driven_slide is None else inf
-    if scene.driven_slide is None:
-        least, most = least, least + turn
+    least, most = scene.drive.extent if turn == inf else (scene.drive.start, scene.drive.start + turn)
     way = np.linspace(least, most, SAMPLES + 1)
     assembled = _unreached(scene, linkage, way) == ""
     edges = np.flatnonzero(assembled[1:] != assembled[:-1])
@@ -51,11 +49,15 @@ def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
         fits = _unreached(scene, linkage, middle) == ""
         inside, outside = np.where(fits, middle, inside), np.where(fits, outside, middle)
     ends = [(float(x), str(joint)) for x, joint in zip(inside, _unreached(scene, linkage, outside), strict=True)]
-    if assembled[0]:  # the way begins within an interval: round the turn it is the last one's
-        ends = [*ends[1:], (ends[0][0] + turn, ends[0][1])] if turn < inf else [(least, ""), *ends]
+    if assembled[0]:  # the way begins within an interval, which begins a turn before its last edge
+        ends = [(ends[-1][0] - turn, ends[-1][1]), *ends[:-1]] if turn < inf else [(least, ""), *ends]
     if len(ends) % 2:
         ends.append((most, ""))
-    return [Interval(a, b, at_a, at_b) for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True)]
+    found = []
+    for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True):
+        off = 0.0 if turn == inf or a <= scene.drive.start <= b else turn * (ceil(b / turn) - 1)
+        found.append(Interval(a - off, b - off, at_a, at_b))
+    return sorted(found, key=lambda interval: interval.start)
 
 
 def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> np.ndarray[tuple[int], np.dtype[np.str_]]:
@@ -77,15 +79,15 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
         least, most = scene.drive.extent
         if not turns and not least <= position <= most:
-            return f"the {body} slides freely all its way, from {scene.length(least, 6)} to {scene.length(most, 6)}"
-        gap = f"{360 / SAMPLES:g} deg" if turns else scene.length((most - least) / SAMPLES)
+            return f"the {body} slides freely all its way, from {scene.position(least)} to {scene.position(most)}"
+        gap = scene.position((2 * pi if turns else most - least) / SAMPLES)
         why = stops[str(_unreached(scene, linkage, np.array([position]))[0])]
         return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({why})"
     if not intervals:
         return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
 
     def end(position: float, joint: str) -> str:
-        return f"{f'{degrees(position):.4f} deg' if turns else scene.length(position, 6)} ({stops[joint]})"
+        return f"{scene.position(position)} ({stops[joint]})"
 
     ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
     return f"the {body} {'turns' if turns else 'slides'} only {ways}; drive.start and drive.end can limit a run"

@@ -5,7 +5,7 @@ from math import pi, remainder
 
 from .errors import InputError, nearest, path_in_file
 from .limits import POINTS
-from .scene import GROUND, Body, Drive, ForceTable, MotionLaw, Scene, Vector
+from .scene import GROUND, Body, ForceTable, MotionLaw, Scene, Vector
 from .sizes import check_sizes
 
 
@@ -20,9 +20,9 @@ def check(scene: Scene, *, output_slides: bool) -> None:
     _check_driven_body(scene)
     check_sizes(scene)
     for body in scene.bodies.values():
-        _check_body(body)
+        _check_body(scene, body)
     _check_masses(scene)
-    _check_drive(scene.drive, slides=scene.driven_slide is not None)
+    _check_drive(scene)
     _check_connected(scene)
     _check_mobility(scene)
     _check_loads(scene)
@@ -37,18 +37,18 @@ def _check_count(scene: Scene) -> None:
         raise InputError(f"bodies: expected {POINTS} points at most, of all bodies and the ground, found {count}")
 
 
-def _check_body(body: Body) -> None:
+def _check_body(scene: Scene, body: Body) -> None:
     place = f"bodies.{body.name}"
     if body.name in (GROUND, "drive"):
         raise InputError(f"{place}: the name '{body.name}' is taken; choose another")
     if body.lengths is not None:
-        _check_lengths(body)
+        _check_lengths(scene, body)
     at: dict[Vector, str] = {}
     for point, xy in (body.local or {}).items():
         if at.setdefault(xy, point) != point:
             raise InputError(f"{place}.points: {at[xy]} and {point} are the same point")
-    if (body.com is None) and len(body.points) > 3:
-        raise InputError(f"{place}: expected 'com' and 'inertia', since it has more than three points")
+    if body.mass is not None and body.com is None and len(body.points) > 3:
+        raise InputError(f"{place}: expected 'com' and 'inertia', since it has a mass and more than three points")
 
 
 def _check_masses(scene: Scene) -> None:
@@ -58,7 +58,7 @@ def _check_masses(scene: Scene) -> None:
         raise InputError(f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none")
 
 
-def _check_lengths(body: Body) -> None:
+def _check_lengths(scene: Scene, body: Body) -> None:
     assert body.lengths is not None
     place = f"bodies.{body.name}.lengths"
     if any(len(pair) == 1 for pair in body.lengths):
@@ -75,15 +75,15 @@ def _check_lengths(body: Body) -> None:
                 + ("; give the points as 'points' in the body's own frame instead" if len(bases) > 2 else "")
             )
         if frozenset(bases) in body.lengths:
-            _check_triangle(place, [body.lengths[frozenset(pair)] for pair in combinations((*bases, point), 2)])
+            _check_triangle(scene, place, [body.lengths[frozenset(pair)] for pair in combinations((*bases, point), 2)])
 
 
-def _check_triangle(place: str, sides: list[float]) -> None:
+def _check_triangle(scene: Scene, place: str, sides: list[float]) -> None:
     longest, *others = sorted(sides, reverse=True)
     if not longest < sum(others):
         raise InputError(
             f"{place}: the triangle cannot close, expected its longest side to be shorter than the other two"
-            f" together, found {longest:g} m against {sum(others):g} m"
+            f" together, found {scene.length(longest, 6)} against {scene.length(sum(others), 6)}"
         )
 
 
@@ -110,8 +110,6 @@ def _check_slides(scene: Scene) -> None:
 
 def _check_driven_body(scene: Scene) -> None:
     name, bodies = scene.drive.body, scene.bodies
-    if name not in bodies:
-        raise InputError(f"drive.body: no body '{name}'{nearest(name, bodies)}")
     slide = bodies[name].slide
     pivots = [point for point in bodies[name].points if point in scene.ground]
     if slide is None and len(pivots) != 1:
@@ -120,18 +118,24 @@ def _check_driven_body(scene: Scene) -> None:
         raise InputError(f"drive.body: '{name}' slides on '{slide.on}'; expected a body that slides on the ground")
 
 
-def _check_drive(drive: Drive, *, slides: bool) -> None:
+def _check_drive(scene: Scene) -> None:
+    drive = scene.drive
     if isinstance(drive, MotionLaw):
-        _check_law(drive, slides=slides)
+        _check_law(scene, drive)
     elif drive.speed == 0:
         raise InputError("drive.speed: expected a speed other than zero")
-    elif drive.end is None and slides:
-        raise InputError("drive.end: missing; a slider that is driven has to stop somewhere")
+    elif drive.end is None:
+        if scene.driven_slide is not None:
+            raise InputError("drive.end: missing; a slider that is driven has to stop somewhere")
+    elif drive.end == drive.start:
+        raise InputError(f"drive.end: expected another position than 'start', {scene.position(drive.start)}")
     elif not drive.cycle > 0:
-        raise InputError("drive.end: expected the speed to lead there from 'start'")
+        way, sign = ("above", "negative") if drive.speed > 0 else ("below", "positive")
+        start, end = scene.position(drive.start), scene.position(drive.end)
+        raise InputError(f"drive.end: expected a position {way} 'start', {start}, found {end}; or make speed {sign}")
 
 
-def _check_law(law: MotionLaw, *, slides: bool) -> None:
+def _check_law(scene: Scene, law: MotionLaw) -> None:
     if law.times[0] != 0:
         raise InputError(f"drive.law.0.0: expected the first time to be 0, found {law.times[0]:g} s")
     for number, (before, after) in enumerate(pairwise(law.times), start=1):
@@ -140,12 +144,14 @@ def _check_law(law: MotionLaw, *, slides: bool) -> None:
     if len(set(law.positions)) == 1:
         raise InputError("drive.law: expected a motion, found the same position at all times")
     gain = law.positions[-1] - law.positions[0]
+    slides = scene.driven_slide is not None
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
-        whole, unit = ("", "m") if slides else (", or whole turns from it", "rad")
+        whole = "" if slides else ", or whole turns from it"
         raise InputError(
-            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by {off:g} {unit}"
+            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by"
+            f" {scene.position(off)}"
         )
 
 
@@ -188,7 +194,9 @@ def _check_loads(scene: Scene) -> None:
         if isinstance(load, ForceTable):
             for before, after in pairwise(load.displacements):
                 if not before < after:
-                    raise InputError(f"loads.{number}.table: expected increasing displacements, found {after:g} m")
+                    raise InputError(
+                        f"loads.{number}.table: expected increasing displacements, found {scene.length(after)}"
+                    )
 
 
 def _check_springs(scene: Scene) -> None:

@@ -44,127 +44,151 @@ class Table(BaseModel):
 class Units(Table):
     """What the numbers of the file are in; SI where absent."""
 
-    length: str = "m"
-    mass: str = "kg"
-    force: str = "N"
-    angle: str = "rad"
-    speed: str | None = None  # rad/s for a crank, m/s for a driven slider
+    length: str = Field("m", description='Of all coordinates and lengths, as "mm".')
+    mass: str = Field("kg", description="Of masses, and with the length's square of inertias.")
+    force: str = Field("N", description="Of loads, and over the length of stiffnesses.")
+    angle: str = Field("rad", description='Of angles of the drive and the sketch, as "deg".')
+    speed: str | None = Field(
+        None, description='Of a crank as "rpm", or rad/s where absent; of a driven slider as "mm/s", or m/s.'
+    )
 
 
 class GroundTable(Table):
-    """The fixed points."""
+    """What does not move."""
 
-    points: Points
+    points: Points = Field(description="The fixed points, by name: [x, y].")
 
 
 class SlideTable(Table):
-    """A straight guide, in the frame of the body `on`."""
+    """A straight guide, along which the body's first point moves; the body does not turn against what it slides on."""
 
-    on: Known = GROUND
-    through: Pair
-    along: Pair
+    on: Known = Field(GROUND, description="The body that has the guide.")
+    through: Pair = Field(description="A point of the guide, in the frame of what has it.")
+    along: Pair = Field(description="The direction of the guide, in the frame of what has it; of any length.")
 
 
 class BodyTable(Table):
     """A rigid body: its points in its own frame, or its lengths."""
 
-    points: Points | None = None
-    lengths: Annotated[dict[PointPair, Positive], Field(min_length=1)] | None = None
-    mass: NotNegative | None = None
-    com: Pair | None = None
-    inertia: NotNegative | None = None
-    slides: SlideTable | None = None
+    points: Points | None = Field(
+        None, description="By name: [x, y] in its own frame. A point that two bodies name is a pin."
+    )
+    lengths: Annotated[dict[PointPair, Positive], Field(min_length=1)] | None = Field(
+        None,
+        description='Instead of `points`, as "A-B" = 200; each point after the second needs those to two before it.',
+    )
+    mass: NotNegative | None = Field(None, description="Its mass; without any in the file there are no forces.")
+    com: Pair | None = Field(
+        None, description="Its centre of mass, own frame; not of a point, a uniform bar, a uniform plate."
+    )
+    inertia: NotNegative | None = Field(None, description="Its moment of inertia about the centre of mass.")
+    slides: SlideTable | None = Field(None, description="The guide on which it slides, if any.")
 
 
 class DriveTable(Table):
-    """The driven body, a crank or a slider, and its speed or its motion law: [time in s, angle or displacement]."""
+    """The driven body, a crank or a slider, and its speed or its motion law."""
 
-    body: Known
-    speed: Number | None = None
-    start: Number | None = None
-    end: Number | None = None
-    law: Annotated[list[Pair], Field(min_length=4, max_length=limits.ROWS)] | None = None
-    periodic: bool | None = None
+    body: Known = Field(description="A body with one pin on the ground, or one that slides on the ground.")
+    speed: Number | None = Field(None, description="The constant speed; negative clockwise, or against `along`.")
+    start: Number | None = Field(
+        None, description="At time zero: the angle of its x axis, or its displacement from `through`."
+    )
+    end: Number | None = Field(None, description="Where it stops; without it a crank turns for ever.")
+    law: Annotated[list[Pair], Field(min_length=4, max_length=limits.ROWS)] | None = Field(
+        None, description="Instead of a speed: [time in s, angle or displacement], for a cubic spline."
+    )
+    periodic: bool | None = Field(None, description="Whether the law goes on for ever.")
 
 
 class LoadTable(Table):
     """A force on a point of a body: constant, only in the last part of the closing stroke, or a table against it."""
 
-    body: Known
-    at: Known
-    force: Pair | None = None
-    last: Positive | None = None
-    table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = None
+    body: Known = Field(description="The body on which it acts.")
+    at: Known = Field(description="The point of the body at which it acts.")
+    force: Pair | None = Field(None, description="The force: [x, y].")
+    last: Positive | None = Field(
+        None, description="Only in this last part of the stroke that closes against the force."
+    )
+    table: Annotated[list[Pair], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
+        None, description="Instead of `force`: [displacement of the slider, force along its guide]."
+    )
 
 
 class SpringTable(Table):
-    """A linear spring between two points, each as `body.point`."""
+    """A linear spring between two points."""
 
-    between: Annotated[tuple[BodyPoint, BodyPoint], Strict(False)]
-    stiffness: Positive
-    length: NotNegative
+    between: Annotated[tuple[BodyPoint, BodyPoint], Strict(False)] = Field(
+        description='Each as "body.point", or "ground.S".'
+    )
+    stiffness: Positive = Field(description="Force by length.")
+    length: NotNegative = Field(description="Its length without force.")
 
 
 class SketchTable(Table):
-    """Rough point positions, one key a point, at one `angle` of the crank or `displacement` of the driven slider."""
+    """Rough positions of the moving points, a key each, at one place of the drive: how the bodies are assembled."""
 
-    model_config = ConfigDict(extra="allow", strict=True, frozen=True)
+    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Pair] = Field(init=False)
 
-    angle: Number | None = None
-    displacement: Number | None = None
+    angle: Number | None = Field(None, description="The crank's angle in the sketch; 0 where absent.")
+    displacement: Number | None = Field(None, description="The driven slider's displacement in the sketch.")
 
 
 class OutputTable(Table):
     """The point that the report is about."""
 
-    slider: Known | None = None
-    point: Known | None = None
+    slider: Known | None = Field(None, description="A point of a body that slides on the ground.")
+    point: Known | None = Field(None, description="Any other moving point.")
 
 
 class TolerancesTable(Table):
-    """The largest error by channel group, relative to range."""
+    """The largest relative errors by channel group; `--check` fails where one is larger."""
 
-    position: Positive | None = None
-    velocity: Positive | None = None
-    acceleration: Positive | None = None
-    reaction: Positive | None = None
-    torque: Positive | None = None
+    position: Positive | None = Field(None, description="Of points, over the stroke; of angles, in rad.")
+    velocity: Positive | None = Field(None, description="Of points and angles, over stroke times the drive's rate.")
+    acceleration: Positive | None = Field(None, description="Of points and angles, over stroke times its square.")
+    reaction: Positive | None = Field(None, description="Of the forces of joints and guides, over their peaks.")
+    torque: Positive | None = Field(None, description="Of the driven crank's torque, over its peak.")
+    force: Positive | None = Field(None, description="Of the driven slider's force, over its peak.")
 
 
 class SceneFile(Table):
     """A whole scene file."""
 
-    format: Literal[1]
-    name: Name
-    title: Annotated[str, Field(max_length=limits.TITLE)] = ""
-    source: Annotated[str, Field(max_length=limits.SOURCE)] = ""
-    units: Units = Units()
-    gravity: Pair | None = None
-    ground: GroundTable
-    bodies: Annotated[dict[Name, BodyTable], Field(min_length=1, max_length=limits.BODIES)]
-    drive: DriveTable
-    loads: Annotated[list[LoadTable], Field(max_length=limits.LOADS)] = []
-    springs: Annotated[list[SpringTable], Field(max_length=limits.LOADS)] = []
-    sketch: SketchTable
-    output: OutputTable
-    tolerances: dict[Name, TolerancesTable] = {}
+    format: Literal[1] = Field(description="The version of this format.")
+    name: Name = Field(description='Of the folder of results: letters, digits and "_", a letter first.')
+    title: str = Field("", max_length=limits.TITLE, description="The heading of the report.")
+    source: str = Field("", max_length=limits.SOURCE, description="Where its numbers come from.")
+    units: Units = Field(Units.model_validate({}), description="What the numbers of the file are in; SI where absent.")
+    gravity: Pair | None = Field(None, description="[x, y] in m/s^2; none where absent.")
+    ground: GroundTable = Field(description="What does not move.")
+    bodies: dict[Name, BodyTable] = Field(
+        min_length=1,
+        max_length=limits.BODIES,
+        description="The moving bodies, by name. A pin's force is that of the one that is first here on the other.",
+    )
+    drive: DriveTable = Field(description="The driven body, and how it moves.")
+    loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces on bodies.")
+    springs: list[SpringTable] = Field([], max_length=limits.LOADS, description="Linear springs between two points.")
+    sketch: SketchTable = Field(description="Rough positions, which show how the bodies are assembled.")
+    output: OutputTable = Field(description="The point that the report is about.")
+    tolerances: dict[Name, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")
 
 
 class LadderFile(Table):
     """A whole ladder file: one scene, with another value at some of its paths on every rung."""
 
-    format: Literal[1]
-    title: str
-    scene: str
-    parameter: str
-    paths: Annotated[list[str], Field(min_length=1)]
-    steps: Annotated[dict[str, NumberOrText], Field(min_length=1)]
-    expected: str
-    why: str
-    status: dict[str, str] = {}
-    digits: bool = False
-    long: bool = False
+    format: Literal[1] = Field(description="The version of this format.")
+    title: str = Field(description="What gets harder.")
+    scene: str = Field(description="The file of the scene, beside this one, or the name of a shipped one.")
+    parameter: str = Field(description="What the steps are values of.")
+    paths: list[str] = Field(min_length=1, description="Where in the scene the values go, as `bodies.rod.mass`.")
+    steps: dict[str, NumberOrText] = Field(min_length=1, description="The rungs: name and value.")
+    expected: str = Field(description="What is to be expected on the way.")
+    why: str = Field(description="Where the difficulty comes from.")
+    status: dict[str, str] = Field({}, description="By rung, the reference's status where that is not ok.")
+    digits: bool = Field(False, description="Whether lost digits are counted on it.")
+    long: bool = Field(False, description="Whether it has so many turns that it is left to the long runs.")
 
 
 # --- one line for the first thing that is wrong ----------------------------------------------------------------------

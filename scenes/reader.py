@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import hypot
+from os.path import isfile
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -13,13 +14,13 @@ from pydantic import ValidationError
 from .changes import Value, change, label, numbers
 from .consistency import check
 from .drive import ConstantSpeed, Drive, MotionLaw
-from .errors import InputError, one_line
-from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, explain
+from .errors import InputError, nearest, one_line
+from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, TolerancesTable, explain
 from .limits import SOURCE, TITLE
 from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
 from .scene import GROUND, Body, Scene, Sketch, Slide
 from .toml_file import read_toml
-from .units import si_factors
+from .units import si_units
 
 LIBRARY = Path(str(files("scenes"))) / "library"
 
@@ -34,7 +35,7 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
     """Read a scene.
 
     Args:
-        name_or_path: the name of a shipped scene, or a .toml file.
+        name_or_path: the name of a shipped scene, or a .toml file, with its ending or without.
         changes: other values for some of its numbers and texts, by path (`bodies.rod.mass`), in the units of the file.
 
     Returns:
@@ -44,8 +45,9 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
         InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
             the changes, the path in it, what was expected, and the nearest valid name.
     """
-    tables = tables_of(name_or_path)
-    file = label(name_or_path, changes)
+    found = file_of(name_or_path)
+    tables = tables_of(found)
+    file = label(found, changes)
     try:
         change(tables, changes)
         return _scene(SceneFile.model_validate(tables), file)
@@ -71,24 +73,33 @@ def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
         raise InputError(f"{one_line(str(name_or_path))}: {error}") from None
 
 
+def file_of(name_or_path: str | Path) -> str | Path:
+    """Return the name of a shipped scene, or else the file; `mine` is `mine.toml` where no file has that name."""
+    name, ending = str(name_or_path), f"{name_or_path}.toml"
+    alone = name not in shipped() and isfile(ending) and not isfile(name)  # noqa: PTH113 - Path raises for odd names
+    return ending if alone else name_or_path
+
+
 def tables_of(name_or_path: str | Path) -> dict[str, Any]:
     """Return the tables of a scene file, unchecked.
 
     Raises:
         InputError: the file cannot be read.
     """
-    return read_toml(name_or_path, shipped(), "scene")
+    return read_toml(file_of(name_or_path), shipped(), "scene")
 
 
 # --- numbers into SI -------------------------------------------------------------------------------------------------
 
 
 def _scene(table: SceneFile, file: str) -> Scene:
-    driven = table.bodies.get(table.drive.body)
-    slider_driven = driven is not None and driven.slides is not None and driven.slides.on == GROUND
-    factor = si_factors(table.units, slider_driven=slider_driven)
-    length, mass, force = (factor[name] for name in ("length", "mass", "force"))
-    drive_unit = length if slider_driven else factor["angle"]
+    if table.drive.body not in table.bodies:
+        raise InputError(f"drive.body: no body '{table.drive.body}'{nearest(table.drive.body, table.bodies)}")
+    guide = table.bodies[table.drive.body].slides
+    slider_driven = guide is not None and guide.on == GROUND
+    units = si_units(table.units, table.drive.body, slides=slider_driven)
+    length, mass, force, angle, speed = (units[name][1] for name in ("length", "mass", "force", "angle", "speed"))
+    drive_unit = length if slider_driven else angle
     bodies = {name: _body(name, body, length, mass) for name, body in table.bodies.items()}
     scene = Scene(
         name=table.name,
@@ -97,7 +108,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
         file=file,
         ground=MappingProxyType({name: _times(length, point) for name, point in table.ground.points.items()}),
         bodies=MappingProxyType(bodies),
-        drive=_drive(table.drive, drive_unit, factor["speed"]),
+        drive=_drive(table.drive, drive_unit, speed),
         loads=tuple(_load(f"loads.{i}", load, bodies, length, force) for i, load in enumerate(table.loads)),
         springs=tuple(_spring(spring, length, force) for spring in table.springs),
         gravity=table.gravity,
@@ -108,11 +119,11 @@ def _scene(table: SceneFile, file: str) -> Scene:
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(
             {
-                engine: MappingProxyType(groups.model_dump(exclude_none=True))
+                engine: MappingProxyType(_tolerances(f"tolerances.{engine}", groups, slider_driven=slider_driven))
                 for engine, groups in table.tolerances.items()
             }
         ),
-        length_unit=(table.units.length, length),
+        units=MappingProxyType(units),
     )
     check(scene, output_slides=table.output.slider is not None)
     return scene
@@ -177,6 +188,15 @@ def _sketched_drive(table: SketchTable, *, slider_driven: bool) -> float:
     if slider_driven and table.displacement is None:
         raise InputError("sketch.displacement: missing; the sketch shows the linkage at one place of the driven slider")
     return getattr(table, right) or 0.0
+
+
+def _tolerances(place: str, table: TolerancesTable, *, slider_driven: bool) -> dict[str, float]:
+    groups: dict[str, float] = table.model_dump(exclude_none=True)
+    if slider_driven and "torque" in groups:
+        groups.setdefault("force", groups.pop("torque"))  # by which the first files name it
+    elif not slider_driven and "force" in groups:
+        raise InputError(f"{place}.force: expected 'torque', since the drive moves a crank")
+    return groups
 
 
 def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:

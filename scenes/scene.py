@@ -6,9 +6,9 @@ by two models is one the comparison cannot see.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from math import degrees
+from math import pi
 
 from .drive import ConstantSpeed, Drive, MotionLaw
 from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
@@ -32,6 +32,7 @@ __all__ = [
 ]
 
 GROUND = "ground"
+SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class Scene:
     sketch: Sketch
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
-    length_unit: tuple[str, float] = ("m", 1.0)  # of the file, for messages: its name, and what it is in m
+    units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
 
     @property
     def has_masses(self) -> bool:
@@ -177,14 +178,20 @@ class Scene:
 
     def length(self, metres: float, digits: int = 4) -> str:
         """Return a length in the unit of the file, as messages name it: `12.41 mm`."""
-        unit, size = self.length_unit
+        unit, size = self.units["length"]
         return f"{metres / size:.{digits}g} {unit}"
+
+    def position(self, position: float) -> str:
+        """Return a position of the drive, rad or m, in the unit of the file: `30.0000 deg`, `560 mm`."""
+        if self.driven_slide is not None:
+            return self.length(position, 6)
+        unit, size = self.units["angle"]
+        return f"{position / size:.{4 if size <= pi / 180 else 6}f} {unit}"
 
     def where(self, position: float) -> str:
         """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""
-        if self.driven_slide is None:
-            return f"crank angle {degrees(position):.4f} deg"
-        return f"{self.drive.body} at {self.length(position, 6)}"
+        name = "crank angle" if self.driven_slide is None else f"{self.drive.body} at"
+        return f"{name} {self.position(position)}"
 
     @cached_property
     def moving_points(self) -> tuple[str, ...]:

@@ -12,55 +12,60 @@ def check_sizes(scene: Scene) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first such number.
     """
-    for place, value, smallest, largest in _sizes(scene):
+    (length, m), (mass, kg), (force, N) = (scene.units[name] for name in ("length", "mass", "force"))
+    units = {**scene.units, "inertia": (f"{mass}*{length}^2", kg * m**2), "stiffness": (f"{force}/{length}", N / m)}
+    units |= {"time": ("s", 1.0), "gravity": ("m/s^2", 1.0)}
+    for place, quantity, value, smallest, largest in _sizes(scene):
         if value != 0 and not smallest <= abs(value) <= largest:
-            raise InputError(
-                f"{place}: expected a size from {smallest:.0e} to {largest:.0e} in SI units, found {value:g}"
-            )
+            unit, size = units[quantity]
+            limits = f"from {smallest / size:.2g} to {largest / size:.2g} {unit}"
+            raise InputError(f"{place}: expected a size {limits}, found {value / size:g}")
 
 
-def _sizes(scene: Scene) -> Iterator[tuple[str, float, float, float]]:
-    """Yield place in the file, value, smallest and largest size; zero is for others to judge."""
+def _sizes(scene: Scene) -> Iterator[tuple[str, str, float, float, float]]:
+    """Yield place in the file, quantity, value, smallest and largest size; zero is for others to judge."""
     for body in scene.bodies.values():
         for pair, length in (body.lengths or {}).items():
-            yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", length, 1e-15, 1e15
-        yield f"bodies.{body.name}.mass", body.mass or 0.0, 1e-15, 1e15
-        yield f"bodies.{body.name}.inertia", body.inertia or 0.0, 1e-45, 1e45
+            yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", "length", length, 1e-15, 1e15
+        yield f"bodies.{body.name}.mass", "mass", body.mass or 0.0, 1e-15, 1e15
+        yield f"bodies.{body.name}.inertia", "inertia", body.inertia or 0.0, 1e-45, 1e45
     if isinstance(scene.drive, MotionLaw):
         for number, time in enumerate(scene.drive.times):
-            yield f"drive.law.{number}.0", time, 1e-15, 1e15
+            yield f"drive.law.{number}.0", "time", time, 1e-15, 1e15
     else:
-        yield "drive.speed", scene.drive.speed, 1e-15, 1e15
+        yield "drive.speed", "speed", scene.drive.speed, 1e-15, 1e15
     for number, load in enumerate(scene.loads):
         if isinstance(load, PressForce):
-            yield f"loads.{number}.last", load.last, 1e-15, 1e15
+            yield f"loads.{number}.last", "length", load.last, 1e-15, 1e15
     for number, spring in enumerate(scene.springs):
-        yield f"springs.{number}.stiffness", spring.stiffness, 1e-15, 1e15
-        yield f"springs.{number}.length", spring.length, 1e-15, 1e15
-    for place, values in _coordinates(scene):
-        yield from ((place, value, 0.0, 1e15) for value in values)
+        yield f"springs.{number}.stiffness", "stiffness", spring.stiffness, 1e-15, 1e15
+        yield f"springs.{number}.length", "length", spring.length, 1e-15, 1e15
+    for place, quantity, values in _coordinates(scene):
+        yield from ((place, quantity, value, 0.0, 1e15) for value in values)
 
 
-def _coordinates(scene: Scene) -> Iterator[tuple[str, Iterable[float]]]:
+def _coordinates(scene: Scene) -> Iterator[tuple[str, str, Iterable[float]]]:
     """Yield the numbers that may be as near to zero as they like."""
+    drive, at = ("angle", "angle") if scene.driven_slide is None else ("length", "displacement")
     for point, xy in scene.ground.items():
-        yield f"ground.points.{point}", xy
+        yield f"ground.points.{point}", "length", xy
     for body in scene.bodies.values():
         for point, xy in (body.local or {}).items():
-            yield f"bodies.{body.name}.points.{point}", xy
-        yield f"bodies.{body.name}.com", body.com or ()
-        yield f"bodies.{body.name}.slides.through", body.slide.through if body.slide is not None else ()
+            yield f"bodies.{body.name}.points.{point}", "length", xy
+        yield f"bodies.{body.name}.com", "length", body.com or ()
+        yield f"bodies.{body.name}.slides.through", "length", body.slide.through if body.slide is not None else ()
     if isinstance(scene.drive, MotionLaw):
-        yield "drive.law", scene.drive.positions
+        yield "drive.law", drive, scene.drive.positions
     else:
-        yield "drive.start", (scene.drive.start,)
-        yield "drive.end", (scene.drive.end or 0.0,)
+        yield "drive.start", drive, (scene.drive.start,)
+        yield "drive.end", drive, (scene.drive.end or 0.0,)
     for number, load in enumerate(scene.loads):
         if isinstance(load, ForceTable):
-            yield f"loads.{number}.table", (*load.displacements, *load.forces)
+            yield f"loads.{number}.table", "length", load.displacements
+            yield f"loads.{number}.table", "force", load.forces
         else:
-            yield f"loads.{number}.force", load.force
-    yield "gravity", scene.gravity or ()
-    yield "sketch.angle" if scene.driven_slide is None else "sketch.displacement", (scene.sketch.drive,)
+            yield f"loads.{number}.force", "force", load.force
+    yield "gravity", "gravity", scene.gravity or ()
+    yield f"sketch.{at}", drive, (scene.sketch.drive,)
     for point, xy in scene.sketch.points.items():
-        yield f"sketch.{point}", xy
+        yield f"sketch.{point}", "length", xy

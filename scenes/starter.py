@@ -9,6 +9,7 @@ from pathlib import Path
 from .errors import InputError, one_line
 from .format import NAME, SceneFile
 from .limits import NAME as LONGEST_NAME
+from .reader import shipped
 
 SCHEMA = "scene.schema.json"
 
@@ -32,6 +33,8 @@ def write_starter(path: Path) -> list[Path]:
             f"{place}: '{one_line(name, 40)}' is not a name: expected letters, digits and '_', a letter first,"
             f" {LONGEST_NAME} at most"
         )
+    if name in shipped():
+        raise InputError(f"{place}: '{name}' is a scene that ships, which its name stands for; expected another name")
     scene, schema = (path.with_name(file) for file in (f"{name}.toml", SCHEMA))
     texts = {
         scene: (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"'),

@@ -16,34 +16,41 @@ _EXAMPLES = {
     "mass": ("kilogram", ("kg", "g", "t", "lb")),
     "force": ("newton", ("N", "kN", "MN", "lbf")),
     "angle": ("radian", ("rad", "deg")),
-    "speed": ("radian / second", ("rad/s", "deg/s", "rpm")),
 }
-_SLIDING_SPEED = ("meter / second", ("m/s", "mm/s", "m/min", "in/s"))
+_TURNING = ("rad/s", "deg/s", "rpm")
+_SLIDING = ("m/s", "mm/s", "m/min", "in/s")
 _POWER = r"(?:°|[^\W\d]\w{0,31})(?: ?(?:\*\*|\^) ?-?\d{1,2}(?:\.\d{1,2})?)?"
 _PRODUCT = re.compile(rf"{_POWER}(?: ?[*/] ?{_POWER}){{0,7}}")
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta, and its square is a double
 
 
-def si_factors(units: Units, *, slider_driven: bool) -> dict[str, float]:
-    """Return what to multiply each quantity's number by to have it in SI.
+def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
+    """Return the unit of each quantity, and what to multiply its number by to have it in SI.
+
+    Args:
+        units: as the file has them.
+        driven: the name of the driven body.
+        slides: whether that slides on the ground, so that its speed is no rate of turning.
 
     Raises:
         InputError: a text is no unit of its quantity; the message has its place in the file and the nearest unit.
     """
     factors = {}
-    known = _EXAMPLES | ({"speed": _SLIDING_SPEED} if slider_driven else {})
-    for name, (si, examples) in known.items():
+    speed, other = (_SLIDING, _TURNING) if slides else (_TURNING, _SLIDING)
+    for name, (si, examples) in (_EXAMPLES | {"speed": (speed[0], speed)}).items():
         unit = getattr(units, name) or si
         wrong = ""
         if not _PRODUCT.fullmatch(unit):
             wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
+        elif name == "speed" and _factor(unit, other[0]) > 0:
+            kind, has = ("crank", "has") if slides else ("slider", "has no")
+            wrong = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
         elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
-            of = "speed of a driven slider" if known[name] is _SLIDING_SPEED else name
-            wrong = f"is not a unit of {of} that is known"
+            wrong = f"is not a unit of {name} that is known"
         if wrong:
             shown = one_line(unit, 40)
             raise InputError(f"units.{name}: '{shown}' {wrong}{nearest(shown, examples)}")
-        factors[name] = _factor(unit, si)
+        factors[name] = unit, _factor(unit, si)
     return factors
 
 

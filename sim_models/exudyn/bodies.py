@@ -96,6 +96,9 @@ def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
 
 
 def _uniform(mass: float, points: list[complex]) -> tuple[complex, float]:
-    """Return centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36)."""
+    """Return centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36).
+
+    More points are of a kinematic scene, where any inertia will do.
+    """
     squares = sum(abs(p - q) ** 2 for i, p in enumerate(points) for q in points[:i])
-    return sum(points) / len(points), mass * squares / {1: 1, 2: 12, 3: 36}[len(points)]
+    return sum(points) / len(points), mass * squares / {1: 1, 2: 12}.get(len(points), 36)

@@ -40,13 +40,13 @@ def assert_ends(found: list[Interval], *by_hand: tuple[float, float]) -> None:
 def test_rrp() -> None:
     """A rod of 0.5 under a crank of 1 stops reaching the guide where sin(theta) passes one half: at 30 degrees."""
     scene = scene_files.load("slider_crank", SHORT_ROD)
-    assert_ends(intervals(scene), (5 * pi / 6, 7 * pi / 6), (11 * pi / 6, 13 * pi / 6))
+    assert_ends(intervals(scene), (-pi / 6, pi / 6), (5 * pi / 6, 7 * pi / 6))
     assert reason(scene) == (
-        f"B cannot be reached at crank angle 30.1000 deg: rod and slider end {sin(radians(30.1)) - 0.5:.4g} m apart;"
+        f"B cannot be reached at crank angle 0.525344 rad: rod and slider end {sin(radians(30.1)) - 0.5:.4g} m apart;"
         " the crank turns only"
-        " from 150.0000 deg (rod square to the guide of slider) to 210.0000 deg (rod square to the guide of slider) and"
-        " from 330.0000 deg (rod square to the guide of slider) to 390.0000 deg (rod square to the guide of slider);"
-        " drive.start and drive.end can limit a run"
+        " from -0.523599 rad (rod square to the guide of slider) to 0.523599 rad (rod square to the guide of slider)"
+        " and from 2.617994 rad (rod square to the guide of slider) to 3.665191 rad (rod square to the guide of slider)"
+        "; drive.start and drive.end can limit a run"
     )
 
 
@@ -61,9 +61,22 @@ def test_rrr() -> None:
     scene = scene_files.load("triple_rocker")
     limit = acos((2**2 + 3**2 - (1.5 + 1.2) ** 2) / (2 * 2 * 3))
     found = intervals(scene)
-    assert_ends(found, (2 * pi - limit, 2 * pi + limit))
+    assert_ends(found, (-limit, limit))
     assert found[0].start_joint == found[0].end_joint == "B"
     assert "(coupler and rocker in line at B)" in reason(scene)
+
+
+@pytest.mark.parametrize(("start", "speed"), [(0, 10), (0, -10), (70, 10), (-300, 10), (360, -10)])
+def test_a_range_holds_the_start_and_is_in_the_units_of_the_file(start: float, speed: float) -> None:
+    """The crank turns 61.5864 degrees to either side of zero, or of the whole turns from there where it starts."""
+    units = {"angle": "deg", "length": "mm"}
+    scene = scene_files.load("triple_rocker", {"units": units, "drive.start": start, "drive.speed": speed})
+    limit = degrees(acos((2**2 + 3**2 - (1.5 + 1.2) ** 2) / (2 * 2 * 3)))
+    turn = 360 if start == 360 else -360 if start == -300 else 0
+    (found,) = intervals(scene)
+    assert np.degrees([found.start, found.end]) == pytest.approx([turn - limit, turn + limit], abs=1e-11)
+    wanted = "coupler and rocker in line at B"
+    assert f"from {turn - limit:.4f} deg ({wanted}) to {turn + limit:.4f} deg ({wanted})" in reason(scene)
 
 
 def test_rrr_folded() -> None:
@@ -79,7 +92,7 @@ def test_rpr() -> None:
     scene = scene_files.load("slotted_lever")
     assert_ends(intervals(scene), (limit, 2 * pi - limit))
     wanted = "the pins of block and lever square to the guide of block"
-    assert f"from {degrees(limit):.4f} deg ({wanted}) to {degrees(2 * pi - limit):.4f} deg ({wanted})" in reason(scene)
+    assert f"from {limit:.6f} rad ({wanted}) to {2 * pi - limit:.6f} rad ({wanted})" in reason(scene)
 
 
 def test_rpr_from_the_other_side() -> None:
@@ -169,11 +182,11 @@ def test_a_gap_narrower_than_the_grid() -> None:
     scene = scene_files.load("slider_crank", {"bodies.rod.lengths.A-B": 0.999999999, "sketch.A": [0.9, 0.4]})
     position = np.radians([10.0, 90.0])
     assert intervals(scene) != []  # the grid, of tenths of a degree, happens to meet 90 degrees
-    with pytest.raises(Failure, match="the crank turns only from 90"):
+    with pytest.raises(Failure, match=r"and from 1\.5708\d\d rad"):
         analytic.solve(scene, position)
     off = replace(scene, drive=ConstantSpeed("crank", 10.0, 1e-4, None))  # which moves the grid
     assert intervals(off) == []
-    with pytest.raises(Failure, match=r"the crank turns freely but for gaps narrower than 0\.1 deg"):
+    with pytest.raises(Failure, match=r"the crank turns freely but for gaps narrower than 0\.001745 rad"):
         analytic.solve(off, position)
 
 
@@ -190,5 +203,5 @@ def test_the_first_position_that_fails_is_named() -> None:
     """In the order asked for, whichever block it falls in."""
     scene = scene_files.load("triple_rocker")
     asked = np.concatenate([np.zeros(20_000), np.radians([100.0, 90.0])])
-    with pytest.raises(Failure, match=r"B cannot be reached at crank angle 100\.0000 deg"):
+    with pytest.raises(Failure, match=r"B cannot be reached at crank angle 1\.745329 rad"):
         analytic.solve(scene, asked)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import acos, cos, degrees, pi, radians, sin
+from math import acos, cos, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -46,13 +46,13 @@ def lever(left: float) -> Scene:
     return scene_files.load("slotted_lever", {**START, "bodies.block.slides.through": [0, 0.5 - left]})
 
 
-PARALLEL = f"the linkage is singular at crank angle {degrees(NEAREST):.4f} deg: the guides of block and slider parallel"
+PARALLEL = f"the linkage is singular at crank angle {NEAREST:.6f} rad: the guides of block and slider parallel"
 MEET = "two ways of assembling the bodies meet at crank angle "
 SINGULAR = {
     "PRP": (guides, PARALLEL),
-    "RRR": (bars, f"{MEET}180.0000 deg: coupler and rocker in line at B"),
-    "RRP": (rod, f"{MEET}90.0000 deg: rod square to the guide of slider"),
-    "RPR": (lever, f"{MEET}360.0000 deg: the pins of block and lever square to the guide of block"),
+    "RRR": (bars, f"{MEET}3.141593 rad: coupler and rocker in line at B"),
+    "RRP": (rod, f"{MEET}1.570796 rad: rod square to the guide of slider"),
+    "RPR": (lever, f"{MEET}6.283185 rad: the pins of block and lever square to the guide of block"),
 }
 NEAR = [1e-2, 1e-6, 1e-9]  # deg or m
 BEYOND = [0.0, -1e-12, -1e-6]
@@ -82,7 +82,7 @@ def test_a_gap_that_the_search_meets_but_no_sample(dyad: str) -> None:
     """Of a degree, between samples 10 degrees apart."""
     scene, _ = SINGULAR[dyad]
     with pytest.raises(
-        Failure, match=r"cannot be reached at crank angle .* deg(: .* m apart)?; the crank turns only from"
+        Failure, match=r"cannot be reached at crank angle .* rad(: .* m apart)?; the crank turns only from"
     ):
         run(scene(-1e-2 if dyad == "PRP" else -1e-4))
 
@@ -91,7 +91,7 @@ def test_parallel_for_less_than_the_grid_of_the_range() -> None:
     """For 0.025 degrees, half way between two angles of that grid: no end of the range is seen, but what stops it."""
     scene = guides(-1e-6)
     off = replace(scene, drive=ConstantSpeed("crank", 3.0, NEAREST - radians(17.45), None))
-    with pytest.raises(Failure, match=r"freely but for gaps narrower than 0\.1 deg \(the guides of block and slider"):
+    with pytest.raises(Failure, match=r"but for gaps narrower than 0\.001745 rad \(the guides of block and slider"):
         analytic.solve(off, [NEAREST])
 
 
@@ -129,5 +129,5 @@ def test_between_samples_a_larger_group_is_refused_too(scene: Callable[[float], 
     beyond = by_newton(scene(-1e-6))
     beyond(np.linspace(0.0123, 0.0123 + 2 * pi, 37))
     bodies = ", ".join(members(beyond.linkage.groups[-1]))
-    with pytest.raises(Failure, match=f"the linkage is singular at .* deg: {bodies} in a singular configuration"):
+    with pytest.raises(Failure, match=f"the linkage is singular at .* rad: {bodies} in a singular configuration"):
         change_points.check_way(beyond)

@@ -10,6 +10,7 @@ import pytest
 
 import scenes
 from scenes import InputError, write_starter
+from scenes.format import LadderFile, SceneFile, Table
 from tests import scene_files
 
 
@@ -32,6 +33,7 @@ def refused(folder: Path, name: str) -> str:
         ("1st", "'1st' is not a name"),
         ("mine.v2", "'mine.v2' is not a name"),
         ("mine\n", "is not a name"),
+        ("four_bar", "'four_bar' is a scene that ships"),
         ("x" * 65, "is not a name: expected letters, digits and '_', a letter first, 64 at most"),
         ("x" * 300, "is not a name"),
         ("\x1b[31m", "is not a name"),
@@ -85,6 +87,32 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(Path, "open", full)
     assert "cannot be written (No space left on device)" in refused(tmp_path, "mine")
     assert written == [tmp_path / "mine.toml"]
+
+
+def test_a_scene_is_found_without_its_ending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write_starter(Path("mine"))
+    (tmp_path / "mine").mkdir()  # as of results in the same folder
+    assert scenes.load("mine").file == "mine.toml"
+    assert scenes.numbers_in("mine", ["drive.speed"]) == [300.0]
+    for name in ("toggle_press", "other"):  # a shipped scene, and a file without an ending, are what they are
+        (tmp_path / f"{name}.toml").write_text("format = 3", encoding="utf-8")
+    assert scenes.load("toggle_press").title == "Six-bar toggle press"
+    (tmp_path / "other").write_text((tmp_path / "mine.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    assert scenes.load("other").name == "mine"
+    with pytest.raises(InputError, match=r"^mine\.toml, drive\.body = 3: drive\.body: "):
+        scenes.load("mine", {"drive.body": "3"})
+
+
+@pytest.mark.parametrize("file", [SceneFile, LadderFile])
+def test_editors_show_what_every_key_is(file: type[Table]) -> None:
+    schema = file.model_json_schema()
+    tables = {file.__name__: schema, **schema.get("$defs", {})}
+    assert len(tables) == (11 if file is SceneFile else 1)
+    for name, table in tables.items():
+        for key, shown in table["properties"].items():
+            table_of = tables.get(shown.get("$ref", "").removeprefix("#/$defs/"), {})
+            assert (shown | table_of).get("description", "").endswith("."), f"{name}.{key}"
 
 
 def test_the_schema_describes_the_format(tmp_path: Path) -> None:
