@@ -54,10 +54,14 @@ def _run(options: argparse.Namespace) -> int:
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
     from .report import files  # late: slow to import, and bad input should be named at once
+    from .report.origin import check_origin
     from .report.placing import check_writable
 
     run, own = (_family, files.FAMILY) if options.vary else (_report, files.REPORT)
-    check_writable(options.out, [f"{scene.name}{end}" for scene in scenes for end in ("", files.PARTIAL)], own)
+    places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
+    check_writable(options.out, places, own)
+    for name, scene in places.items():
+        check_origin(scene, options.out / name)
     with shown_progress() as show:
         missed = [run(scene, request, options, show) for scene, request in zip(scenes, requests, strict=True)]
     if options.full:
@@ -174,15 +178,14 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
 
 def _print_result(result: "Study") -> None:
-    from .engines.axis import group_name
-    from .judge.errors import SHOWN_GROUPS
+    from .judge.errors import shown_groups
     from .report.speed import tables as speed_tables
     from .report.tables import overview, verdict
 
+    groups = shown_groups(result.scene)
     print(f"{result.scene.name}  {verdict(result)}")
     for row in overview(result).to_dict("records"):
-        known = [group for group in SHOWN_GROUPS if row[group] == row[group]]
-        errors = "  ".join(f"{group_name(result.scene, group)} {row[group]:.1e}" for group in known)
+        errors = "  ".join(f"{group} {row[group]:.1e}" for group in groups if row[group] == row[group])
         print(f"{result.scene.name}  {row['engine']:14} {row['status']:15} {errors}")
     for m in result.measurements:
         if m.run.reason:

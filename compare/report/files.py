@@ -27,6 +27,7 @@ from ..study import Study
 from .family.page import page as family_page
 from .family.tables import in_si
 from .hard import tables as hard_tables
+from .origin import origin
 from .page import page
 from .placing import placed, remove
 from .tables import peaks
@@ -61,7 +62,7 @@ def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
             table.to_csv(aside / f"{name}.csv", index=False)
         for engine, motion in study.motions.items():
             _write_motion(motion, aside / f"motion.{engine}.csv")
-        summary = {"complete": complete} | _summary(study)
+        summary = {"complete": complete, "made_from": origin(study.scene, place)} | _summary(study)
         (aside / "summary.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "report.html").write_text(page(study), encoding="utf-8")
     return place
@@ -80,6 +81,7 @@ def write_family(family: Family, folder: Path) -> Path:
         varied = {variation.path: variation.values for variation in family.variations}
         summary = {
             "complete": family.complete,
+            "made_from": origin(family.scene, place),
             "varied": varied,
             "engines": family.engines,
             "environment": environment(),

@@ -46,7 +46,7 @@ def test_check_names_the_member_that_misses(tmp_path: Path, capsys: pytest.Captu
     assert main(fine) == 0, "a member that cannot run misses nothing"
     capsys.readouterr()
     strict = scene_files.write(tmp_path, "offset_slider_crank", {"tolerances.exudyn.position": 1e-19})
-    arguments.insert(0, str(strict))
+    arguments = [str(strict), *arguments[:-2], str(tmp_path / "of another file"), "--check"]
     assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 1
     (missed,) = [line for line in capsys.readouterr().out.splitlines() if "missed" in line]
     assert missed.startswith("offset_slider_crank  A-B = 300  missed: exudyn position")

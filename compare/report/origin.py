@@ -1,0 +1,43 @@
+"""Which scene file a result is of, so that no file of the same name takes its place without a word."""
+
+import json
+from contextlib import suppress
+from os.path import relpath
+from pathlib import Path
+
+from scenes import InputError, Scene, shipped
+
+SUMMARIES = ("summary.json", "family.json")
+
+
+def origin(scene: Scene, place: Path) -> str:
+    """Return the name of a shipped scene, or its file as seen from the folder of its results."""
+    if scene.file in shipped():
+        return scene.file
+    file = Path(scene.file).resolve()
+    with suppress(ValueError):  # on another drive of Windows
+        return relpath(file, place.resolve())
+    return str(file)
+
+
+def check_origin(scene: Scene, place: Path) -> None:
+    """Look whether a folder has the result of another scene file that is still there; nothing is written.
+
+    Args:
+        scene: whose results are to take that place.
+        place: their folder; there may be none.
+
+    Raises:
+        InputError: it has.
+    """
+    own = shipped().get(scene.file, Path(scene.file)).resolve()
+    for summary in SUMMARIES:
+        with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin
+            made_from = json.loads((place / summary).read_text(encoding="utf-8"))["made_from"]
+            other = shipped().get(made_from, place.resolve() / made_from).resolve()
+            if other != own and other.is_file():
+                file = made_from if made_from in shipped() else other
+                raise InputError(
+                    f"{scene.file}: name: '{scene.name}' is that of {file} too, whose result is in {place};"
+                    " expected another name, or another --out"
+                )
