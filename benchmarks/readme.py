@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from compare.engines.registry import REFERENCE
-from compare.judge.errors import SHOWN_GROUPS
+from compare.judge.errors import shown_groups
 from compare.report.hard.tables import counts
 from compare.report.speed.tables import contender
 from compare.report.tables import overview
@@ -24,7 +24,7 @@ def tables(study: Study, hard: pd.DataFrame) -> dict[str, str]:
 
 def errors(study: Study) -> str:
     """Return the largest error of every engine by channel group, to two digits."""
-    groups = overview(study).set_index("engine")[list(SHOWN_GROUPS)]
+    groups = overview(study).set_index("engine")[list(shown_groups(study.scene))]
     return markdown(groups.drop(REFERENCE).map(lambda error: f"{error:.1e}").reset_index())
 
 

@@ -13,7 +13,7 @@ import pytest
 from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.settings import settings_of
-from compare.judge.errors import SHOWN_GROUPS
+from compare.judge.errors import shown_groups
 from compare.speed.timing import Again, Budget, Times, take_turns
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
@@ -21,11 +21,15 @@ from scenes.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 SAMPLING = Sampling(72)
-CHECKS = {"drive", "closure", "branch", *SHOWN_GROUPS, "Newton", "Euler", "power"}
 Outcome = Motion | Exception
 References = Callable[[str], Reference]
 Plug = Callable[[Outcome], None]
 Studies = Callable[..., Study]
+
+
+def all_checks(scene: Scene) -> set[str]:
+    """Return the names of the checks without a reference of a scene with masses."""
+    return {"drive", "closure", "branch", *shown_groups(scene), "Newton", "Euler", "power"}
 
 
 @contextmanager

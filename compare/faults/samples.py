@@ -37,7 +37,7 @@ def times(clean: Clean) -> Iterator[Fault]:
         early = [min(row + far, count - 1) for row in range(count)]
         yield fault(f"all early by {by}", far, early, all_channels, Kind.lag)
     yield from _late_by_a_little(clean)
-    for what, names in clean.grouped("velocity", "acceleration", "reaction", "torque"):
+    for what, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
         yield fault(f"{what} late by a sample", 1, late, names, Kind.lag)
     for what, stems in {"point": clean.stems("vx"), "body": clean.stems("omega"), "joint": clean.stems("fx")}.items():
         for place in clean.some(stems, f"{what} late"):
@@ -123,7 +123,7 @@ def data(clean: Clean) -> Iterator[Fault]:
         if group != "drive" and np.ptp(own) > 10 * clean.promise * clean.size(name).max():
             for kind, value in {"zero": 0.0, "constant": float(own[0])}.items():
                 yield other(f"a channel {kind}", name, np.full_like(own, value), Kind.constant)
-    for group, names in clean.grouped("velocity", "acceleration", "reaction", "torque"):
+    for group, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
         declared = partial(spoilt.without, motion, names, "cannot be had")
         yield fault(f"all channels of a group declared unsupported: {group}", "all", declared)
     yield fault("a row too few", "all", partial(spoilt.taken, motion, range(count - 1)))

@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling
-from scenes.motion import UNITS, Samples, quantity
+from scenes import Motion, Sampling, Scene
+from scenes.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
@@ -27,10 +27,17 @@ GROUPS: Mapping[str, str] = (
     | dict.fromkeys(("vx", "vy", "omega"), "velocity")
     | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
     | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
-    | {"torque": "torque", "force": "torque", "crank_angle": "drive", "displacement": "drive"}
+    | {"torque": "torque", "force": "force", "crank_angle": "drive", "displacement": "drive"}
 )  # by quantity; every channel but the time is judged in one
 
-SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque")  # of the linkage; the drive is an input
+SHOWN_GROUPS = (
+    "position",
+    "velocity",
+    "acceleration",
+    "reaction",
+    "torque",
+    "force",
+)  # the drive's position is an input
 
 TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below which the output nearly stands still
 
@@ -82,6 +89,12 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
         steadily = registry.reference(replace(scene, drive=steady), velocity)
         motion = steadily(motion[scene.drive_channel], motion["time"])
     return np.hypot(motion[f"{scene.output}.vx"], motion[f"{scene.output}.vy"])
+
+
+def shown_groups(scene: Scene) -> tuple[str, ...]:
+    """Return the groups that a scene has channels of, in the order of the tables; the drive has a torque or a force."""
+    known = {GROUPS[quantity(channel)] for channel in channels(scene)[1:]}
+    return tuple(group for group in SHOWN_GROUPS if group in known)
 
 
 def group_floors(reference: Reference) -> dict[str, float]:

@@ -15,7 +15,7 @@ from .errors import GROUPS
 from .projection import projected
 from .round_off import EPS
 
-KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3}
+KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3, "force": 3}
 POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
 
 

@@ -17,7 +17,7 @@ from ..engines import registry
 from ..engines.axis import axis, cycle_name
 from ..engines.reference import Floor
 from ..judge.constraints import largest_length
-from ..judge.errors import SHOWN_GROUPS
+from ..judge.errors import SHOWN_GROUPS, shown_groups
 from ..judge.sketch import distances
 from ..study import Study
 
@@ -31,7 +31,7 @@ def overview(study: Study) -> pd.DataFrame:
         named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
         named["promise"] = f"{run.settings.promise:.0e}" if run.settings else ""
         seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s}
-        errors = {group: worst.get(group, nan) for group in ("drive", *SHOWN_GROUPS)}
+        errors = {group: worst.get(group, nan) for group in ("drive", *shown_groups(study.scene))}
         rows.append(named | errors | {f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()})
     return pd.DataFrame(rows)
 
@@ -81,7 +81,7 @@ def residuals(study: Study) -> pd.DataFrame:
 
 def sketch(study: Study) -> pd.DataFrame:
     """Return how far the linkage's points are from where the sketch shows them, the farthest first."""
-    unit, size = study.scene.length_unit
+    unit, size = study.scene.units["length"]
     largest = largest_length(study.scene)
     rows = [
         {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}

@@ -22,7 +22,7 @@ from compare.report import tables
 from compare.report.curves import Panel, panels
 from scenes import InputError, Motion, Request, Sampling, Status
 from scenes.motion import header
-from tests.comparisons import CHECKS, SAMPLING, Studies, studied
+from tests.comparisons import SAMPLING, Studies, all_checks, studied
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_checks_that_have_their_channels(reference: Reference, patterns: list[st
     assert {check.of for check in checks(reference.scene, motion, reference.stroke) if check.check != "drive"} == made
     whole = reference.at(motion["crank_angle"], motion["time"])
     everything = checks(reference.scene, whole, reference.stroke)
-    assert {check.check for check in everything} == CHECKS
+    assert {check.check for check in everything} == all_checks(reference.scene)
 
 
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:

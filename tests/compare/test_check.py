@@ -42,6 +42,25 @@ def test_where_nothing_accelerates_and_no_force_acts() -> None:
     assert result.reference.scale["F.fx"] == 1.0
 
 
+def test_a_body_of_four_points_without_masses_needs_no_centre_of_mass() -> None:
+    scene = scene_files.load("driven_toggle", scene_files.without_masses("driven_toggle"))
+    assert len(scene.bodies["plate"].points) == 4
+    assert scene.bodies["plate"].com is None
+    result = compare.check(scene, samples=36)
+    assert result.ok, result.missed
+    assert result.reference.floor.by_channel, "arbitrary precision cannot take it"
+
+
+@pytest.mark.parametrize("key", ["force", "torque"])  # the first files have `torque` for a slider's force too
+def test_the_force_of_the_drive_is_a_group_of_its_own(key: str) -> None:
+    scene = scene_files.load("driven_toggle", {"tolerances": {"analytic": {key: 1e-99}}})
+    result = compare.check(scene, engines=("analytic",), samples=8)
+    groups = result.errors.set_index("channel")["group"]
+    assert groups["drive.force"] == "force"
+    assert "torque" not in set(groups)
+    assert result.gates[["group", "met", "worst"]].to_numpy().tolist() == [["force", "missed", "drive.force"]]
+
+
 def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("compare.engines.workers.Workers.timed", None)
     result = compare.check("four_bar", engines=("analytic",), samples=72, accuracy=1e-4)

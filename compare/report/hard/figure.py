@@ -14,7 +14,7 @@ SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "s
 
 def over_condition(cases: pd.DataFrame) -> go.Figure | None:
     """Draw the errors of every attempt over the condition of its Jacobian, by outcome; None where there are none."""
-    groups = [group for group in SHOWN_GROUPS if f"{group}_max" in cases and group != "torque"]
+    groups = [group for group in SHOWN_GROUPS if f"{group}_max" in cases and group not in ("torque", "force")]
     if not groups:
         return None
     figure = side_by_side(groups)

@@ -46,7 +46,10 @@ def digits(cases: pd.DataFrame) -> pd.DataFrame:
     counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
     rows = (
         {"ladder": row["ladder"], "rung": row["rung"], "κ": row["condition"]}
-        | {group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}" for group in groups}
+        | {
+            group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}".replace("nan of nan", "–")
+            for group in groups
+        }
         for row in counted.to_dict("records")
     )
     return pd.DataFrame(rows)

@@ -10,7 +10,7 @@ from compare.engines.runner import Run
 from compare.judge.checks import Check, checks
 from compare.judge.verdict import judged, limits
 from scenes import Motion, Settings, Status
-from tests.comparisons import SAMPLING, changed, commanded, of_scene, size_of
+from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of
 
 INCONSISTENT, INACCURATE = Status.inconsistent, Status.inaccurate
 GUARDS = {  # what alone must refuse: by which channel, moved by how much of its scale, and how that ends
@@ -73,10 +73,19 @@ def test_a_promise_alone(reference: Reference, motion: Motion, guard: str, share
     assert run.status is (Status.ok if share < 1 else INACCURATE)
 
 
+@pytest.mark.parametrize(("by", "status"), [(0.9e-3, Status.ok), (1.1e-3, INACCURATE), (0.3, INCONSISTENT)])
+def test_the_force_of_a_driven_slider(references: References, by: float, status: Status) -> None:
+    reference = references("driven_toggle")
+    motion = commanded(reference)
+    wrong = changed(motion, "drive.force", by * size_of(motion, "drive.force", reference.scale["drive.force"]))
+    found = [check for check in checks(reference.scene, wrong, reference.stroke) if check.check == "force"]
+    assert verdict(found).status is status
+
+
 def test_every_guard_is_tested() -> None:
-    assert {guard for guard, _ in GUARDS} | {"branch"} == {limit.check for limit in limits(PROMISE)}
+    assert {guard for guard, _ in GUARDS} | {"branch", "force"} == {limit.check for limit in limits(PROMISE)}
     promised = {limit.check for limit in limits(PROMISE) if limit.status is INACCURATE}
-    assert promised == {*BROKEN}
+    assert promised == {*BROKEN, "force"}
 
 
 @pytest.mark.parametrize("channel", NOT_A_NUMBER)
