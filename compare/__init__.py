@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from scenes import Scene
 
-    from .judge.judgement import Judgement
+    from .report.notebook import Result, Varied
 
-__all__ = ["check"]
+__all__ = ["check", "vary"]
+
+ENGINES = ("analytic", "exudyn", "pymunk")
 
 
 def check(
     scene_or_name: "Scene | str | Path",
-    engines: Sequence[str] = ("analytic", "exudyn", "pymunk"),
+    engines: Sequence[str] = ENGINES,
     samples: int = 360,
     turns: int = 1,
     accuracy: str | float = "balanced",
-) -> "Judgement":
+) -> "Result":
     """Judge a scene as `python -m compare.run --check` does, as one call: no file is written and no clock runs.
 
     Args:
@@ -30,9 +32,9 @@ def check(
             then every engine runs at the cheapest setting that was measured to meet it on this scene.
 
     Returns:
-        The judgement: `ok`, whether every engine is ok and no tolerance of the scene is missed; `verdicts`, by engine
+        The result: `ok`, whether every engine is ok and no tolerance of the scene is missed; `verdicts`, by engine
         the name of its status and the reason; `motions`, by engine its `Motion`; `errors` and `gates`, data frames of
-        one row a channel and one a tolerance.
+        one row a channel and one a tolerance; `plot("P5.ay")`, a figure of one channel. A notebook shows it as a table.
 
     Raises:
         InputError: no such scene or engine, an argument out of range, or a scene that the reference cannot solve.
@@ -40,9 +42,50 @@ def check(
     from scenes import Scene, load  # late, as all imports here: the commands report what stops those
 
     from .arguments import parser, sampling
+    from .report.notebook import Result
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)
     asked = {"engines": ",".join(engines), "samples": samples, "turns": turns, "accuracy": accuracy}
     options = parser().parse_args([f"--{name}={value}" for name, value in asked.items()])
-    return judged(scene, options.engines, sampling(scene, options.samples, options.turns), options.accuracy)
+    asked_for = sampling(scene, options.samples, options.turns)
+    return Result.of(judged(scene, options.engines, asked_for, options.accuracy))
+
+
+def vary(
+    name_or_path: "str | Path", variation: str, *more: str, engines: Sequence[str] = ENGINES, samples: int = 360
+) -> "Varied":
+    """Solve a family of linkages as `python -m compare.run --vary` does, as one call: no file is written.
+
+    Args:
+        name_or_path: the name of a shipped scene, or the path of a scene file.
+        variation: PATH=FROM:TO:COUNT, as `bodies.rocker.lengths.O-P3=280:320:5`.
+        more: others; all combinations are run.
+        engines: names of the engines to run.
+        samples: rows a cycle of the drive.
+
+    Returns:
+        The family: `members`, each with its `changes`, `status`, `reason`, `cycle` and `judgement`; `plot()`, a figure
+        of their curves. A notebook shows it as a table.
+
+    Raises:
+        InputError: no such scene or engine, or number in the scene, or an argument out of range.
+    """
+    from scenes import load, numbers_in
+
+    from .arguments import parser, sampling
+    from .family.family import members
+    from .family.grid import grid
+    from .report.notebook import Varied
+
+    scene = load(name_or_path)
+    asked = (
+        f"--engines={','.join(engines)}",
+        f"--samples={samples}",
+        *(f"--vary={each}" for each in (variation, *more)),
+    )
+    options = parser().parse_args(asked)
+    numbers_in(scene.file, [varied.path for varied in options.vary])
+    request, changes = sampling(scene, options.samples, 1), grid(options.vary)
+    found = members(scene.file, changes, options.engines, request, lambda _: None)
+    return Varied(scene, options.vary, options.engines, [*found])

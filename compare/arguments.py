@@ -17,7 +17,8 @@ from .family.grid import variation
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check] [--list] [--new NAME]"
+    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check]"
+    " [--open] [--list] [--new NAME]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
@@ -51,6 +52,7 @@ def parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
+    parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")
     parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
     parser.add_argument("--new", type=Path, metavar="NAME", help="write NAME.toml, a commented scene to change")
     return parser

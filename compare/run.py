@@ -8,6 +8,7 @@ with starting(__name__):
     import argparse
     from collections.abc import Callable, Mapping, Sequence
     from dataclasses import replace
+    from pathlib import Path
     from typing import TYPE_CHECKING
 
     from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
@@ -124,6 +125,8 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
     print(f"report: {page}")
     if stopped:
         raise KeyboardInterrupt(f"stopped; {page} has what was done")
+    if options.open:
+        _open(page)
     return bool(options.check) and _stops(scene, {scene.name: result})
 
 
@@ -170,11 +173,20 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
         raise KeyboardInterrupt(
             f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
         )
+    if options.open:
+        _open(page)
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
     if options.check and not able:
         print(f"{scene.name}  missed: every tolerance, since no member runs")
         return True
     return bool(options.check) and _stops(scene, able)
+
+
+def _open(page: Path) -> None:
+    import webbrowser
+
+    if not webbrowser.open(page.resolve().as_uri()):
+        print(f"{page}: no browser was found to open it")
 
 
 def _print_result(result: "Study") -> None:

@@ -27,13 +27,17 @@ arm, which is the largest distance of two points, or of a point from a guide, on
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TypeAlias
+from html import escape
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import nearest
 from .scene import Scene
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Samples: TypeAlias = NDArray[np.float64]
 
@@ -101,3 +105,22 @@ class Motion:
     def __contains__(self, channel: str) -> bool:
         """Whether the channel was computed."""
         return channel in self.samples
+
+    def to_frame(self) -> "DataFrame":
+        """Return one row a sample and one column a channel, each under its name and unit as in the CSV files."""
+        from pandas import DataFrame  # late, as no model needs it
+
+        return DataFrame({header(channel): values for channel, values in self.samples.items()})
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a row a channel, its least and largest value, and its curve."""
+        from .sparkline import sparkline
+
+        count = len(next(iter(self.samples.values()), ()))
+        rows = [f"<tr><th>{count} samples</th><th>least</th><th>largest</th><th></th></tr>"]
+        for channel, values in self.samples.items():
+            numbers = f"<td>{values.min():.6g}</td><td>{values.max():.6g}</td><td>{sparkline(values)}</td>"
+            rows.append(f"<tr><th>{header(channel)}</th>{numbers}</tr>")
+        for channel, reason in self.unsupported.items():
+            rows.append(f"<tr><th>{channel}</th><td colspan=3>unsupported: {escape(reason)}</td></tr>")
+        return f"<table>{''.join(rows)}</table>"
