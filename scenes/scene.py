@@ -178,8 +178,12 @@ class Scene:
 
     def length(self, metres: float, digits: int = 4) -> str:
         """Return a length in the unit of the file, as messages name it: `12.41 mm`."""
-        unit, size = self.units["length"]
-        return f"{metres / size:.{digits}g} {unit}"
+        return self.amount("length", metres, digits)
+
+    def amount(self, quantity: str, value: float, digits: int = 4) -> str:
+        """Return a length, mass, force, angle or speed, SI, in the unit of the file, as messages name it."""
+        unit, size = self.units[quantity]
+        return f"{value / size:.{digits}g} {unit}"
 
     def position(self, position: float) -> str:
         """Return a position of the drive, rad or m, in the unit of the file: `30.0000 deg`, `560 mm`."""

@@ -25,8 +25,7 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         actual = {}  # it is late, by one time
     if actual and off.any():
         size = float(off[np.abs(off).argmax()])
-        unit = "deg" if scene.driven_slide is None else "mm"
-        amount = f"{(np.degrees(size) if unit == 'deg' else 1e3 * size):.3g} {unit}"
+        amount = scene.amount("angle" if scene.driven_slide is None else "length", size, 3)
         constant = "" if np.ptp(off) <= 1e-2 * abs(size) else "up to "
         yield Hypothesis(Kind.drive, "drive", amount, f"the drive is off by {constant}{amount}", actual, 1)
     yield from _offset(evidence, scene)

@@ -207,9 +207,8 @@ def _com(
     com = w.com + complex(*shift)
     known = {f"at {point}": at for point, at in corners.items()}
     known |= {"mirrored": w.com.conjugate(), "on the opposite side": -w.com}
-    where = next(
-        (n for n, at in known.items() if abs(com - at) < 5e-3 * length), f"{1e3 * abs(complex(*shift)):.3g} mm off"
-    )
+    off = f"{carried.scene.length(abs(complex(*shift)), 3)} off"
+    where = next((n for n, at in known.items() if abs(com - at) < 5e-3 * length), off)
     return Hypothesis(Kind.com, body.name, where, f"{body.name}'s centre of mass is {where}", predicted, 2)
 
 

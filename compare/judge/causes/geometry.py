@@ -133,7 +133,7 @@ def _moved(scene: Scene, found: Input, hair: float) -> InputChange:
         kind = Kind.place if on_ground else Kind.length
         place = str(last if on_ground else path[1])
         what = str(last) if on_ground else f"{place}'s point {last}"
-        return InputChange(kind, place, what, moved, np.full(2, hair), lambda x: f"{1e3 * np.hypot(*x):.3g} mm off")
+        return InputChange(kind, place, what, moved, np.full(2, hair), lambda x: f"{scene.length(np.hypot(*x), 3)} off")
     assert isinstance(last, frozenset)
 
     def longer(x: Samples) -> Scene:
@@ -141,7 +141,7 @@ def _moved(scene: Scene, found: Input, hair: float) -> InputChange:
 
     name = "-".join(point for point in scene.bodies[str(path[1])].points if point in last)
     what = f"{path[1]}'s length {name}"
-    how = lambda x: f"{1e3 * abs(x[0]):.3g} mm too {'long' if x[0] > 0 else 'short'}"  # noqa: E731
+    how = lambda x: f"{scene.length(abs(x[0]), 3)} too {'long' if x[0] > 0 else 'short'}"  # noqa: E731
     return InputChange(Kind.length, str(path[1]), what, longer, np.full(1, hair), how)
 
 
@@ -156,7 +156,7 @@ def _beside(scene: Scene, found: Input, hair: float) -> InputChange:
         place = through + float(x[0]) * beside
         return _with(scene, found.path, (place.real, place.imag))
 
-    how = lambda x: f"{1e3 * abs(x[0]):.3g} mm beside its place"  # noqa: E731
+    how = lambda x: f"{scene.length(abs(x[0]), 3)} beside its place"  # noqa: E731
     return InputChange(Kind.guide, name, f"{name}'s guide", moved, np.full(1, hair), how)
 
 
@@ -168,7 +168,7 @@ def _tilted(scene: Scene, found: Input) -> InputChange:
         turned = along * np.exp(1j * x[0])
         return _with(scene, found.path, (float(turned.real), float(turned.imag)))
 
-    how = lambda x: f"turned by {np.degrees(x[0]):.3g} deg"  # noqa: E731
+    how = lambda x: f"turned by {scene.amount('angle', x[0], 3)}"  # noqa: E731
     name = str(found.path[1])
     return InputChange(Kind.guide, name, f"{name}'s guide", tilted, np.full(1, HAIR), how)
 

@@ -52,7 +52,7 @@ def _load(evidence: Evidence, carried: Carried, load: Load) -> Iterator[Hypothes
     if isinstance(load, Force):
         (amount, across), predicted = _along(evidence, carried, [own, carried.push(body, 1j * force, at)])
         other = (1 + amount + 1j * across) * complex(*load.force)
-        how = f"{abs(other):.4g} N at {np.degrees(np.angle(other)):.3g} deg"
+        how = f"{scene.amount('force', abs(other))} at {scene.amount('angle', float(np.angle(other)), 3)}"
         yield Hypothesis(Kind.load, load.at, how, f"{name} is {how}", predicted, 2)
         turning = instead(body, force * np.exp(1j * state.angle(body)), at)
         yield Hypothesis(Kind.load, load.at, "in the body's frame", f"{name} turns with {body}", turning)
@@ -72,7 +72,8 @@ def _tables(evidence: Evidence, load: ForceTable, instead: Callable[[ForceTable]
         return instead(replace(load, displacements=tuple(s + float(x[0]) for s in load.displacements)))
 
     (by,), predicted = fitted(evidence, predict, np.full(1, 1e-3 * reach), 4)
-    yield Hypothesis(Kind.load, load.at, f"{1e3 * by:.3g} mm", f"{name} is shifted by {1e3 * by:.3g} mm", predicted, 1)
+    off = evidence.reference.scene.length(by, 3)
+    yield Hypothesis(Kind.load, load.at, off, f"{name} is shifted by {off}", predicted, 1)
     backwards = instead(replace(load, forces=load.forces[::-1]))
     yield Hypothesis(Kind.load, load.at, "backwards", f"{name} is backwards", backwards)
 
@@ -102,7 +103,7 @@ def _switches(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         }
         limits = np.unique(before_end[v * load.closing > 0])
         for last in (limits[1:] + limits[:-1]) / 2:
-            ways[f"in the last {1e3 * last:.3g} mm"] = (before_end <= last) & (v * load.closing > 0)
+            ways[f"in the last {carried.scene.length(last, 3)}"] = (before_end <= last) & (v * load.closing > 0)
         for how, acting in ways.items():
             more = (acting.astype(float) - acts) * complex(*load.force)
             predicted = carried.changed(carried.push(load.body, more, at))

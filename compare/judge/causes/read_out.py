@@ -139,7 +139,7 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
             yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(frames))
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
-    amount = f"{np.degrees(angle):.4g} deg"
+    amount = evidence.reference.scene.amount("angle", angle)
     by_angle = turned(dict.fromkeys(vectors, np.exp(1j * np.array(angle))))
     yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, 1)
     swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
@@ -214,10 +214,11 @@ def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:
 
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     """Moments of guides about another point than the slider's first."""
-    for body in evidence.reference.scene.bodies:
+    scene = evidence.reference.scene
+    for body in scene.bodies:
         channel, force = f"{body}.guide_moment", f"{body}.guide_force"
         if channel in evidence.names and evidence.outside([channel]) <= EXPLAINED:
             lever = factor_of_change(evidence, channel, evidence.true[force])
             predicted = {channel: evidence.true[channel] + lever * evidence.true[force]}
-            sentence = f"{body}'s guide moment is about another point, {1e3 * lever:.3g} mm away"
+            sentence = f"{body}'s guide moment is about another point, {scene.length(lever, 3)} away"
             yield Hypothesis(Kind.moment, body, f"{lever:.4g}", sentence, predicted, 1)

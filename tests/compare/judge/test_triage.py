@@ -103,6 +103,10 @@ INPUTS: dict[str, tuple[str, Path, float, Kind, str, str]] = {  # what is wrong 
         *("toggle_press", ("bodies", "rod", "lengths", frozenset(("P4", "P5"))), 1.003),
         *(Kind.length, "rod", "0.9 mm too long"),
     ),
+    "length in m": (
+        *("loaded_four_bar", ("bodies", "rocker", "lengths", frozenset(("C", "D"))), 1.01),
+        *(Kind.length, "rocker", "0.015 m too long"),
+    ),
     "ground": ("toggle_press", ("ground", "P1"), 1.01, Kind.place, "P1", "4.6 mm off"),
     "load": ("toggle_press", ("loads", 0, "force"), -1.0, Kind.load, "P5", "of the opposite sign"),
     "gravity": ("quick_return", ("gravity",), -1.0, Kind.gravity, "all", "of the opposite sign"),
