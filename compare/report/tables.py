@@ -17,7 +17,7 @@ from ..engines import registry
 from ..engines.axis import axis, cycle_name
 from ..engines.reference import Floor
 from ..judge.constraints import largest_length
-from ..judge.errors import SHOWN_GROUPS, shown_groups
+from ..judge.errors import shown_groups
 from ..judge.sketch import distances
 from ..study import Study
 

@@ -47,6 +47,8 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
     asked = wanted.issuperset(channels(scene))
     known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
     found = curves(reference, known)
+    if not found:
+        return []
     motion = refined(reference, found)
     where = motion[axis(scene).channel]
     differences = {
