@@ -176,6 +176,11 @@ class Scene:
         """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
         return "crank_angle" if self.driven_slide is None else "drive.displacement"
 
+    @property
+    def length_unit(self) -> tuple[str, float]:
+        """The unit of length of the file: its name, and what it is in m."""
+        return self.units["length"]
+
     def length(self, metres: float, digits: int = 4) -> str:
         """Return a length in the unit of the file, as messages name it: `12.41 mm`."""
         return self.amount("length", metres, digits)

@@ -81,7 +81,7 @@ def residuals(study: Study) -> pd.DataFrame:
 
 def sketch(study: Study) -> pd.DataFrame:
     """Return how far the linkage's points are from where the sketch shows them, the farthest first."""
-    unit, size = study.scene.units["length"]
+    unit, size = study.scene.length_unit
     largest = largest_length(study.scene)
     rows = [
         {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
