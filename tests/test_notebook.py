@@ -9,7 +9,10 @@ from tests.comparisons import SLOW
 
 NOTEBOOK = Path(__file__).parents[1] / "docs" / "notebook.ipynb"
 SHOWN = {  # by the last line of a cell: the kind of what it shows, and what is in that
-    "result": ("text/html", ["Hoecken", "<th>torque</th>", "<td>exudyn</td>", "<td>pymunk</td>"]),
+    "result": (
+        "text/html",
+        ["Hoecken", "@keyframes", "Largest pin force", "<th>torque</th>", "<td>exudyn</td>", "<td>pymunk</td>"],
+    ),
     'result.plot("T.ay")': ("application/vnd.plotly.v1+json", ["T.ay", "exudyn error", "pymunk error", "floor"]),
     "motion": ("text/html", ["73 samples", "drive.torque [N*m]", "<polyline"]),
     "motion.to_frame().head()  # .to_csv(...), .to_parquet(...)": ("text/html", ["time [s]", "crank_angle [rad]"]),

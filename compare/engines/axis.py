@@ -53,11 +53,6 @@ def cycle_name(scene: Scene) -> str:
     return "turn" if turns_fully(scene) else "cycle"
 
 
-def group_name(scene: Scene, group: str) -> str:
-    """Return what a channel group is called: of a driven slider, `torque` is the drive's force."""
-    return "drive force" if group == "torque" and scene.driven_slide is not None else group
-
-
 def prefixed(scale: float, unit: str) -> tuple[float, str]:
     """Return the factor from SI to the unit with the prefix that suits the scale, and that unit."""
     prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}

@@ -11,7 +11,7 @@ import numpy as np
 from scenes import Scene, Status
 
 from ..engines import registry
-from ..engines.axis import axis, group_name
+from ..engines.axis import axis
 from ..engines.registry import REFERENCE
 from .errors import SHOWN_GROUPS
 from .measure import Measurement
@@ -122,7 +122,7 @@ def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
         if gate.engine in ok or gate.engine == REFERENCE:
             size = f"off by {sized(gate.error)} in {gate.worst}" if isfinite(gate.error) else gate.worst
             cause = _cause(judged, ok[gate.engine]) if gate.engine in ok else ""
-            return f"{gate.engine} misses its {group_name(judged.scene, gate.group)} tolerance: {size}{cause}."
+            return f"{gate.engine} misses its {gate.group} tolerance: {size}{cause}."
     return ""
 
 

@@ -1,7 +1,7 @@
 """Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
@@ -46,7 +46,7 @@ def _templates(package: str) -> Environment:
         keep_trailing_newline=True,
     )
     templates.filters |= {"table": shortened, "first": first, "short": numbers.short, "percent": numbers.percent}
-    templates.globals |= {"environment": environment, "library": _library, "names": {}}
+    templates.globals |= {"environment": environment, "library": _library}
     return templates
 
 
@@ -92,20 +92,15 @@ class Table:
     left_out: str  # which rows are shown, in a sentence
 
 
-def shortened(table: pd.DataFrame, names: Mapping[str, str], worst: str = "", whole: str = "the JSON file") -> Table:
+def shortened(table: pd.DataFrame, worst: str = "", whole: str = "the JSON file") -> Table:
     """Return a table for a page; of a long one the first rows, or those with the largest numbers in a column.
 
     Args:
         table: what is known.
-        names: of channel groups that have another name on the page.
         worst: name of that column; NaN is the largest.
         whole: where all rows are.
     """
     columns, left_out = [str(column) for column in table.columns], ""
-    if "group" in columns:
-        table = table.assign(group=table["group"].replace(names))
-    for group, name in names.items():
-        columns = [column.replace(group, name) for column in columns]
     if len(table) > ROWS:
         size = -table[worst].fillna(np.inf).to_numpy() if worst else np.zeros(len(table))
         which = f"with the largest {worst}" if worst else "that come first"

@@ -17,6 +17,7 @@ from ..judge.judgement import Judgement
 from ..study import Study
 from . import tables
 from .family import tables as family_tables
+from .linkage.svg import linkage_svg
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -32,6 +33,14 @@ class Result(Study):
         motion = judged.reference.at(sampling.commanded(scene), sampling.times(scene))
         known = {field.name: getattr(judged, field.name) for field in fields(judged)}
         return cls(**known, motion=motion, speed=pd.DataFrame())
+
+    def svg(self, *, moving: bool = True) -> str:
+        """Return the linkage as one SVG for a slide, without a script.
+
+        Args:
+            moving: whether it moves by itself over the run, again and again, rather than stands at the first sample.
+        """
+        return linkage_svg(self.scene, self.motion, moving=moving)
 
     def plot(self, channel: str) -> "Figure":
         """Return a figure of a channel, by the reference and every engine that has it, with their errors below.
@@ -52,16 +61,25 @@ class Result(Study):
         if channel not in known:
             raise KeyError(f"{channel}: no such channel{nearest(channel, known)}")
         factor, unit = prefixed(self.reference.scale[channel], UNITS[quantity(channel)])
-        return over_angle(self, Panel(channel, f"{channel} [{unit}]", (Curve(channel, {channel: factor}),), (channel,)))
+        return over_angle(
+            self, Panel(channel, f"{channel} [{unit}]", (Curve(channel, unit, {channel: factor}),), (channel,))
+        )
 
     def __repr__(self) -> str:
         """Return the result in a sentence or two."""
         return f"{self.scene.name}: {tables.verdict(self)}"
 
     def _repr_html_(self) -> str:
+        from .first_screen import peaks
+
         shown = tables.overview(self)
         untimed = shown.loc[:, ~shown.columns.str.contains("[ms]", regex=False)]
-        return _html(self.scene.title, tables.verdict(self), untimed, self.missed)
+        numbers = (
+            (each.name, each.text, f"{each.of} {each.place.text if each.place else ''}", each.differ)
+            for each in peaks(self)
+        )
+        designer = pd.DataFrame(numbers, columns=["", "value", "where", "engines differ by"])
+        return _html(self.scene.title, tables.verdict(self), [designer, untimed], self.missed, self.svg())
 
 
 class Varied(Family):
@@ -82,11 +100,11 @@ class Varied(Family):
         cycles = (member.cycle for member in self.members)
         shown[f"{self.scene.output}: {name}"] = [sparkline(cycle.curves[name]) if cycle else "" for cycle in cycles]
         failed = (f"{family_tables.label(self, m)}: {m.status}: {m.reason}" for m in self.members if m.cycle is None)
-        return _html(self.scene.title, family_tables.verdict(self), shown, failed)
+        return _html(self.scene.title, family_tables.verdict(self), [shown], failed)
 
 
-def _html(title: str, sentence: str, table: pd.DataFrame, more: Iterable[str]) -> str:
-    """Return a heading, a sentence, a table whose texts come from names and numbers alone, and a list of sentences."""
-    rows = table.to_html(index=False, na_rep="", float_format="{:.1e}".format, escape=False, border=0)
+def _html(title: str, sentence: str, shown: Iterable[pd.DataFrame], more: Iterable[str], picture: str = "") -> str:
+    """Return a heading, a sentence, a picture, tables whose texts come from names and numbers alone, and sentences."""
+    rows = (t.to_html(index=False, na_rep="", float_format="{:.1e}".format, escape=False, border=0) for t in shown)
     listed = "".join(f"<li>{escape(line)}</li>" for line in more)
-    return f"<h4>{escape(title)}</h4><p>{escape(sentence)}</p>{rows}<ul>{listed}</ul>"
+    return f"<h4>{escape(title)}</h4><p>{escape(sentence)}</p>{picture}{''.join(rows)}<ul>{listed}</ul>"

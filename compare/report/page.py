@@ -6,7 +6,7 @@ import plotly.graph_objects as go
 
 from scenes.scene import ConstantSpeed
 
-from ..engines.axis import axis, cycle_name, group_name, position_name
+from ..engines.axis import axis, cycle_name, position_name
 from ..speed.speed_table import SAMPLING
 from ..speed.work_precision import NEAR, TIE
 from ..study import Study
@@ -50,7 +50,6 @@ def page(study: Study) -> str:
         engines=[*first_screen.engines(study)],
         moving=Moving(study, drawn),
         axis=axis(scene),
-        names={"torque": group_name(scene, "torque")},
         position=position_name(scene),
         cycle=cycle_name(scene),
         steady=isinstance(scene.drive, ConstantSpeed),

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from scenes import Status
 from scenes.motion import Samples
 
-from ...engines.axis import cycle_name, group_name
+from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
 from ...speed.work_precision import contenders, families, front, groups, solved
@@ -43,7 +43,7 @@ def _button(label: str, figure: Draft) -> dict[str, object]:
 
 def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
     """Draw the floor, the Pareto fronts, the families' lines and the settings of every group, from back to front."""
-    figure = grid([group_name(study.scene, group) for group in found], min(COLUMNS, len(found)) or 1)
+    figure = grid(found, min(COLUMNS, len(found)) or 1)
     speed = study.speed.assign(ms=1e3 * study.speed["solve_min_s"]) if found else study.speed
     points = solved(speed)
     engines = {m.run.engine: number for number, m in enumerate(study.measurements)}

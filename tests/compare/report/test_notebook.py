@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
@@ -47,11 +48,20 @@ def test_a_channel_that_is_none(result: Result, channel: str) -> None:
 def test_a_result_in_a_notebook(result: Result) -> None:
     shown = result._repr_html_()
     assert "<h4>A &lt;four&gt; bar</h4>" in shown
-    for part in ("<td>exudyn</td>", "<th>torque</th>", "<li>exudyn position: "):
+    for part in ("<td>exudyn</td>", "<th>torque</th>", "<li>exudyn position: ", "<td>Largest pin force</td>", "<svg"):
         assert part in shown
     assert "[ms]" not in shown, "a clock ran"
     assert repr(result).startswith("four_bar: ")
     assert len(repr(result)) < 1000
+
+
+def test_the_linkage_as_one_picture(result: Result) -> None:
+    moving, still = result.svg(), result.svg(moving=False)
+    assert "@keyframes" in moving
+    assert "@keyframes" not in still
+    for picture in (moving, still):
+        assert fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
+        assert "<script" not in picture
 
 
 def test_a_family_in_a_notebook(family: Varied) -> None:
