@@ -51,19 +51,14 @@ class Result(Study):
         Raises:
             KeyError: it is none that is compared; the message names the nearest one.
         """
-        from .curves import (
-            Curve,
-            Panel,
-            over_angle,
-        )  # late: the library of figures takes longer to import than all else
+        from .curves import Curve, Panel, over_angle  # late: the library of figures takes longest to import
 
         known = self.sampling.wanted(self.scene)[1:]
         if channel not in known:
             raise KeyError(f"{channel}: no such channel{nearest(channel, known)}")
         factor, unit = prefixed(self.reference.scale[channel], UNITS[quantity(channel)])
-        return over_angle(
-            self, Panel(channel, f"{channel} [{unit}]", (Curve(channel, unit, {channel: factor}),), (channel,))
-        )
+        curve = Curve(channel, unit, {channel: factor})
+        return over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,)))
 
     def __repr__(self) -> str:
         """Return the result in a sentence or two."""
