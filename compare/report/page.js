@@ -12,6 +12,7 @@ const draw = place => {
   const { data, layout } = figures[place.dataset.figure];
   const left = ["select2d", "lasso2d"], bar = { displayModeBar: pointed && "hover", modeBarButtonsToRemove: left };
   Plotly.newPlot(place, data, layout, { ...bar, displaylogo: false, responsive: true });
+  for (const picture of place.querySelectorAll("svg")) picture.setAttribute("aria-hidden", "true"); // the label has it
   place.dispatchEvent(new Event("drawn"));
 };
 

@@ -10,6 +10,7 @@ const unpacked = async packed => {
     for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
   return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
 };
+await new Promise(painted => requestAnimationFrame(() => setTimeout(painted))); // the page comes first
 const [head, buffer] = await unpacked(document.getElementById("motion").textContent);
 const { count, channels, panels, engines, axis, effort } = head;
 
