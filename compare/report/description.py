@@ -28,6 +28,9 @@ def described(title: str, figure: go.Figure) -> str:
 
 def _extremes(traces: Sequence[Any]) -> str:
     """Return the least and the largest value of some curves, each with its place and the name of its curve."""
+    traces = [trace for trace in traces if np.isfinite(np.asarray(trace.y, float)).any()]
+    if not traces:
+        return "no values"
     values = [np.asarray(trace.y, float) for trace in traces]
 
     def at(pick: Any, most: Any, none: float) -> str:
