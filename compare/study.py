@@ -37,6 +37,7 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     Raises:
         InputError: the reference cannot solve the scene.
     """
+    _prepared(scene)
     with workers([*engines, ORACLE], lambda: None) as runs:
         reference = establish(scene, sampling.channels, runs)
         speed = pd.DataFrame()
@@ -70,6 +71,7 @@ def study(
         progress(doing)
 
     report(doing)
+    _prepared(scene)
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
         if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
@@ -82,6 +84,11 @@ def study(
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
     known = {field.name: getattr(judged, field.name) for field in fields(judged)}
     return Study(**known, motion=motion, speed=speed)
+
+
+def _prepared(scene: Scene) -> None:
+    """Find the range of a motion law, whose library is slow to import, before the processes are begun that share it."""
+    _ = scene.drive.extent
 
 
 def _able(engines: Sequence[str]) -> list[str]:
