@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees, isnan
 
+from scenes import Scene
 from scenes.motion import quantity
 
 from ..engines.axis import Axis, axis
@@ -14,7 +15,7 @@ from ..judge.peaks.peaks import Peak
 from ..study import Study
 from .numbers import percent, written
 from .style import colour
-from .units import units
+from .units import Units
 
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 OF_A_PIN, OF_A_JOINT = ("fx",), ("fx", "guide_force", "guide_moment")  # quantities
@@ -56,38 +57,38 @@ class Row:
     time: str
 
 
-def peaks(study: Study) -> list[Shown]:
+def peaks(scene: Scene, found: Sequence[Peak], units: Units) -> list[Shown]:
     """Return the numbers of the whole linkage, of the forces of its pins the largest."""
-    pins = [peak for peak in study.peaks if quantity(peak.channel) in OF_A_PIN]
+    pins = [peak for peak in found if quantity(peak.channel) in OF_A_PIN]
     largest = max(pins, key=lambda peak: peak.value, default=None)
-    joints = _of_joints(study)
-    first = [_shown(study, peak) for peak in study.peaks if peak not in joints]
+    joints = _of_joints(found)
+    first = [_shown(scene, peak, units) for peak in found if peak not in joints]
     if largest is None:
         return first
     at = next((n for n, peak in enumerate(first) if peak.name.startswith("Peak drive")), len(first))
-    return [*first[:at], _shown(study, largest, "Largest pin force", largest.of), *first[at:]]
+    return [*first[:at], _shown(scene, largest, units, "Largest pin force", largest.of), *first[at:]]
 
 
-def joints(study: Study) -> list[Shown]:
+def joints(scene: Scene, found: Sequence[Peak], units: Units) -> list[Shown]:
     """Return the largest force and moment of every joint."""
-    return [_shown(study, peak) for peak in _of_joints(study)]
+    return [_shown(scene, peak, units) for peak in _of_joints(found)]
 
 
-def _of_joints(study: Study) -> Sequence[Peak]:
-    return [peak for peak in study.peaks if quantity(peak.channel) in OF_A_JOINT]
+def _of_joints(found: Sequence[Peak]) -> Sequence[Peak]:
+    return [peak for peak in found if quantity(peak.channel) in OF_A_JOINT]
 
 
-def _shown(study: Study, peak: Peak, name: str = "", of: str = "") -> Shown:
-    found = [size for size in peak.differs.values() if not isnan(size)]
+def _shown(scene: Scene, peak: Peak, units: Units, name: str = "", of: str = "") -> Shown:
+    sizes = [size for size in peak.differs.values() if not isnan(size)]
     return Shown(
         name or peak.name[:1].upper() + peak.name[1:],
-        written(peak.value, peak.unit, units(study.reference)),
+        written(peak.value, peak.unit, units),
         peak.value,
         peak.unit,
         of,
-        _place(axis(study.scene), peak.channel, peak.position),
+        _place(axis(scene), peak.channel, peak.position),
         "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
-        percent(max(found)) if found else "–",
+        percent(max(sizes)) if sizes else "–",
         ", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
     )
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from gzip import compress
 from itertools import islice
+from json import dumps
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ def _templates(package: str) -> Environment:
         keep_trailing_newline=True,
     )
     templates.filters |= {"table": shortened, "first": first, "short": numbers.short, "percent": numbers.percent}
+    templates.filters["packed"] = lambda parts: _packed(dumps(parts))
     templates.globals |= {"environment": environment, "library": _library}
     return templates
 

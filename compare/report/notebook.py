@@ -18,6 +18,7 @@ from ..study import Study
 from . import tables
 from .family import tables as family_tables
 from .linkage.svg import linkage_svg
+from .units import units
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -71,7 +72,7 @@ class Result(Study):
         untimed = shown.loc[:, ~shown.columns.str.contains("[ms]", regex=False)]
         numbers = (
             (each.name, each.text, f"{each.of} {each.place.text if each.place else ''}", each.differ)
-            for each in peaks(self)
+            for each in peaks(self.scene, self.peaks, units(self.reference))
         )
         designer = pd.DataFrame(numbers, columns=["", "value", "where", "engines differ by"])
         return _html(self.scene.title, tables.verdict(self), [designer, untimed], self.missed, self.svg())

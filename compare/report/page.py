@@ -21,6 +21,7 @@ from .linkage.moving import Moving
 from .singular import assur_groups, over_distance
 from .speed import tables as speed_tables
 from .speed.figure import work_precision
+from .units import units
 
 ONLY_ANALYTIC = (
     "By the inner joint of each group, from the reference: only the analytic core knows Assur groups. To lock: by how"
@@ -37,6 +38,7 @@ def page(study: Study) -> str:
     """Return the whole report as HTML."""
     scene, (drawn, left_out) = study.scene, chosen(study)
     sections = list(_sections(study, drawn))
+    numbers = scene, study.peaks, units(study.reference)
     most = affordable(figure for _, figure, _, _ in sections)
     return render(
         "report.html",
@@ -45,8 +47,8 @@ def page(study: Study) -> str:
         tables=tables,
         speed=speed_tables,
         mark=first_screen.MARKS[study.agreement.word],
-        peaks=first_screen.peaks(study),
-        joints=first_screen.joints(study),
+        peaks=first_screen.peaks(*numbers),
+        joints=first_screen.joints(*numbers),
         engines=[*first_screen.engines(study)],
         moving=Moving(study, drawn),
         axis=axis(scene),

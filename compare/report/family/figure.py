@@ -23,26 +23,26 @@ EFFORTS = {"torque": "N m", "force": "N"}  # of the drive
 
 def curves(family: Family) -> go.Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
-    drawn = list(_drawn(family))
-    units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in drawn[0][1].curves}
+    shown = list(drawn(family))
+    units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in shown[0][1].curves}
     over = axis(family.scene)
     figure = grid([_title(family.scene, name) for name in units], 2)
     for number, (name, si) in enumerate(units.items()):
         row, column = cell(number, 2)
-        factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in drawn) or 1.0, si)
-        for member, cycle in drawn:
+        factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in shown) or 1.0, si)
+        for member, cycle in shown:
             x = (over.factor * cycle.position)[::STRIDE].astype(np.float32)
             y = (factor * cycle.curves[name])[::STRIDE].astype(np.float32)
             draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
     drive_axes(figure, family.scene)
-    return figure.finished(layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE})
+    return figure.finished(layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE, "hovermode": "closest"})
 
 
-def _drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:
+def drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:
     """Yield the members to draw: all that run, or `MOST_LINES` of them, evenly chosen."""
     able = [(member, member.cycle) for member in family.members if member.cycle is not None]
-    for number in np.unique(np.linspace(0, len(able) - 1, MOST_LINES).round().astype(int)):
+    for number in np.unique(np.linspace(0, len(able) - 1, MOST_LINES).round().astype(int)) if able else ():
         yield able[number]
 
 

@@ -1,6 +1,6 @@
 """A family's tables and sentences: one row per member, for the terminal, the page and `family.csv`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import degrees, floor, isnan, log10, nan
 
 import numpy as np
@@ -11,7 +11,7 @@ from scenes import Status
 from ...engines.axis import prefixed
 from ...engines.registry import REFERENCE
 from ...family.family import Family, Member
-from ...judge.agreement import worst_error
+from ...judge.agreement import Agreement, Word, within, worst_error
 from ...judge.peaks.peaks import Peak
 from ..tables import floors
 
@@ -134,17 +134,43 @@ def setup(family: Family) -> str:
 
 def verdict(family: Family) -> str:
     """Return how many members run, and how far each engine is from the reference in the worst of them."""
-    able = [member for member in family.members if member.cycle is not None]
+    sentences = [_ran(family)]
+    for engine, solved, worst in _worst(family):
+        near = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
+        sentences.append(f"{engine} solved {solved} of them{near}.")
+    return " ".join(sentences)
+
+
+def _ran(family: Family) -> str:
     stopped = "" if family.complete else f"Stopped after {len(family.members)} of {family.asked} members. "
-    sentences = [f"{stopped}{len(able)} of {len(family.members)} members run."]
+    return f"{stopped}{sum(m.cycle is not None for m in family.members)} of {len(family.members)} members run."
+
+
+def _worst(family: Family) -> Iterator[tuple[str, int, float]]:
+    """Yield by engine how many members it solved, and its largest error on them."""
     for number, engine in enumerate(family.engines):
         if engine != REFERENCE:
-            solved = [m for m in (member.measurements[number] for member in able) if m.run.status is Status.ok]
+            own = [member.measurements[number] for member in family.members if member.measurements]
+            solved = [m for m in own if m.run.status is Status.ok]
             found = [worst_error(family.scene, m) for m in solved]
-            worst = np.max([error.size for error in found if error], initial=0.0)  # a NaN counts as the largest
-            within = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
-            sentences.append(f"{engine} solved {len(solved)} of them{within}.")
-    return " ".join(sentences)
+            yield engine, len(solved), np.max([error.size for error in found if error], initial=0.0)  # NaN: the largest
+
+
+def agreement(family: Family) -> Agreement:
+    """Return whether the models agree on all members that run, and on which they do so the least."""
+    order = (Word.agrees, Word.in_part, Word.not_solved, Word.disagrees)
+    found = [(label(family, m), m.judgement.agreement) for m in family.members if m.judgement is not None]
+    if not found:
+        return Agreement(Word.not_solved, _ran(family))
+    name, worst = max(found, key=lambda member: order.index(member[1].word))
+    if worst.word is Word.agrees:
+        engine, _, size = max(_worst(family), key=lambda engine: engine[2])
+        to = f"with the reference to {within(size)}; {engine} is the farthest"
+        return Agreement(Word.agrees, f"{_ran(family)} On all of these the engines agree {to}.")
+    alike = [own.word for _, own in found].count(worst.word)
+    word = Word.in_part if worst.word is Word.not_solved and alike < len(found) else worst.word
+    which = f"Of these {alike}: {worst.word}; the first is {name}" if len(found) > 1 else name
+    return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
 
 
 def notes(family: Family) -> list[str]:

@@ -1,5 +1,6 @@
 """How a motion is drawn: where metres and newtons are in the picture."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import floor, log10
@@ -27,6 +28,7 @@ class Drawing:
 
     scene: Scene
     motion: Motion
+    others: Sequence["Drawing"] = ()  # at the scale of which, in a box around all, it is drawn
 
     @cached_property
     def state(self) -> MotionVectors:
@@ -46,7 +48,7 @@ class Drawing:
     @cached_property
     def peak(self) -> float:
         """The largest force, N, but for those of a fiftieth of the samples, which a singular configuration may have."""
-        sizes = [np.abs(arrow.force) for arrow in self.arrows]
+        sizes = [np.abs(arrow.force) for drawing in (self, *self.others) for arrow in drawing.arrows]
         usual = max((float(np.quantile(size, 0.98)) for size in sizes), default=0.0)
         return usual or max((float(size.max()) for size in sizes), default=0.0)
 
@@ -55,7 +57,7 @@ class Drawing:
         """A round force, N, and how long its arrow is, in the file's unit of length; zeros where there is no force."""
         if not self.peak > 0:
             return 0.0, 0.0
-        places = np.concatenate([*self.places.values()])
+        places = np.concatenate([way for drawing in (self, *self.others) for way in drawing.places.values()])
         power = 10.0 ** floor(log10(self.peak))
         force = next(share * power for share in (5, 2, 1) if share * power <= self.peak)
         longest = SHARE * max(np.ptp(places.real), np.ptp(places.imag))
@@ -77,20 +79,21 @@ class Drawing:
     @cached_property
     def box(self) -> tuple[complex, complex]:
         """The corners of what is drawn, m: points, slots, sketch and arrows, but for the tips of the longest peaks."""
-        shown: list[Vectors] = [
-            *self.places.values(),
-            np.array([complex(*place) for place in self.scene.sketch.points.values()]),
-        ]
+        shown = [part for drawing in (self, *self.others) for part in drawing._shown(self.per_newton, self.peak)]
+        every = np.concatenate(shown)
+        return complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
+
+    def _shown(self, per_newton: float, peak: float) -> Iterator[Vectors]:
+        yield from self.places.values()
+        yield np.array([complex(*place) for place in self.scene.sketch.points.values()], np.complex128)
         for body in self.scene.bodies.values():
             if body.slide is not None:
                 origin, x_axis = self.state.frame(body.slide.on)
-                shown += [origin + x_axis * end for end in self.way(body)]
+                yield from (origin + x_axis * end for end in self.way(body))
         for arrow in self.arrows:
             size = np.maximum(np.abs(arrow.force), 1e-300)
-            way = arrow.force * (self.per_newton * np.minimum(1.0, self.peak / size)).astype(np.complex128)
-            shown.append(self.places[arrow.point] - way if arrow.load else self.places[arrow.point] + way)
-        every = np.concatenate([part for part in shown if len(part)])
-        return complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
+            way = arrow.force * (per_newton * np.minimum(1.0, peak / size)).astype(np.complex128)
+            yield self.places[arrow.point] - way if arrow.load else self.places[arrow.point] + way
 
     @property
     def margin(self) -> float:

@@ -23,16 +23,20 @@ def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
         motion: where its points are, and its forces, if it has them; a whole cycle of the drive.
         moving: whether it moves by itself over the motion, again and again, rather than stands at the first sample.
     """
-    drawing = Drawing(scene, motion)
-    rows = np.linspace(0, len(motion["time"]) - 1, FRAMES + 1).round().astype(int)
+    return by_itself(Drawing(scene, motion), FRAMES if moving else 0)
+
+
+def by_itself(drawing: Drawing, frames: int) -> str:
+    """Return a drawing that moves by itself through so many poses, or stands where there are none."""
+    rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int)
     root, movers = picture(drawing)
     style, own = [text("linkage.css"), text("colours.css")], crc32(tostring(root))  # names of its own on a page
-    for number, mover in enumerate(movers if moving else []):
+    for number, mover in enumerate(movers if frames else []):
         name = f"m{own:x}-{number}"
         mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
         steps = zip(np.linspace(0, 100, len(rows)), mover.transforms(rows.tolist(), css=True), strict=True)
-        frames = " ".join(f"{share:.4g}%{{transform:{transform}}}" for share, transform in steps)
-        style.append(f"@keyframes {name} {{ {frames} }}")
+        poses = " ".join(f"{share:.4g}%{{transform:{transform}}}" for share, transform in steps)
+        style.append(f"@keyframes {name} {{ {poses} }}")
     root[0].text = "\n".join(style)
     for side, length in zip(("width", "height"), drawing.size, strict=True):
         root.set(side, f"{length / PX:.0f}")
