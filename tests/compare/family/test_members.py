@@ -1,5 +1,6 @@
 """The members of a family: which there are, those that cannot run, and how each is cross-checked."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ from compare.engines import registry
 from compare.engines.reference import found
 from compare.family.family import Family
 from compare.family.grid import grid, variation
+from compare.judge.agreement import Agreement, Word
+from compare.judge.judgement import Judgement
 from compare.judge.peaks.peaks import peaks
 from compare.report.family import tables as family_tables
 from scenes import InputError, Sampling
@@ -68,6 +71,33 @@ def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(failures) == 2
     assert "pip install pymunk" in failures[0]
     assert "pymunk solved 0 of them." in family_tables.verdict(family)
+
+
+@pytest.mark.parametrize(
+    ("words", "word", "named"),
+    [
+        ((Word.agrees, Word.agrees), Word.agrees, "to "),
+        ((Word.agrees, Word.in_part), Word.in_part, "1: agrees in part; the first is O-P3 = 310: Why."),
+        ((Word.not_solved, Word.agrees), Word.in_part, "1: not solved; the first is O-P3 = 300: Why."),
+        ((Word.not_solved, Word.not_solved), Word.not_solved, "2: not solved; the first is O-P3 = 300: Why."),
+        ((Word.not_solved, Word.disagrees), Word.disagrees, "1: disagrees; the first is O-P3 = 310: Why."),
+    ],
+)
+def test_the_verdict_is_that_on_the_worst_member(
+    monkeypatch: pytest.MonkeyPatch, two: Family, words: Sequence[Word], word: Word, named: str
+) -> None:
+    left = iter(words)
+    monkeypatch.setattr(Judgement, "agreement", property(lambda _: Agreement(next(left), "Why.")))
+    found = family_tables.agreement(two)
+    assert found.word is word
+    assert found.sentence.startswith("2 of 2 members run. ")
+    assert named in found.sentence
+
+
+@pytest.fixture(scope="module")
+def two() -> Family:
+    vary, engines = f"{ROCKER}=300:310:2", ["analytic", "pymunk"]
+    return Family(scenes.load("toggle_press"), [variation(vary)], engines, run("toggle_press", [vary], engines))
 
 
 def test_without_a_certificate_none_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
