@@ -135,7 +135,8 @@ def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
     group = SubElement(root, "g", {"class": kind})
     SubElement(group, "title").text = force.name
     shaft, head = SubElement(group, "g"), SubElement(group, "g")
-    SubElement(shaft, "path", {"d": "M-1 0H0" if force.load else "M0 0H1"})
+    start, end = (-1, 0) if force.load else (0, 1)  # a filled strip: browsers blur a line that is stretched by itself
+    SubElement(shaft, "path", {"class": "head across", "d": f"M{start} -1.25H{end}V1.25H{start}Z"})
     _sign(head, "head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
     still, tip = np.zeros(len(place), complex), np.zeros(len(place), complex)
     yield Mover(group, place, np.degrees(np.unwrap(np.angle(way))))
