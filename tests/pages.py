@@ -1,9 +1,16 @@
-"""What is packed in a page: the plots' library and its figures."""
+"""Pages: what is packed in them, and one in a browser."""
 
 import gzip
 import json
 import re
 from base64 import b64decode
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
 
 
 def unpacked(text: str) -> list[str]:
@@ -16,3 +23,16 @@ def unpacked(text: str) -> list[str]:
 def without_scripts(text: str) -> str:
     """Return a page without its scripts, and what is packed in them."""
     return re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
+
+
+@contextmanager
+def silent(browser: "Browser", path: Path, **context: Any) -> "Iterator[Page]":
+    """Yield a page; at the end nothing was written to the console, and nothing but itself was requested."""
+    page, heard = browser.new_page(**context), list[str]()
+    page.on("console", lambda message: heard.append(message.text))
+    page.on("pageerror", lambda error: heard.append(str(error)))
+    page.on("request", lambda request: heard.append(request.url))
+    page.goto(path.as_uri())
+    yield page
+    page.close()
+    assert heard == [path.as_uri()]

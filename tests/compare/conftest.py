@@ -11,9 +11,10 @@ from compare.report import files
 from compare.study import Study
 from scenes import load
 from tests.comparisons import studied
+from tests.pages import silent
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Page
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
@@ -39,3 +40,16 @@ def browser() -> Iterator["Browser"]:
         found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield found
         found.close()
+
+
+@pytest.fixture(scope="module")
+def report(browser: "Browser", press_report: Path) -> Iterator["Page"]:
+    """Yield the report with all its figures drawn."""
+    size = {"width": 1400, "height": 900}
+    with silent(browser, press_report / "report.html", viewport=size, reduced_motion="reduce") as page:
+        page.wait_for_selector("#linkage .player:not([hidden])")
+        page.wait_for_function("window.Plotly && document.querySelector('.js-plotly-plot')")
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws every figure
+        page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot._fullLayout)")
+        page.evaluate("dispatchEvent(new Event('afterprint'))")
+        yield page

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from compare.run import main
+from tests.pages import silent
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -40,18 +41,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def opened(browser: "Browser", folder: Path) -> Iterator["Page"]:
-    """Yield the page with its curves drawn; at the end nothing was written to the console or requested."""
-    page, heard = browser.new_page(viewport={"width": 1400, "height": 900}), list[str]()
-    page.on("console", lambda message: heard.append(message.text))
-    page.on("pageerror", lambda error: heard.append(str(error)))
-    page.on("request", lambda request: heard.append(request.url))
-    page.goto((folder / "family.html").as_uri())
-    page.wait_for_function("window.Plotly")
-    page.evaluate("document.querySelector('.plot').scrollIntoView()")
-    page.wait_for_function("document.querySelector('.plot').data?.some(trace => trace.opacity === 1)")
-    yield page
-    page.close()
-    assert heard == [(folder / "family.html").as_uri()]
+    """Yield the page with its curves drawn."""
+    with silent(browser, folder / "family.html", viewport={"width": 1400, "height": 900}) as page:
+        page.wait_for_function("window.Plotly")
+        page.evaluate("document.querySelector('.plot').scrollIntoView()")
+        page.wait_for_function("document.querySelector('.plot').data?.some(trace => trace.opacity === 1)")
+        yield page
 
 
 def shows(page: "Page", folder: Path, value: int) -> None:

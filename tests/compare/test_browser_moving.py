@@ -1,7 +1,6 @@
 """The moving linkage in a browser: one position of the drive for the picture and all plots, and the values there."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ from compare.study import Study
 from scenes.motion import header
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Page
 
 pytestmark = pytest.mark.browser
 
@@ -22,24 +21,6 @@ ENGINES = ("analytic", "exudyn", "pymunk")
 ROW = 41  # of 73: 205 degrees
 NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
 TO_PX = 1.5  # px: half of a line's width, and what a browser rounds
-
-
-@pytest.fixture(scope="module")
-def opened(browser: "Browser", press_report: Path) -> Iterator["Page"]:
-    """Yield the report with all its figures drawn; at the end nothing was written to the console or requested."""
-    page = browser.new_page(viewport={"width": 1400, "height": 1000}, reduced_motion="reduce")
-    heard: list[str] = []
-    page.on("console", lambda message: heard.append(message.text))
-    page.on("pageerror", lambda error: heard.append(str(error)))
-    page.on("request", lambda request: heard.append(request.url))
-    page.goto((press_report / "report.html").as_uri())
-    page.wait_for_selector("#linkage .player:not([hidden])")
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws every figure
-    page.wait_for_function("[...document.querySelectorAll('section:has(> h3) > * > .plot')].every(p => p._fullLayout)")
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    yield page
-    page.close()
-    assert heard == [(press_report / "report.html").as_uri()]
 
 
 def scrub(page: "Page", row: int) -> None:
@@ -68,11 +49,11 @@ def cursors(page: "Page") -> list[dict[str, Any]]:
     return found
 
 
-def test_scrubbing_moves_the_linkage(opened: "Page", press_study: Study) -> None:
+def test_scrubbing_moves_the_linkage(report: "Page", press_study: Study) -> None:
     drawing = Drawing(press_study.scene, press_study.motion)
     for row in (0, ROW, 72):
-        scrub(opened, row)
-        shown = places(opened)
+        scrub(report, row)
+        shown = places(report)
         assert shown.keys() == press_study.scene.owners.keys()
         for point, place in shown.items():
             at = press_study.motion.samples
@@ -81,10 +62,10 @@ def test_scrubbing_moves_the_linkage(opened: "Page", press_study: Study) -> None
             assert abs(place - complex(drawing.units(np.array([z]))[0])) < 0.05, point
 
 
-def test_a_body_turns_with_its_points(opened: "Page") -> None:
+def test_a_body_turns_with_its_points(report: "Page") -> None:
     """The other end of the rod, drawn in the rod's own frame, is at its point."""
-    scrub(opened, ROW)
-    off = opened.evaluate(
+    scrub(report, ROW)
+    off = report.evaluate(
         """() => {
           const bar = document.querySelector('#linkage [data-turn=rod] .bar'), to = bar.getCTM();
           const end = new DOMPoint(...bar.getAttribute('d').split(/[ML ]/).slice(-2).map(Number)).matrixTransform(to);
@@ -95,10 +76,10 @@ def test_a_body_turns_with_its_points(opened: "Page") -> None:
     assert off < 0.1
 
 
-def test_all_cursors_follow(opened: "Page") -> None:
+def test_all_cursors_follow(report: "Page") -> None:
     for row in (10, ROW):
-        scrub(opened, row)
-        found = cursors(opened)
+        scrub(report, row)
+        found = cursors(report)
         assert len(found) == 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
         angle = 360 * row / 72
         for plot in found:
@@ -116,13 +97,13 @@ def test_all_cursors_follow(opened: "Page") -> None:
     ],
 )
 def test_the_values_shown_are_those_of_the_files(
-    opened: "Page", press_report: Path, press_study: Study, title: str, channels: list[str], factor: float
+    report: "Page", press_report: Path, press_study: Study, title: str, channels: list[str], factor: float
 ) -> None:
     """To the digits shown; what is packed is rounded to 2e-9 of a channel's peak."""
-    section = opened.locator("section", has=opened.locator("> h3", has_text=re.compile(f"^{re.escape(title)}$")))
+    section = report.locator("section", has=report.locator("> h3", has_text=re.compile(f"^{re.escape(title)}$")))
     section.scroll_into_view_if_needed()
     for row in (7, ROW):
-        scrub(opened, row)
+        scrub(report, row)
         for engine in ENGINES:
             table = pd.read_csv(press_report / f"motion.{engine}.csv")
             values = np.array([factor * table[header(channel)] for channel in channels])
@@ -143,83 +124,83 @@ def test_the_values_shown_are_those_of_the_files(
                 assert float(cells[-1]) == pytest.approx(max(error, floor), rel=0.06), "to two digits"
 
 
-def test_keys(opened: "Page") -> None:
-    scrub(opened, ROW)
-    slider = opened.locator("#linkage [type=range]")
+def test_keys(report: "Page") -> None:
+    scrub(report, ROW)
+    slider = report.locator("#linkage [type=range]")
     slider.focus()
     for key, row in (("ArrowRight", ROW + 1), ("ArrowLeft", ROW), ("End", 72), ("ArrowRight", 72), ("Home", 0)):
-        opened.keyboard.press(key)
+        report.keyboard.press(key)
         assert slider.input_value() == str(row), key
-    assert abs(cursors(opened)[0]["at"] - cursors(opened)[0]["start"]) < 60
-    opened.keyboard.press("Space")
-    opened.wait_for_function("document.querySelector('#linkage [type=range]').value > 2")
-    opened.keyboard.press("Space")
-    assert opened.locator(".play").text_content() == "Play"
+    assert abs(cursors(report)[0]["at"] - cursors(report)[0]["start"]) < 60
+    report.keyboard.press("Space")
+    report.wait_for_function("document.querySelector('#linkage [type=range]').value > 2")
+    report.keyboard.press("Space")
+    assert report.locator(".play").text_content() == "Play"
 
 
-def test_dragging_over_a_plot(opened: "Page") -> None:
-    scrub(opened, 0)
-    plot = opened.locator(".plot:has(.cursor)").first
+def test_dragging_over_a_plot(report: "Page") -> None:
+    scrub(report, 0)
+    plot = report.locator(".plot:has(.cursor)").first
     plot.scroll_into_view_if_needed()
     box = plot.locator(".nsewdrag").first.bounding_box()
     assert box is not None
     y = box["y"] + box["height"] / 2
-    opened.mouse.move(box["x"] + 30, y)
-    opened.mouse.down()
-    opened.mouse.move(box["x"] + 0.5 * box["width"], y)
-    opened.mouse.up()
-    rows = int(opened.locator("#linkage [type=range]").input_value())
+    report.mouse.move(box["x"] + 30, y)
+    report.mouse.down()
+    report.mouse.move(box["x"] + 0.5 * box["width"], y)
+    report.mouse.up()
+    rows = int(report.locator("#linkage [type=range]").input_value())
     assert abs(rows - 36) <= 1
-    assert abs(cursors(opened)[0]["at"] - box["x"] - 0.5 * box["width"]) < 0.6 * box["width"] / 72
+    assert abs(cursors(report)[0]["at"] - box["x"] - 0.5 * box["width"]) < 0.6 * box["width"] / 72
 
 
-def test_a_place_of_a_number_is_shown(opened: "Page") -> None:
+def test_a_place_of_a_number_is_shown(report: "Page") -> None:
     """An element with `data-at` goes to that pose and marks the joint."""
-    opened.evaluate(
+    report.evaluate(
         """document.body.insertAdjacentHTML('beforeend',
         `<button id="go" data-at="${Math.PI}" data-channel="P3.fy">there</button>`)"""
     )
-    opened.locator("#go").click()
-    assert opened.locator("#linkage [type=range]").input_value() == "36"
-    mark = opened.evaluate("document.querySelector('#linkage .marked').getAttribute('transform')")
-    assert complex(*map(float, re.findall(NUMBER, mark))) == pytest.approx(places(opened)["P3"])
-    opened.evaluate("document.getElementById('go').remove()")
+    report.locator("#go").click()
+    assert report.locator("#linkage [type=range]").input_value() == "36"
+    mark = report.evaluate("document.querySelector('#linkage .marked').getAttribute('transform')")
+    assert complex(*map(float, re.findall(NUMBER, mark))) == pytest.approx(places(report)["P3"])
+    report.evaluate("document.getElementById('go').remove()")
 
 
-def test_forces_are_to_scale_and_can_be_left_out(opened: "Page", press_study: Study) -> None:
-    scrub(opened, ROW)
+def test_forces_are_to_scale_and_can_be_left_out(report: "Page", press_study: Study) -> None:
+    scrub(report, ROW)
     motion, drawing = press_study.motion, Drawing(press_study.scene, press_study.motion)
-    arrow = opened.locator("#linkage .force", has=opened.locator("title", has_text="P3:"))
+    arrow = report.locator("#linkage .force", has=report.locator("title", has_text="P3:"))
     length = float(re.findall(r"scale\(([\d.]+)", str(arrow.locator("> g").first.get_attribute("transform")))[0])
     force = np.hypot(motion["P3.fx"], motion["P3.fy"])[ROW]
-    words = str(opened.locator(".scale").text_content())
+    words = str(report.locator(".scale").text_content())
     number, length_of = re.findall(r"joint forces and loads: ([\d.]+) kN = ([\d.]+) mm", words)[0]
     expected = 1e-3 * force / float(number) * 1e-3 * float(length_of) * drawing.per_metre
     assert length == pytest.approx(expected, rel=1e-6)
-    opened.select_option("[name=force]", label="off")
-    assert opened.locator("#linkage .force:visible").count() == 0
-    opened.select_option("[name=force]", label="pymunk")
-    assert opened.locator("#linkage .force:visible").count() > 5
+    report.select_option("[name=force]", label="off")
+    assert report.locator("#linkage .force:visible").count() == 0
+    report.select_option("[name=force]", label="pymunk")
+    assert report.locator("#linkage .force:visible").count() > 5
 
 
-def test_the_picture_has_a_text(opened: "Page", press_study: Study) -> None:
-    scrub(opened, 36)
-    label = str(opened.locator("#linkage svg").get_attribute("aria-label"))
+def test_the_picture_has_a_text(report: "Page", press_study: Study) -> None:
+    scrub(report, 36)
+    label = str(report.locator("#linkage svg").get_attribute("aria-label"))
     motion = press_study.motion
     largest = 1e-3 * max(
         np.hypot(motion[f"{p.channel}.fx"], motion[f"{p.channel}.fy"])[36] for p in press_study.scene.pins
     )
     assert "crank angle 180.0°" in label
     assert f"Largest joint force: {largest:.3g} kN" in label
-    opened.wait_for_function("document.querySelector('#linkage [aria-live=polite]').textContent.includes('180.0°')")
+    report.wait_for_function("document.querySelector('#linkage [aria-live=polite]').textContent.includes('180.0°')")
 
 
-def test_magnified_differences(opened: "Page", press_study: Study) -> None:
+def test_magnified_differences(report: "Page", press_study: Study) -> None:
     """The outline of pymunk's pose is off the reference's by what its file is, times what is chosen."""
-    scrub(opened, ROW)
-    chosen = opened.locator("[name=magnify] option", has_text="pymunk").get_attribute("value")
-    opened.select_option("[name=magnify]", value=chosen)
-    path = str(opened.locator("#linkage .engine").nth(1).get_attribute("d"))
+    scrub(report, ROW)
+    chosen = report.locator("[name=magnify] option", has_text="pymunk").get_attribute("value")
+    report.select_option("[name=magnify]", value=chosen)
+    path = str(report.locator("#linkage .engine").nth(1).get_attribute("d"))
     drawing = Drawing(press_study.scene, press_study.motion)
     motion = press_study.motions["pymunk"]
     state = press_study.motion
@@ -231,6 +212,6 @@ def test_magnified_differences(opened: "Page", press_study: Study) -> None:
     expected = complex(drawing.units(np.array([magnified]))[0])
     corners = [complex(*map(float, pair.split())) for pair in re.split("[ML]", path) if pair]
     assert min(abs(corner - expected) for corner in corners) < 0.05
-    assert abs(expected - places(opened)["P5"]) > 0.5, "one sees it"
-    opened.select_option("[name=magnify]", value="0")
-    assert opened.locator("#linkage .engine").nth(1).get_attribute("d") == ""
+    assert abs(expected - places(report)["P5"]) > 0.5, "one sees it"
+    report.select_option("[name=magnify]", value="0")
+    assert report.locator("#linkage .engine").nth(1).get_attribute("d") == ""

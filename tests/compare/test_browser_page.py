@@ -1,7 +1,6 @@
 """The report in a real browser: still, self-contained, readable at every width, in the dark, on paper and aloud."""
 
 import re
-from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from statistics import median
@@ -52,24 +51,6 @@ CONTRASTS = """() => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def opened(browser: "Browser", press_report: Path) -> Iterator["Page"]:
-    """Yield the report with all its figures drawn; at the end nothing was written to the console or requested."""
-    page = browser.new_page(viewport={"width": 1400, "height": 900}, reduced_motion="reduce")
-    heard: list[str] = []
-    page.on("console", lambda message: heard.append(message.text))
-    page.on("pageerror", lambda error: heard.append(str(error)))
-    page.on("request", lambda request: heard.append(request.url))
-    page.goto((press_report / "report.html").as_uri())
-    page.wait_for_function("window.Plotly && document.querySelector('.js-plotly-plot')")
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws every figure
-    page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot._fullLayout)")
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    yield page
-    page.close()
-    assert heard == [(press_report / "report.html").as_uri()]
-
-
 def test_the_answers_are_on_the_first_screen(browser: "Browser", press_report: Path) -> None:
     """Whether the models agree, the largest pin force and its place, the torque that the drive needs."""
     page = browser.new_page(viewport={"width": 1400, "height": 900}, reduced_motion="reduce")
@@ -89,43 +70,43 @@ def test_the_answers_are_on_the_first_screen(browser: "Browser", press_report: P
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_no_sideways_scrolling(opened: "Page", width: int) -> None:
-    opened.set_viewport_size({"width": width, "height": 900})
-    opened.evaluate("document.querySelectorAll('details').forEach(part => (part.open = true))")
-    assert opened.evaluate("document.documentElement.scrollWidth") == width
-    outside = opened.evaluate(
+def test_no_sideways_scrolling(report: "Page", width: int) -> None:
+    report.set_viewport_size({"width": width, "height": 900})
+    report.evaluate("document.querySelectorAll('details').forEach(part => (part.open = true))")
+    assert report.evaluate("document.documentElement.scrollWidth") == width
+    outside = report.evaluate(
         """() => [...document.querySelectorAll('main *')].filter(e => !e.closest('.scroll, svg')
           && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.outerHTML.slice(0, 80))"""
     )
     assert outside == []
-    opened.evaluate("document.querySelectorAll('details').forEach(part => (part.open = false))")
-    opened.set_viewport_size({"width": 1400, "height": 900})
+    report.evaluate("document.querySelectorAll('details').forEach(part => (part.open = false))")
+    report.set_viewport_size({"width": 1400, "height": 900})
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_all_text_is_legible(opened: "Page", scheme: Any) -> None:
+def test_all_text_is_legible(report: "Page", scheme: Any) -> None:
     """Texts of figures and of the linkage too, against the ground behind them."""
-    opened.emulate_media(color_scheme=scheme)
-    found = opened.evaluate(CONTRASTS)
+    report.emulate_media(color_scheme=scheme)
+    found = report.evaluate(CONTRASTS)
     assert len(found) >= 8
     assert [name for contrast, name in found if not (contrast >= LEGIBLE)] == []
-    opened.emulate_media(color_scheme="light")
+    report.emulate_media(color_scheme="light")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_accessible_by_axe(opened: "Page", scheme: Any) -> None:
+def test_accessible_by_axe(report: "Page", scheme: Any) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
-    opened.emulate_media(color_scheme=scheme)
+    report.emulate_media(color_scheme=scheme)
     page = {"exclude": [[".plot svg"]]}  # hidden from what reads aloud: the figure is in words
-    violations = axe.Axe().run(opened, page, {"resultTypes": ["violations"]}).response["violations"]
+    violations = axe.Axe().run(report, page, {"resultTypes": ["violations"]}).response["violations"]
     serious = [rule for rule in violations if rule["impact"] in ("serious", "critical")]
     assert [(rule["id"], [node["target"] for node in rule["nodes"]][:3]) for rule in serious] == []
-    opened.emulate_media(color_scheme="light")
+    report.emulate_media(color_scheme="light")
 
 
-def test_every_figure_is_in_words(opened: "Page") -> None:
-    labels = opened.evaluate(
+def test_every_figure_is_in_words(report: "Page") -> None:
+    labels = report.evaluate(
         "[...document.querySelectorAll('.plot, svg.linkage')].map(e => [e.getAttribute('role'), e.ariaLabel])"
     )
     assert len(labels) == 15
@@ -136,23 +117,23 @@ def test_every_figure_is_in_words(opened: "Page") -> None:
 
 
 @pytest.mark.slow
-def test_paper_has_every_column(opened: "Page") -> None:
+def test_paper_has_every_column(report: "Page") -> None:
     """First the verdict, the picture and the numbers; then every heading of every table, none of it cut off."""
     pypdf = pytest.importorskip("pypdf", reason="pypdf is not installed")
-    pages = [normalize("NFKC", page.extract_text()) for page in pypdf.PdfReader(BytesIO(opened.pdf(format="A4"))).pages]
+    pages = [normalize("NFKC", page.extract_text()) for page in pypdf.PdfReader(BytesIO(report.pdf(format="A4"))).pages]
     for wanted in ("Agrees", "Largest pin force", "382 kN", "Largest force at P1", "pymunk"):
         assert wanted in pages[0]
     assert "Motion and forces" not in pages[0]
     printed = re.sub(r"\s", "", "".join(pages))
-    headings = opened.evaluate("[...document.querySelectorAll('th[scope=col]')].map(e => e.textContent)")
+    headings = report.evaluate("[...document.querySelectorAll('th[scope=col]')].map(e => e.textContent)")
     assert len(headings) > 80
     assert [heading for heading in headings if re.sub(r"\s", "", heading) not in printed] == []
-    opened.set_viewport_size({"width": 1047, "height": 900})  # px of the longer side of A4 within its margins
-    opened.emulate_media(media="print")
+    report.set_viewport_size({"width": 1047, "height": 900})  # px of the longer side of A4 within its margins
+    report.emulate_media(media="print")
     cut = "[...document.querySelectorAll('.scroll:has(table)')].filter(e => e.scrollWidth > innerWidth)"
-    assert opened.evaluate(f"{cut}.map(e => [e.ariaLabel, e.scrollWidth])") == []
-    opened.emulate_media(media="screen")
-    opened.set_viewport_size({"width": 1400, "height": 900})
+    assert report.evaluate(f"{cut}.map(e => [e.ariaLabel, e.scrollWidth])") == []
+    report.emulate_media(media="screen")
+    report.set_viewport_size({"width": 1400, "height": 900})
 
 
 @pytest.mark.slow
