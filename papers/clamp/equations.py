@@ -68,7 +68,7 @@ KINDS: Mapping[str, tuple[str, str, int, int]] = {
     "rate": ("velocity", "rad/s", -1, 1),
     "rate²": ("acceleration", "rad/s²", -2, 2),
     "acceleration": ("acceleration", "m/s²", -1, 2),
-    "force ratio": ("torque", "", 0, 0),
+    "force ratio": ("force", "", 0, 0),
 }  # of quantities: the group of the scenes' tolerances, the unit, and the powers of L1 and V_o in the scale
 length, ratio, rate, rate_squared, acceleration, force = (partial(Equation[Moving], kind) for kind in KINDS)
 

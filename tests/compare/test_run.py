@@ -142,7 +142,7 @@ def test_the_report_needs_no_network(results: Path) -> None:
     page = (results / "report.html").read_text(encoding="utf-8")
     assert '<script src="' not in page
     assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
-    assert page.count('class="plot"') == 15  # linkage, 3 of the slider, 6 pins, guide, torque, groups, locks, speed
+    assert page.count('class="plot"') == 14  # 3 of the slider, 6 pins, guide, torque, groups, locks, speed
 
 
 @pytest.mark.usefixtures("few_settings")

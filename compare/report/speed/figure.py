@@ -47,7 +47,8 @@ def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
     speed = study.speed.assign(ms=1e3 * study.speed["solve_min_s"]) if found else study.speed
     points = solved(speed)
     engines = {m.run.engine: number for number, m in enumerate(study.measurements)}
-    lines = {engine: [rows for _, rows in families(points[points["engine"] == engine], "steps")] for engine in engines}
+    own = {engine: points[points["engine"] == engine] for engine in engines} if found else {}
+    lines = {engine: [rows for _, rows in families(of, "steps")] for engine, of in own.items()}
     settings = [(*found, _hover(study, found[-1])) for found in contenders(points)]
     notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
     for panel, group in enumerate(found):
