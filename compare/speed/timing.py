@@ -13,7 +13,7 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
-PATIENCE = 5.0  # s of processor time, for the least rounds; those of the shipped scenes take half of it
+PATIENCE = 4.0  # s of processor time, for the least rounds; those of the shipped scenes take half of it
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
 
 

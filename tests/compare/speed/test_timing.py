@@ -73,10 +73,10 @@ def test_a_lucky_time_has_to_come_again() -> None:
     assert len(times.solve) == 8
 
 
-@pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 7.0), 5), (Budget(5, inf), 5)])
+@pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 3.5), 5), (Budget(5, inf), 5)])
 def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
-    """Solves of 1, 2, 3 ... seconds are never known; three of them are taken in any case."""
-    (times,), _ = turns([Job("a", [float(n) for n in range(1, 99)])], budget, all_of)
+    """Solves of 0.5, 1, 1.5 ... seconds are never known; three of them are taken in any case."""
+    (times,), _ = turns([Job("a", [n / 2 for n in range(1, 99)])], budget, all_of)
     assert len(times.solve) == runs
 
 
