@@ -19,14 +19,14 @@ class Draft:
 
     def __init__(self, rows: int, columns: int, titles: Sequence[str] = (), **arrangement: Any) -> None:
         """Begin with empty panels, titled row by row; the arrangement is that of plotly's `make_subplots`."""
-        layout, self._axes = _panels(rows, columns, tuple(titles), tuple(arrangement.items()))
+        layout, self._numbers = _panels(rows, columns, tuple(titles), tuple(arrangement.items()))
         self._layout = deepcopy(layout)
         self.traces: list[dict[str, Any]] = []
 
     def add(self, trace: Attributes, row: int, column: int) -> None:
         """Add a trace to a panel."""
-        x, y = self._axes[row, column]
-        self.traces.append({"type": "scatter", "xaxis": x, "yaxis": y} | dict(trace))
+        number = self._numbers[row, column]
+        self.traces.append({"type": "scatter", "xaxis": f"x{number}", "yaxis": f"y{number}"} | dict(trace))
 
     def lists(self, group: str) -> bool:
         """Return whether the legend has an entry of a group."""
@@ -36,25 +36,19 @@ class Draft:
         """Write a text without an arrow."""
         self._layout.setdefault("annotations", []).append({"text": text, "showarrow": False} | place)
 
-    def update_xaxes(
-        self, *more: Mapping[str, Any], row: int | None = None, col: int | None = None, **own: Any
-    ) -> Self:
+    def update_xaxes(self, *more: Attributes, row: int | None = None, col: int | None = None, **own: Any) -> Self:
         """Set attributes of the horizontal axes: of all panels, or of those in a row or column."""
-        return self._update(0, "xaxis", (*more, own), row, col)
+        return self._update("x", (*more, own), row, col)
 
-    def update_yaxes(
-        self, *more: Mapping[str, Any], row: int | None = None, col: int | None = None, **own: Any
-    ) -> Self:
+    def update_yaxes(self, *more: Attributes, row: int | None = None, col: int | None = None, **own: Any) -> Self:
         """Set attributes of the vertical axes: of all panels, or of those in a row or column."""
-        return self._update(1, "yaxis", (*more, own), row, col)
+        return self._update("y", (*more, own), row, col)
 
-    def _update(
-        self, which: int, name: str, more: Sequence[Mapping[str, Any]], row: int | None, col: int | None
-    ) -> Self:
-        for place, axes in self._axes.items():
+    def _update(self, letter: str, more: Sequence[Attributes], row: int | None, col: int | None) -> Self:
+        for place, number in self._numbers.items():
             if row in (None, place[0]) and col in (None, place[1]):
                 for attributes in more:
-                    _merge(self._layout[f"{name}{axes[which][1:]}"], attributes)
+                    _merge(self._layout[f"{letter}axis{number}"], attributes)
         return self
 
     def update_layout(self, *more: Attributes, **own: Any) -> Self:
@@ -71,15 +65,12 @@ class Draft:
 @cache
 def _panels(
     rows: int, columns: int, titles: tuple[str, ...], arrangement: tuple[tuple[str, Any], ...]
-) -> tuple[dict[str, Any], dict[tuple[int, int], tuple[str, str]]]:
-    """Return the layout of empty panels, and the names of the axes of each."""
+) -> tuple[dict[str, Any], dict[tuple[int, int], str]]:
+    """Return the layout of empty panels, and the number of the axes of each."""
     figure = make_subplots(rows, columns, subplot_titles=titles or None, **dict(arrangement))
     places = [(row, column) for row in range(1, rows + 1) for column in range(1, columns + 1)]
-    panels = {place: figure.get_subplot(*place) for place in places}
-    names = {
-        place: (f"x{axes.xaxis.plotly_name[5:]}", f"y{axes.yaxis.plotly_name[5:]}") for place, axes in panels.items()
-    }
-    return figure.layout.to_plotly_json(), names
+    numbers = {place: figure.get_subplot(*place).xaxis.plotly_name.removeprefix("xaxis") for place in places}
+    return figure.layout.to_plotly_json(), numbers
 
 
 def _merge(into: dict[str, Any], attributes: Attributes) -> None:

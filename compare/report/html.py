@@ -47,19 +47,19 @@ def _templates(package: str) -> Environment:
         keep_trailing_newline=True,
     )
     templates.filters |= {"table": shortened, "first": first, "short": numbers.short, "percent": numbers.percent}
-    templates.filters["packed"] = lambda parts: _packed(dumps(parts))
+    templates.filters["packed"] = lambda parts: packed(dumps(parts).encode())
     templates.globals |= {"environment": environment, "library": _library}
     return templates
 
 
 @cache
 def _library() -> str:
-    return _packed(get_plotlyjs())
+    return packed(get_plotlyjs().encode())
 
 
-def _packed(text: str) -> str:
-    """Return a text as gzip in base64, a third of its size, for the script of the page to unpack."""
-    return b64encode(compress(text.encode(), mtime=0)).decode()
+def packed(data: bytes) -> str:
+    """Return what the script of a page unpacks, as gzip in base64."""
+    return b64encode(compress(data, mtime=0)).decode()
 
 
 class Parts:
@@ -82,7 +82,7 @@ class Parts:
     @property
     def figures(self) -> str:
         """All figures, packed; nothing where there are none."""
-        return _packed(f"[{','.join(self._figures)}]") if self._figures else ""
+        return packed(f"[{','.join(self._figures)}]".encode()) if self._figures else ""
 
 
 @dataclass(frozen=True)

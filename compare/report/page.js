@@ -1,8 +1,9 @@
 // Figures are drawn near the viewport, all of them before a print; the library is unpacked after the first paint.
-const unpacked = async id => {
-  const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), c => c.charCodeAt(0));
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+const inflated = id => {
+  const zipped = Uint8Array.from(atob(document.getElementById(id).textContent), c => c.charCodeAt(0));
+  return new Response(new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip")));
 };
+const unpacked = id => inflated(id).text();
 const places = new Set(document.querySelectorAll("[data-figure]"));
 const pointed = matchMedia("(hover: hover)").matches; // by a mouse: its bar of buttons would lie over a phone's legend
 let figures;

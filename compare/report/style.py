@@ -13,7 +13,6 @@ from .draft import Draft
 from .extremes import CURVE, extremes
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe and Ito, for any colour vision
-BODY_COLOURS = (*COLOURS[4:], *COLOURS[2:4], *COLOURS[:2], "#f0e442")  # the same in an order unlike the engines'
 GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
 SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
@@ -77,9 +76,9 @@ def stacked(*heights: float) -> Draft:
     return Draft(len(heights) or 1, 1, shared_xaxes=True, row_heights=heights or None, vertical_spacing=0.06)
 
 
-def side_by_side(titles: Sequence[str], gap: float = 0.03) -> Draft:
-    """Return an empty panel per title, all in one row with one vertical axis; `gap` is a share of the width."""
-    return Draft(1, len(titles), titles, shared_yaxes=True, horizontal_spacing=gap)
+def side_by_side(titles: Sequence[str]) -> Draft:
+    """Return an empty panel per title, all in one row with one vertical axis."""
+    return Draft(1, len(titles), titles, shared_yaxes=True, horizontal_spacing=0.03)
 
 
 def grid(titles: Sequence[str], columns: int) -> Draft:

@@ -1,17 +1,15 @@
 // One position of the drive for all: the picture moves to it, and every plot over the drive has its cursor there.
 const root = document.getElementById("linkage"), find = selector => root.querySelector(selector), svg = find("svg");
 
-const unpacked = async packed => {
-  const zipped = Uint8Array.from(atob(packed), c => c.charCodeAt(0));
-  const stream = new Blob([zipped]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const bytes = new Uint8Array(await new Response(stream).arrayBuffer()), start = bytes.indexOf(10) + 1;
+const parted = bytes => {
+  const start = bytes.indexOf(10) + 1;
   const size = (bytes.length - start) / 4, words = new Uint8Array(4 * size);
   for (let byte = 0; byte < 4; byte++)
     for (let n = 0; n < size; n++) words[4 * n + byte] = bytes[start + byte * size + n];
   return [JSON.parse(new TextDecoder().decode(bytes.subarray(0, start))), words.buffer];
 };
 await new Promise(painted => requestAnimationFrame(() => setTimeout(painted))); // the page comes first
-const [head, buffer] = await unpacked(document.getElementById("motion").textContent);
+const [head, buffer] = parted(new Uint8Array(await inflated("motion").arrayBuffer()));
 const { count, channels, panels, engines, axis, effort } = head;
 
 // --- numbers: the reference's are kept as second differences, an engine's as what they are off the reference's -------

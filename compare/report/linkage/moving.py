@@ -21,7 +21,7 @@ from ..style import DARK_GREY, colour
 from ..units import Units, units
 from .arrows import arrows
 from .drawing import Drawing
-from .packing import packed
+from .packing import packed_motion
 from .shapes import outlines
 from .svg import picture
 
@@ -68,7 +68,7 @@ class Moving:
         """The text that the page's script unpacks."""
         reference, others = self._tables
         rows = self.rows
-        return packed(self._header(), reference[:, rows], [other[:, rows] for other in others])
+        return packed_motion(self._header(), reference[:, rows], [other[:, rows] for other in others])
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:

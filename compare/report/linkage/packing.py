@@ -1,19 +1,19 @@
 """Numbers packed into a page: the reference's to nine digits, an engine's as what they are off them."""
 
 import json
-from base64 import b64encode
 from collections.abc import Sequence
-from gzip import compress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..html import packed
+
 Table = NDArray[np.float64]
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 
 
-def packed(header: dict[str, Any], reference: Table, others: Sequence[Table]) -> str:
+def packed_motion(header: dict[str, Any], reference: Table, others: Sequence[Table]) -> str:
     """Return a text that a script unpacks, gzip in base64: a line of JSON, then numbers of four bytes, row by row.
 
     First bytes come first, then the second ones, and so on, which halves what gzip leaves.
@@ -30,4 +30,4 @@ def packed(header: dict[str, Any], reference: Table, others: Sequence[Table]) ->
         tables = [second, *(other.astype("<f4") for other in others)]
     words = np.concatenate([np.ascontiguousarray(table).view(np.uint8).reshape(-1, 4) for table in tables])
     line = json.dumps(header | {"quanta": quanta.tolist()}, separators=(",", ":")).encode()
-    return b64encode(compress(line + b"\n" + words.T.tobytes(), mtime=0)).decode()
+    return packed(line + b"\n" + words.T.tobytes())
