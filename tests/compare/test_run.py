@@ -11,6 +11,7 @@ import pytest
 from compare.engines import registry
 from compare.report.files import _write_motion
 from compare.run import main
+from compare.speed.timing import LEAST_ROUNDS, PATIENCE
 from scenes import Motion, Scene
 from scenes.motion import channels, header
 from tests import scene_files
@@ -131,7 +132,9 @@ def test_speed_file(results: Path) -> None:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
-    assert (speed["timed_runs"] >= 3).all()
+    round_s = (speed["build_s"] + speed["solve_median_s"] + speed["read_s"]).sum()
+    least = LEAST_ROUNDS if LEAST_ROUNDS * round_s <= PATIENCE else 1
+    assert (speed["timed_runs"] >= least).all(), "fewer on a slow machine alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]
