@@ -36,7 +36,7 @@ def broken(name: str, moments: int, draw: random.Random) -> int:
     with TemporaryDirectory() as folder:
         place, job = Path(folder) / "toggle_press", ["-m", "compare.run", *JOBS[name], "--out", folder]
         whole = completed(job)
-        print(f"{name}: a whole run takes {whole:.1f} s", flush=True)
+        print(f"{name}: a whole run takes {whole:.1f} s of processor time", flush=True)
         for _ in range(moments):
             found = killed(job, place, draw.uniform(0, whole))
             older = digests(place)

@@ -19,7 +19,7 @@ PATIENCE = 10.0  # s, for the processes of a killed run to end
 class Killed:
     """What a run that was killed left."""
 
-    after: float  # s
+    after: float  # s, of processor time
     finished: bool  # before that
     result: str  # 'older', 'new', or what is wrong with the files
     left: tuple[str, ...]  # what else is in the folder
@@ -27,10 +27,11 @@ class Killed:
 
 
 def completed(job: Sequence[str]) -> float:
-    """Have Python run a job to its end, and return how long that takes, in s."""
-    started = perf_counter()
+    """Have Python run a job to its end, and return the processor time that it takes, s."""
+    started = os.times()
     subprocess.run([sys.executable, *job], check=True, capture_output=True)
-    return perf_counter() - started
+    ended = os.times()
+    return ended.children_user + ended.children_system - started.children_user - started.children_system
 
 
 def digests(folder: Path) -> Mapping[str, str]:
@@ -39,13 +40,16 @@ def digests(folder: Path) -> Mapping[str, str]:
 
 
 def killed(job: Sequence[str], place: Path, after: float) -> Killed:
-    """Start a job whose older result is in `place`, and kill its first process after so many seconds."""
+    """Start a job whose older result is in `place`, and kill its first process after so much processor time, s.
+
+    A moment by the clock on the wall would come early in a run on a busy machine.
+    """
     older = digests(place)
     process = subprocess.Popen(
         [sys.executable, *job], start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
-    with suppress(subprocess.TimeoutExpired):
-        process.wait(after)
+    while process.poll() is None and sum(map(spent, of_session(process.pid))) < after:
+        sleep(0.02)
     finished = process.poll() is not None
     process.kill()
     process.wait()
@@ -67,6 +71,15 @@ def of_session(leader: int) -> Iterator[int]:
                 state, _, _, session = (process / "stat").read_text().rpartition(")")[2].split()[:4]
                 if int(session) == leader and state != "Z":
                     yield int(process.name)
+
+
+def spent(process: int) -> float:
+    """Return the processor time of a process and of those that it waited for, s; zero of one that has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def compared(older: Mapping[str, str], place: Path) -> str:
