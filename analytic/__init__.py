@@ -3,6 +3,7 @@
 from .change_points import check_way
 from .decomposition import route
 from .inverse import inverse
+from .many import Machines, many_solver, solve_many
 from .solve import solve, solver
 
-__all__ = ["check_way", "inverse", "route", "solve", "solver"]
+__all__ = ["Machines", "check_way", "inverse", "many_solver", "route", "solve", "solve_many", "solver"]

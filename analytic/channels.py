@@ -67,7 +67,10 @@ def _of_group(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
     """Yield how far a group is from a singular configuration."""
     joint = inner_joint(group)
     if isinstance(group, Group):
-        yield (f"{joint}.to_lock",), lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint])
+        yield (
+            (f"{joint}.to_lock",),
+            lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint]).reshape(k.reach[joint].shape),
+        )
         return
     yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
     yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]

@@ -1,7 +1,7 @@
 """Where a slider stands still while the drive moves on, and how far it gets."""
 
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -13,9 +13,11 @@ from scenes.scene import PressForce
 from .dyads import Vectors, dot
 from .geometry import as_complex
 from .kinematics import Linkage, kinematics
+from .numbers import Number, of_machines
 
 SAMPLES = 3600  # over the drive's way: two dead points closer together than this grid are not seen
 BISECTIONS = 60  # from the whole way down to the last place
+TOGETHER = 8  # machines, whose samples stay in cache
 
 Displaced: TypeAlias = Callable[[Samples], tuple[Samples, Samples, Samples]]  # position of the drive -> s, s', s''
 
@@ -59,12 +61,37 @@ def dead_points(displaced: Displaced, least: float, most: float) -> Samples:
     return bisected(lambda position: displaced(position)[1], way[before], way[before + 1])
 
 
-def stroke_end(scene: Scene, linkage: Linkage, load: PressForce) -> float:
-    """Return how far a cycle of the drive takes the slider in its closing direction: the displacement there, m."""
+def stroke_end(scene: Scene, linkage: Linkage, number: int, machines: int = 1) -> Number:
+    """Return how far a cycle of the drive takes a press force's slider in its closing direction, m.
+
+    Args:
+        scene: the mechanism.
+        linkage: its groups.
+        number: of the load.
+        machines: how many the numbers of the scene are of; a number for each is returned, shape (machines, 1).
+    """
+    if machines == 1:
+        return float(_stroke_end(scene, linkage, number)[0])
+    parts = (slice(first, first + TOGETHER) for first in range(0, machines, TOGETHER))
+    some = (cast("tuple[Scene, Linkage]", of_machines((scene, linkage), part)) for part in parts)
+    return np.concatenate([_stroke_end(*part, number) for part in some])[:, None]
+
+
+def _stroke_end(scene: Scene, linkage: Linkage, number: int) -> Samples:
+    """Return the displacement at the dead point, or end of the drive's way, that is furthest, shape (m,)."""
+    load = scene.loads[number]
+    assert isinstance(load, PressForce)
     displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
-    least, most = scene.drive.extent
-    closed = load.closing * displaced(np.array([least, *dead_points(displaced, least, most), most]))[0]
-    return load.closing * float(np.max(closed, initial=-np.inf, where=~np.isnan(closed)))
+    least, most = (np.reshape(end, (-1, 1)) for end in scene.drive.extent)
+    way = least + (most - least) * np.linspace(0, 1, SAMPLES + 1)
+    closed = load.closing * displaced(way)[0]
+    closed, way = np.broadcast_arrays(np.where(np.isnan(closed), -np.inf, closed), way)
+    furthest = closed.argmax(axis=1)[:, None]
+    beside = (np.clip(furthest + step, 0, SAMPLES) for step in (-1, 1))
+    low, high = (np.take_along_axis(way, at, axis=1) for at in beside)
+    dead = bisected(lambda position: load.closing * displaced(position)[1], low, high)
+    found = np.concatenate([closed.max(axis=1)[:, None], load.closing * displaced(dead)[0]], axis=1)
+    return np.asarray(load.closing * np.nanmax(found, axis=1, keepdims=True))[:, 0]
 
 
 def bisected(f: Callable[[Samples], Samples], low: Samples, high: Samples) -> Samples:

@@ -11,11 +11,14 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TypeAlias
 
+import numpy as np
+
 from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
 from .group_equations import Group, PinJoint, SlideJoint
+from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
 
@@ -38,9 +41,9 @@ class Guided:
 
     body: str
     on: str
-    F: complex  # m, in the frame of `body`
-    G: complex  # m, in the frame of `on`
-    t: complex  # unit, in both frames
+    F: Vector  # m, in the frame of `body`
+    G: Vector  # m, in the frame of `on`
+    t: Vector  # unit, in both frames
     slider: str  # the one of the two that the channels are named by
 
 
@@ -53,7 +56,7 @@ class InnerPin:
 
     legs: tuple[Leg, Leg]
     P: str
-    branch: int  # RRR: of (B - A) x (P - A); RRP: of (P - A) . t; PRP: of t1 x t2
+    branch: Number  # RRR: of (B - A) x (P - A); RRP: of (P - A) . t; PRP: of t1 x t2
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class InnerSlide:
 
     legs: tuple[Leg, Pinned]
     guide: Guided  # of the first leg on the second
-    branch: int  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
+    branch: Number  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
 
 
 Dyad: TypeAlias = InnerPin | InnerSlide
@@ -76,7 +79,7 @@ class Decomposition:
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
-    arm: float  # m, the longest
+    arm: Number  # m, the longest
 
 
 def decompose(scene: Scene) -> Decomposition:
@@ -170,7 +173,7 @@ class _Placed:
                 return Guided(name, other, F, G, as_complex(slide.along), slider)
         return None
 
-    def direction(self, leg: Guided) -> complex:
+    def direction(self, leg: Guided) -> Vector:
         """Return the direction of a guide in the sketch."""
         return sketched_attitude(self.scene, leg.body, self.bodies) * leg.t
 
@@ -220,13 +223,16 @@ def _inner_slide(placed: _Placed, one: Leg, two: Leg, guide: Guided) -> InnerSli
     return InnerSlide((one, two), guide, _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}"))
 
 
-def _crossing(placed: _Placed, one: Guided, two: Guided) -> int:
+def _crossing(placed: _Placed, one: Guided, two: Guided) -> Number:
     crossing = cross(placed.direction(one), placed.direction(two))
     why_not = f"the guides of {one.slider} and {two.slider} are parallel"
-    return _sign(crossing if abs(crossing) > FLAT else 0.0, why_not)
+    return _sign(chosen(abs(crossing) > FLAT, crossing, 0.0), why_not)
 
 
-def _sign(value: float, why_not: str) -> int:
+def _sign(value: Number, why_not: str) -> Number:
+    """Return the sign of a machine's value; of several, NaN where it is zero."""
+    if np.ndim(value):
+        return np.where(value == 0, np.nan, np.sign(value))
     if value == 0:
         raise Failure(Status.unsupported, f"the sketch leaves the assembly branch open: {why_not}")
     return 1 if value > 0 else -1

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from scenes.motion import Samples
 
+from .numbers import Number, Vector, chosen, largest, least
+
 Vectors: TypeAlias = NDArray[np.complex128]  # shape (n,)
 
 
@@ -23,31 +25,33 @@ def as_vectors(x: Samples, y: Samples) -> Vectors:
     return v
 
 
-def dot(a: Vectors | complex, b: Vectors) -> Samples:
+def dot(a: Vectors | Vector, b: Vectors) -> Samples:
     """Return a . b."""
     return (a.conjugate() * b).real
 
 
-def cross(a: Vectors | complex, b: Vectors) -> Samples:
+def cross(a: Vectors | Vector, b: Vectors) -> Samples:
     """Return the z component of a x b."""
     return (a.conjugate() * b).imag
 
 
-def rrr_reach(r1: float, r2: float, d: Samples) -> Samples:
+def rrr_reach(r1: Number, r2: Number, d: Samples) -> Samples:
     """Return 16 K^2, K the area of the triangle with sides r1, r2, d; negative where they cannot close.
 
     Kahan, "Miscalculating area and angles of a needle-like triangle" (2014). He sorts the three sides; here only d
     varies, so the two factors that cancel, near d = r1 + r2 and near d = |r1 - r2|, are each bracketed as his sorted
     sides would be at that very pose. Elsewhere nothing cancels and any order will do.
     """
-    long, short = max(r1, r2), min(r1, r2)
+    long, short = largest(r1, r2), least(r1, r2)
     stretched = short - (d - long)
-    folded = d - (long - short) if long <= 2 * short else short - (long - d)
-    return (d + (long + short)) * stretched * (d + (long - short)) * folded
+    near = long <= 2 * short
+    folded = (d - chosen(near, long - short, long)) + chosen(near, 0.0, short)
+    reach: Samples = (d + (long + short)) * stretched * (d + (long - short)) * folded
+    return reach
 
 
 def rrr_position(
-    d: Vectors, distance: Samples, r1: float, r2: float, reach: Samples, branch: int
+    d: Vectors, distance: Samples, r1: Number, r2: Number, reach: Samples, branch: Number
 ) -> tuple[Vectors, Vectors, Samples]:
     """Return p = P - A, q = P - B and p x q, twice the signed area, given d = B - A, |d| and the bars' lengths.
 
@@ -60,7 +64,7 @@ def rrr_position(
     return p, p - d, area
 
 
-def slide_reach(r: float | Samples, h: float | Samples) -> Samples:
+def slide_reach(r: Number | Samples, h: Number | Samples) -> Samples:
     """Return the square of the side along a guide in a right triangle: hypotenuse r, side h across the guide.
 
     Of RRP, where a bar of length r has its foot off the guide by h, and of RPR, where two feet are r apart and the

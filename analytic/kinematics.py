@@ -3,9 +3,11 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeAlias
+from math import prod
+from typing import Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Scene
 from scenes.drive import Driven
@@ -58,7 +60,7 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
 def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
     """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
-    return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, len(position))
+    return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
 
 
 class _Pass(Placing):
@@ -212,32 +214,40 @@ class _Pass(Placing):
 
     def larger(self, group: Group, position: Samples) -> None:
         k, track = self.k, self.tracks[group]
-        placed = self.hung(group, len(position))
-        pose, J = track.at(position, placed.pose)
+        placed = self.hung(group, position.shape)
+        pose, J = track.at(position.ravel(), placed.pose)
+        own: list[NDArray[Any]] = [pose.z, pose.u]
         if self.rates:
             (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, placed))
-        k.jacobian[group.P], k.reach[group.P] = J, np.where(np.isnan(J[:, 0, 0]), -1.0, 1.0)
+            own += [v, a, omega, alpha]
+        k.jacobian[group.P] = J
+        k.reach[group.P] = np.where(np.isnan(J[:, 0, 0]), -1.0, 1.0).reshape(position.shape)
         for b, body in enumerate(group.bodies):
+            z, u, *moving = (values[:, b].reshape(position.shape) for values in own)
             foot = self.scene.bodies[body].points[0]
             if foot not in k.z:
-                k.z[foot] = pose.z[:, b]
+                k.z[foot] = z
                 if self.rates:
-                    k.v[foot], k.a[foot] = v[:, b], a[:, b]
-            self.place(body, foot, pose.u[:, b], (omega[:, b], alpha[:, b]) if self.rates else None)
+                    k.v[foot], k.a[foot] = moving[:2]
+            self.place(body, foot, u, (moving[2], moving[3]) if self.rates else None)
 
-    def hung(self, group: Group, n: int) -> Placed:
-        """Return the frames of what the group hangs on; a point's stay parallel to the ground's."""
-        k, placed = self.k, Placed.at_rest(n, len(group.hangs_on))
+    def hung(self, group: Group, shape: tuple[int, ...]) -> Placed:
+        """Return the frames of what the group hangs on, at one position after the other; a point's do not turn."""
+        k, placed = self.k, Placed.at_rest(prod(shape), len(group.hangs_on))
+
+        def row(samples: NDArray[Any]) -> NDArray[Any]:
+            return np.broadcast_to(samples, shape).ravel()
+
         for column, name in enumerate(group.hangs_on):
             if name in self.scene.bodies:
                 z, v, a = self.fixed(name, self.linkage.bodies[name].first)
-                placed.pose.angle[:, column] = np.angle(k.u[name])
+                placed.pose.angle[:, column] = row(np.angle(k.u[name]))
                 if self.rates:
-                    placed.omega[:, column], placed.alpha[:, column] = k.omega[name], k.alpha[name]
+                    placed.omega[:, column], placed.alpha[:, column] = row(k.omega[name]), row(k.alpha[name])
             elif name != GROUND:
                 point = name.removeprefix(".")
                 z, v, a = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
             else:
                 continue
-            placed.pose.z[:, column], placed.v[:, column], placed.a[:, column] = z, v, a
+            placed.pose.z[:, column], placed.v[:, column], placed.a[:, column] = map(row, (z, v, a))
         return placed

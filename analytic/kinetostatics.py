@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.motion import Samples, force_channels
-from scenes.scene import Force, ForceTable, Load, PressForce
+from scenes.scene import Force, ForceTable, Load
 
 from .dead_points import guide_of
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
@@ -22,9 +22,10 @@ from .geometry import as_complex
 from .group_equations import Group
 from .kinematics import Linkage
 from .newton_group import joint_forces
+from .numbers import Number
 from .placing import Kinematics
 
-StrokeEnds: TypeAlias = Mapping[PressForce, float]  # where a slider's closing stroke ends, m
+StrokeEnds: TypeAlias = Mapping[int, Number]  # by number of the press force: where its slider's closing stroke ends, m
 
 
 class Wrench(NamedTuple):
@@ -148,15 +149,19 @@ class _Balance:
 
     def larger(self, group: Group) -> None:
         equations, J = self.linkage.tracks[group].equations, self.k.jacobian[group.P]
+        shape = self.k.reach[group.P].shape
         force, moment = np.zeros((len(J), len(group.bodies)), complex), np.zeros((len(J), len(group.bodies)))
         for b, body in enumerate(group.bodies):
-            force[:, b], moment[:, b] = self.applied(body, self.scene.bodies[body].points[0])
-        on_pinned, guide_force, guide_moment = joint_forces(equations, J, force, moment)
-        for pin, on_body in zip(group.pins, on_pinned.T, strict=True):
+            applied = self.applied(body, self.scene.bodies[body].points[0])
+            force[:, b], moment[:, b] = (np.broadcast_to(x, shape).ravel() for x in applied)
+        on_pinned, guide_force, guide_moment = (
+            found.T.reshape(-1, *shape) for found in joint_forces(equations, J, force, moment)
+        )
+        for pin, on_body in zip(group.pins, on_pinned, strict=True):
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
                 self.hold(pin.on, pin.point, -on_body)
-        for slide, N, M in zip(group.slides, guide_force.T, guide_moment.T, strict=True):
+        for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
             self.found.guide[slide.slider] = N, M
             slider = self.scene.bodies[slide.slider]
             assert slider.slide is not None
@@ -201,9 +206,9 @@ class _Balance:
     def wrenches(self, body: str) -> Iterator[Wrench]:
         """Yield loads, springs, the pull at the pins that the body carries, and what slides on it."""
         z, pin = self.k.z, self.found.pin
-        for load in self.scene.loads:
+        for number, load in enumerate(self.scene.loads):
             if load.body == body:
-                yield Wrench(self.load(load), z[load.at])
+                yield Wrench(self.load(number, load), z[load.at])
         for spring in self.scene.springs:
             for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if mine == body:
@@ -217,7 +222,7 @@ class _Balance:
                 yield Wrench(pin[point, body], z[point])
         yield from self.slid_on.get(body, ())
 
-    def load(self, load: Load) -> Vectors:
+    def load(self, number: int, load: Load) -> Vectors:
         """Return a load's force, N."""
         if isinstance(load, Force):
             return np.array(as_complex(load.force))
@@ -226,5 +231,5 @@ class _Balance:
         s = dot(t, self.k.z[first] - through)
         if isinstance(load, ForceTable):
             return t * load.along(s)
-        acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[load])
+        acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[number])
         return np.where(acts, as_complex(load.force), 0)

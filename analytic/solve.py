@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.drive import Driven
@@ -17,6 +17,7 @@ from scenes.scene import ConstantSpeed, PressForce
 from .channels import Channels, FromBoth, scalar_channels, vector_channels
 from .dead_points import stroke_end
 from .decomposition import Decomposition, decompose, inner_joint, members
+from .dyads import Vectors
 from .group_equations import Group
 from .kinematics import Linkage, followed, kinematics, placed
 from .kinetostatics import Reactions, StrokeEnds, kinetostatics
@@ -70,13 +71,15 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     return prepared(scene, decompose(scene), channels)
 
 
-def prepared(scene: Scene, whole: Decomposition, channels: AbstractSet[str] | None = None) -> "Solver":
+def prepared(
+    scene: Scene, whole: Decomposition, channels: AbstractSet[str] | None = None, machines: int = 1
+) -> "Solver":
     """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed."""
     request = Sampling(channels=None if channels is None else frozenset(channels))
     forces = request.wants_forces(scene)
     linkage = followed(scene, _needed(whole, request.channels, forces=forces))
-    press_forces = [load for load in scene.loads if isinstance(load, PressForce) and forces]
-    return Solver(scene, linkage, {load: stroke_end(scene, linkage, load) for load in press_forces}, request)
+    press_forces = [n for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces]
+    return Solver(scene, linkage, {n: stroke_end(scene, linkage, n, machines) for n in press_forces}, request)
 
 
 @dataclass(frozen=True)
@@ -96,36 +99,69 @@ class Solver:
             time: as of `solve`.
             motion_at: another way to the kinematics.
         """
-        scene, linkage, wanted = self.scene, self.linkage, self.request.channels
+        scene, linkage = self.scene, self.linkage
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
         position = np.array(position, dtype=np.float32 if single else np.float64)
-        time, driven = _driven(scene, position, time)
-        known = dict.fromkeys(self.request.wanted(scene))
-        forces = self.request.wants_forces(scene)
-        motion_at = motion_at or partial(kinematics, rates=any(quantity(channel) not in STILL for channel in known))
-        vectors = _chosen(vector_channels(scene), wanted)
-        scalars = _chosen(scalar_channels(scene, linkage), wanted)
-        # Two large arrays: the system hands those out in huge pages, many small ones cost several times their writing.
-        planes = np.empty((len(vectors), len(position)), np.result_type(position, np.complex64))
-        lines = np.empty((len(scalars), len(position)), position.dtype)
+        time, driven = driven_at(scene, position, time)
+        motion_at = motion_at or partial(kinematics, rates=self.rates)
+        answer = Answer(scene, linkage, self.request, position.shape, position.dtype)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
             for start in range(0, len(position), BLOCK):
                 block = slice(start, start + BLOCK)
                 k = motion_at(scene, linkage, Driven(*(x[block] if x.ndim else x for x in driven)))
                 check_reach(scene, linkage, k, position[block])
-                on = kinetostatics(scene, linkage, self.stroke_ends, k, wanted) if forces else Reactions()
-                for rows, takes in ((planes, vectors.values()), (lines, scalars.values())):
-                    for row, take in zip(rows, takes, strict=True):
-                        row[block] = take(k, on)
-        samples = {"time": time, scene.drive_channel: position}
-        for (x, y), row in zip(vectors, planes, strict=True):
+                for row, values in answer.taken(k, self.reactions(k)):
+                    row[block] = values
+        return Motion(answer.samples(time, position))
+
+    @property
+    def rates(self) -> bool:
+        """Whether any channel wanted needs velocities or accelerations."""
+        return any(quantity(channel) not in STILL for channel in self.request.wanted(self.scene))
+
+    def reactions(self, k: Kinematics) -> Reactions:
+        """Return the reactions that are wanted, or none."""
+        if not self.request.wants_forces(self.scene):
+            return Reactions()
+        return kinetostatics(self.scene, self.linkage, self.stroke_ends, k, self.request.channels)
+
+
+class Answer:
+    """The channels asked for, and where their samples go, of any shape of positions."""
+
+    def __init__(
+        self, scene: Scene, linkage: Linkage, request: Request, shape: tuple[int, ...], precision: DTypeLike
+    ) -> None:
+        self.known = dict.fromkeys(request.wanted(scene))
+        self.drive_channel = scene.drive_channel
+        self.vectors = _chosen(vector_channels(scene), request.channels)
+        self.scalars = _chosen(scalar_channels(scene, linkage), request.channels)
+        # Two large arrays: the system hands those out in huge pages, many small ones cost several times their writing.
+        self.planes = np.empty((len(self.vectors), *shape), np.result_type(precision, np.complex64))
+        self.lines = np.empty((len(self.scalars), *shape), precision)
+
+    def taken(self, k: Kinematics, on: Reactions) -> Iterator[tuple[NDArray[Any], Vectors | Samples]]:
+        """Yield where samples go, of the answer's shape, and those of a block of positions."""
+        for rows, takes in ((self.planes, self.vectors.values()), (self.lines, self.scalars.values())):
+            for row, take in zip(rows, takes, strict=True):
+                yield row, take(k, on)
+
+    def samples(self, time: Samples, position: Samples) -> dict[str, Samples]:
+        """Return the channels by name, in the order of the files, with the instants and the positions of the drive."""
+        samples = {"time": time, self.drive_channel: position}
+        for (x, y), row in zip(self.vectors, self.planes, strict=True):
             samples |= {x: row.real, y: row.imag}
-        samples |= {name: row for (name,), row in zip(scalars, lines, strict=True)}
-        own = (name for (name,) in scalars if name not in known)
-        return Motion({channel: samples[channel] for channel in (*known, *own)})
+        samples |= {name: row for (name,), row in zip(self.scalars, self.lines, strict=True)}
+        own = (name for (name,) in self.scalars if name not in self.known)
+        return {channel: samples[channel] for channel in (*self.known, *own)}
 
 
-def _driven(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
+def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
+    """Return the instants, s, and what the drive asks for at them and at its positions, both of one shape.
+
+    Raises:
+        ValueError: the drive follows a law, and no instants are given.
+    """
     if time is not None:
         time = np.array(time, dtype=np.float64)
     if isinstance(scene.drive, ConstantSpeed):

@@ -6,7 +6,7 @@ A driven crank has an angle, rad, a driven slider the displacement of its first 
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import copysign, pi
+from math import pi
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
@@ -43,7 +43,7 @@ class ConstantSpeed:
     @property
     def advance(self) -> float:
         """Return how far one cycle takes the body, rad or m: a turn, or the way to the end."""
-        return copysign(2 * pi, self.speed) if self.end is None else self.end - self.start
+        return 2 * pi * (self.speed / abs(self.speed)) if self.end is None else self.end - self.start
 
     @property
     def cycle(self) -> float:
@@ -59,7 +59,7 @@ class ConstantSpeed:
     def extent(self) -> tuple[float, float]:
         """Return the least and the largest position of a cycle, rad or m."""
         ends = self.start, self.start + self.advance
-        return min(ends), max(ends)
+        return np.minimum(*ends), np.maximum(*ends)
 
     def after(self, cycles: ArrayLike) -> Samples:
         """Return the positions, rad or m, after numbers of cycles, whole or not, of any shape."""
@@ -68,7 +68,9 @@ class ConstantSpeed:
     def at(self, time: ArrayLike) -> Driven:
         """Return what the drive asks for at instants of any shape, s, before zero and after the end too."""
         time = np.asarray(time, np.float64)
-        return Driven(self.start + self.speed * time, np.full(time.shape, self.speed), np.zeros(time.shape))
+        return Driven(
+            self.start + self.speed * time, np.asarray(self.speed) + np.zeros(time.shape), np.zeros(time.shape)
+        )
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,8 @@ A slider's displacement is that of its body's first point along its guide from `
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -54,7 +56,17 @@ class ForceTable:
 
     def along(self, displacement: float | NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the forces along the guide, N, at displacements of any shape, m."""
-        return np.asarray(np.interp(displacement, self.displacements, self.forces))
+        if not self._of_many:
+            return np.asarray(np.interp(displacement, self.displacements, self.forces))
+        force = np.asarray(self.forces[0])
+        for (x0, f0), (x1, f1) in pairwise(zip(self.displacements, self.forces, strict=True)):
+            force = force + (f1 - f0) / (x1 - x0) * np.clip(displacement - x0, 0, x1 - x0)
+        return force
+
+    @cached_property
+    def _of_many(self) -> bool:
+        """Whether the entries are those of many machines, as of `scenes.machines`."""
+        return any(np.ndim(number) for number in (*self.displacements, *self.forces))
 
 
 @dataclass(frozen=True)

@@ -220,7 +220,7 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
             raise InputError(
                 f"bodies.{name}.slides.along: expected a direction of a size from 1e-15 to 1e15, found {norm:g}"
             )
-        slide = Slide(table.slides.on, _times(length, table.slides.through), _times(1 / norm, table.slides.along))
+        slide = Slide(table.slides.on, _times(length, table.slides.through), _times(1 / norm, table.slides.along), norm)
     return Body(
         name=name,
         points=names,

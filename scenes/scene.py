@@ -45,6 +45,7 @@ class Slide:
     on: str
     through: Vector  # a point of the line, m
     along: Vector  # unit vector
+    drawn: float = 1.0  # how long `along` is in the file
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Whether the numbers of a scene are of a size that all models can take."""
 
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 from .errors import InputError
 from .scene import ForceTable, MotionLaw, PressForce, Scene
@@ -12,23 +13,27 @@ def check_sizes(scene: Scene) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first such number.
     """
+    for place, value, size, smallest, largest, limits in sized(scene):
+        if value != 0 and not smallest <= abs(value) <= largest:
+            raise InputError(f"{place}: expected a size {limits}, found {value / size:g}")
+
+
+def sized(scene: Scene) -> Iterator[tuple[str, Any, float, float, float, str]]:
+    """Yield place in the file, value, its unit, smallest and largest size, and both in words; zero is for others."""
     (length, m), (mass, kg), (force, N) = (scene.units[name] for name in ("length", "mass", "force"))
     units = {**scene.units, "inertia": (f"{mass}*{length}^2", kg * m**2), "stiffness": (f"{force}/{length}", N / m)}
     units |= {"time": ("s", 1.0), "gravity": ("m/s^2", 1.0)}
     for place, quantity, value, smallest, largest in _sizes(scene):
-        if value != 0 and not smallest <= abs(value) <= largest:
-            unit, size = units[quantity]
-            limits = f"from {smallest / size:.2g} to {largest / size:.2g} {unit}"
-            raise InputError(f"{place}: expected a size {limits}, found {value / size:g}")
+        unit, size = units[quantity]
+        yield place, value, size, smallest, largest, f"from {smallest / size:.2g} to {largest / size:.2g} {unit}"
 
 
-def _sizes(scene: Scene) -> Iterator[tuple[str, str, float, float, float]]:
-    """Yield place in the file, quantity, value, smallest and largest size; zero is for others to judge."""
+def _sizes(scene: Scene) -> Iterator[tuple[str, str, Any, float, float]]:
     for body in scene.bodies.values():
         for pair, length in (body.lengths or {}).items():
             yield f"bodies.{body.name}.lengths.{'-'.join(sorted(pair))}", "length", length, 1e-15, 1e15
-        yield f"bodies.{body.name}.mass", "mass", body.mass or 0.0, 1e-15, 1e15
-        yield f"bodies.{body.name}.inertia", "inertia", body.inertia or 0.0, 1e-45, 1e45
+        yield f"bodies.{body.name}.mass", "mass", 0.0 if body.mass is None else body.mass, 1e-15, 1e15
+        yield f"bodies.{body.name}.inertia", "inertia", 0.0 if body.inertia is None else body.inertia, 1e-45, 1e45
     if isinstance(scene.drive, MotionLaw):
         for number, time in enumerate(scene.drive.times):
             yield f"drive.law.{number}.0", "time", time, 1e-15, 1e15
@@ -58,7 +63,7 @@ def _coordinates(scene: Scene) -> Iterator[tuple[str, str, Iterable[float]]]:
         yield "drive.law", drive, scene.drive.positions
     else:
         yield "drive.start", drive, (scene.drive.start,)
-        yield "drive.end", drive, (scene.drive.end or 0.0,)
+        yield "drive.end", drive, () if scene.drive.end is None else (scene.drive.end,)
     for number, load in enumerate(scene.loads):
         if isinstance(load, ForceTable):
             yield f"loads.{number}.table", "length", load.displacements

@@ -1,0 +1,202 @@
+"""Many machines of one topology in the same array operations: their numbers have shape (m, 1), positions (n,).
+
+What does not differ stays a plain number, or samples of shape (n,), and is found once for all machines.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import Motion, Scene, Status
+from scenes.drive import Driven
+from scenes.machines import machines, refused
+from scenes.motion import Samples
+
+from .decomposition import decompose, inner_joint
+from .group_equations import Group
+from .kinematics import kinematics
+from .kinetostatics import Reactions
+from .misfit import of_dyad
+from .motion_range import in_line
+from .numbers import of_machines
+from .placing import Kinematics
+from .solve import BLOCK, Answer, Solver, driven_at, prepared
+
+NOWHERE = complex(np.nan, np.nan)
+
+
+@dataclass(frozen=True)
+class Machines:
+    """The answers of m machines: channel name -> samples of shape (m, n), SI; and how each machine ended.
+
+    Where a machine does not assemble, its samples are NaN.
+    """
+
+    samples: Mapping[str, Samples]
+    status: Sequence[Status]
+    reason: Sequence[str]  # why the status is not ok; empty where it is
+
+    def __getitem__(self, channel: str) -> Samples:
+        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.motion.UNITS`.
+
+        Raises:
+            KeyError: there is no such channel; the message names the nearest one.
+        """
+        return Motion(self.samples)[channel]
+
+    def __contains__(self, channel: str) -> bool:
+        """Whether the channel was computed."""
+        return channel in self.samples
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Return which machines are ok, shape (m,)."""
+        return np.array([status is Status.ok for status in self.status], np.bool_)
+
+
+def solve_many(
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    position: ArrayLike,
+    time: ArrayLike | None = None,
+    channels: AbstractSet[str] | None = None,
+) -> Machines:
+    """Solve many machines that differ in some numbers, each as `solve` does; none spoils another.
+
+    Args:
+        scene: the mechanism.
+        changes: by path in its file (`bodies.rocker.lengths.O-P3`), in the file's units, a number for each of m
+            machines, shape (m,).
+        position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), or (m, n) for positions of
+            each machine's own.
+        time: as of `solve`, of the same shape as the positions.
+        channels: as of `solve`.
+
+    Returns:
+        The channels, each of shape (m, n), and the status of each machine, with where and why it cannot assemble.
+
+    Raises:
+        Failure: the linkage has bodies that are held twice over.
+        InputError: there is no number at a path, or one that cannot differ.
+        ValueError: the numbers are not as many for each path; or as of `solve`.
+    """
+    return many_solver(scene, changes, channels)(position, time)
+
+
+def many_solver(
+    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
+) -> "ManySolver":
+    """Return `solve_many` for many calls, with what it raises: the machines are decomposed only once."""
+    count = len(np.ravel(next(iter(changes.values())))) if changes else 1
+    many = machines(scene, changes)
+    with np.errstate(all="ignore"):  # machines that no file could describe are named
+        return ManySolver(prepared(many, decompose(many), channels, count), count, refused(many))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Some machines at some positions: what is known there, and where a group does not reach."""
+
+    rows: slice
+    columns: slice
+    k: Kinematics
+    on: Reactions
+    unreached: NDArray[np.bool_] | None  # shape (rows, columns); None where all reach
+
+
+@dataclass(frozen=True)
+class ManySolver:
+    """The machines of one topology, prepared for many calls."""
+
+    solver: Solver  # with numbers of shape (m, 1)
+    count: int  # m
+    refused: Mapping[int, str]  # by machine: which number no file may have
+
+    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
+        """Solve as `solve_many` does, with what it returns and raises."""
+        scene, linkage = self.solver.scene, self.solver.linkage
+        position = np.asarray(position, np.float64)
+        shape = (self.count, position.shape[-1])
+        answer = Answer(scene, linkage, self.solver.request, shape, np.float64)
+        endings = Endings(self)
+        for block in self.blocks(position, time, endings):
+            finite: NDArray[np.bool_] = np.array(True)
+            for row, values in answer.taken(block.k, block.on):
+                row[block.rows, block.columns] = values
+                finite = finite & np.isfinite(np.sum(values, axis=-1))
+                if block.unreached is not None:
+                    row[block.rows, block.columns][block.unreached] = NOWHERE if np.iscomplexobj(row) else np.nan
+            endings.check(block.rows, finite)
+        instants, _ = driven_at(scene, position, time)
+        samples = answer.samples(*(np.broadcast_to(x, shape) for x in (instants, position)))
+        return Machines(samples, *endings.told())
+
+    def blocks(self, position: Samples, time: ArrayLike | None, endings: "Endings") -> Iterator[Block]:
+        """Yield what is known of blocks of machines and positions, whose temporaries stay in cache."""
+        _, driven = driven_at(self.solver.scene, position, time)
+        n = position.shape[-1]
+        height = max(1, BLOCK // n)
+        with np.errstate(all="ignore"):  # what is not finite gets a status
+            for first in range(0, self.count, height):
+                rows = slice(first, min(first + height, self.count))
+                part = of_machines(self.solver, rows)
+                for start in range(0, n, BLOCK):
+                    columns = slice(start, min(start + BLOCK, n))
+                    here = Driven(*(_part(x, rows, columns) for x in driven))
+                    k = kinematics(part.scene, part.linkage, here, rates=part.rates)
+                    unreached = endings.reached(rows, part, k, np.broadcast_to(here.position, _shape(rows, columns)))
+                    yield Block(rows, columns, k, part.reactions(k), unreached)
+
+
+class Endings:
+    """How each machine ends: the first thing that stops it."""
+
+    def __init__(self, many: ManySolver) -> None:
+        self.many = many
+        self.failed = {machine: (Status.cannot_assemble, why) for machine, why in many.refused.items()}
+        for group in many.solver.linkage.groups:
+            branch = 1 if isinstance(group, Group) else group.branch
+            for machine in np.flatnonzero(np.isnan(branch)).tolist():
+                why = f"the sketch leaves the assembly branch open: {in_line(group)}"
+                self.failed.setdefault(machine, (Status.unsupported, why))
+
+    def reached(self, rows: slice, part: Solver, k: Kinematics, position: Samples) -> NDArray[np.bool_] | None:
+        """Note where a group of a machine does not reach first; return all such places, None for none."""
+        beyond: NDArray[np.bool_] | None = None
+        for joint, reach in k.reach.items():
+            if (reach < 0).any():
+                short = np.broadcast_to(reach < 0, position.shape)
+                to_lock = np.broadcast_to(k.to_lock.get(joint, np.array(np.nan)), position.shape)
+                group = next(group for group in part.linkage.groups if inner_joint(group) == joint)
+                for row in np.flatnonzero(short.any(axis=1)).tolist():
+                    at = int(short[row].argmax())
+                    where, open_by = part.scene.where(float(position[row, at])), float(to_lock[row, at])
+                    apart = "" if isinstance(group, Group) else of_dyad(part.scene, group, open_by)
+                    why = f"{joint} cannot be reached at {where}{apart}; {in_line(group)}"
+                    self.failed.setdefault(rows.start + row, (Status.cannot_assemble, why))
+                beyond = short if beyond is None else beyond | short
+        return beyond
+
+    def check(self, rows: slice, finite: NDArray[np.bool_]) -> None:
+        """Note machines of which a sample is not finite, shape (rows,)."""
+        for row in np.flatnonzero(~np.broadcast_to(finite, rows.stop - rows.start)).tolist():
+            self.failed.setdefault(rows.start + row, (Status.nonfinite, "a channel holds values that are not finite"))
+
+    def told(self) -> tuple[tuple[Status, ...], tuple[str, ...]]:
+        """Return each machine's status, and why it is not ok."""
+        endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.many.count)]
+        return tuple(status for status, _ in endings), tuple(why for _, why in endings)
+
+
+def _part(samples: Samples, rows: slice, columns: slice) -> Samples:
+    """Return the samples of some machines and positions, of an array whose axes may have the length one, or be none."""
+    if samples.ndim == 2 and samples.shape[0] > 1:
+        samples = samples[rows]
+    return samples[..., columns] if samples.ndim and samples.shape[-1] > 1 else samples
+
+
+def _shape(rows: slice, columns: slice) -> tuple[int, int]:
+    return rows.stop - rows.start, columns.stop - columns.start

@@ -1,0 +1,111 @@
+"""Many machines at once: each as a file of its own would have it, and none spoilt by another."""
+
+import numpy as np
+import pytest
+
+import analytic
+import scenes
+from analytic.decomposition import decompose
+from analytic.group_equations import Group
+from scenes import InputError, Scene, Status
+from scenes.machines import paths
+
+CLOSED_FORM = [
+    name
+    for name in scenes.shipped()
+    if not any(isinstance(group, Group) for group in decompose(scenes.load(name)).groups)
+]
+COUNT = 5
+CLOSE = 1e-10  # of a channel's peak: roundings, times what a scene's conditioning makes of them
+
+
+def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
+    """Return other numbers at all paths, off by a share, or by it of a unit where they are zero."""
+    draw = np.random.default_rng(seed)
+    written = [path for path in paths(scene) if path != "drive.start"]  # which some files leave out
+    nominal = np.array(scenes.numbers_in(scene.name, written))
+    size = np.where(nominal == 0, 1.0, nominal)
+    others = nominal + size * share * draw.uniform(-1, 1, (COUNT, len(nominal)))
+    return dict(zip(written, others.T, strict=True))
+
+
+@pytest.mark.parametrize("name", CLOSED_FORM)
+def test_each_machine_is_as_one_of_a_file(name: str) -> None:
+    """Every number of the file differs, and the drive's way, in another form of the arithmetic, is the same."""
+    scene = scenes.load(name)
+    time = np.linspace(0, scene.drive.cycle, 37)
+    position = scene.drive.at(time).position
+    changes = varied(scene, 1e-4)
+    many = analytic.solve_many(scene, changes, position, time)
+    for machine in range(COUNT):
+        numbers = {path: float(values[machine]) for path, values in changes.items()}
+        one = analytic.solve(scenes.load(name, numbers), position, time)
+        assert many.status[machine] is Status.ok, many.reason[machine]
+        for channel, samples in one.samples.items():
+            off = np.abs(many[channel][machine] - samples).max()
+            assert off <= CLOSE * max(np.abs(samples).max(), 1e-9), channel
+
+
+def test_a_machine_that_fails_spoils_no_other() -> None:
+    scene = scenes.load("toggle_press")
+    position = np.linspace(0, 2 * np.pi, 91)
+    changes = {
+        "bodies.rocker.lengths.P3-O": [300, 200, 300, 300, 300.0],
+        "bodies.toggle.lengths.P2-P4": [760, 760, 990, 760, 760.0],
+        "bodies.rod.mass": [60, 60, 60, -1, 60.0],
+    }
+    many = analytic.solve_many(scene, changes, position)
+    assert [status.name for status in many.status] == ["ok", *["cannot_assemble"] * 3, "ok"]
+    for machine, words in {
+        1: ("P5 cannot be reached at crank angle", "rod and slider"),
+        2: ("triangle",),
+        3: ("mass", "-1"),
+    }.items():
+        assert all(word in many.reason[machine] for word in words), many.reason[machine]
+    for machine in (0, 4):
+        one = analytic.solve(scene, position)
+        assert all(np.array_equal(many[channel][machine], one[channel]) for channel in one.samples)
+    reached = np.isfinite(many["P5.y"][1])
+    assert 0 < reached.sum() < len(position)
+    assert not reached[np.isnan(many["drive.torque"][1])].any()
+
+
+def test_positions_of_each_machine_and_channels_asked_for() -> None:
+    scene = scenes.load("toggle_press")
+    position = np.linspace([0, 1], [6, 7], 11, axis=1)
+    many = analytic.solve_many(scene, {"drive.speed": [60, -30]}, position, channels={"P5.vy"})
+    for machine, speed in enumerate((60, -30)):
+        one = analytic.solve(scenes.load("toggle_press", {"drive.speed": float(speed)}), position[machine])
+        assert many["P5.vy"][machine] == pytest.approx(one["P5.vy"], rel=1e-13)  # roundings
+        assert many["time"][machine] == pytest.approx(one["time"], rel=1e-13)
+    assert "P5.ay" not in many
+
+
+def test_blocks_do_not_show() -> None:
+    """More positions than a block, and more machines than one."""
+    scene = scenes.load("toggle_press")
+    lengths = np.linspace(299, 301, 40)
+    long = np.linspace(0, 6, 20_001)
+    changes = {"bodies.rocker.lengths.O-P3": lengths}
+    few = analytic.solve_many(scene, {"bodies.rocker.lengths.O-P3": lengths[[3, 39]]}, long, channels={"P5.ay"})
+    assert np.array_equal(
+        few["P5.ay"][:, ::100], analytic.solve_many(scene, changes, long[::100], channels={"P5.ay"})["P5.ay"][[3, 39]]
+    )
+
+
+@pytest.mark.parametrize(
+    ("path", "near"),
+    [
+        ("bodies.rocker.lengths.O-P4", "O-P3"),
+        ("bodies.rokcer.mass", "bodies.rocker.mass"),
+        ("sketch.P2.0", "expected the path of a number"),
+    ],
+)
+def test_paths_of_no_number(path: str, near: str) -> None:
+    with pytest.raises(InputError, match=near):
+        analytic.solve_many(scenes.load("toggle_press"), {path: [1.0]}, [0.0])
+
+
+def test_numbers_for_every_machine() -> None:
+    with pytest.raises(ValueError, match="one number a machine"):
+        analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [1.0, 2], "drive.speed": [3.0]}, [0.0])
