@@ -2,8 +2,9 @@
 
 from .change_points import check_way
 from .decomposition import route
+from .derivatives import derivatives
 from .inverse import inverse
 from .many import Machines, many_solver, solve_many
 from .solve import solve, solver
 
-__all__ = ["Machines", "check_way", "inverse", "many_solver", "route", "solve", "solve_many", "solver"]
+__all__ = ["Machines", "check_way", "derivatives", "inverse", "many_solver", "route", "solve", "solve_many", "solver"]

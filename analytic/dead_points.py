@@ -13,7 +13,7 @@ from scenes.scene import PressForce
 from .dyads import Vectors, dot
 from .geometry import as_complex
 from .kinematics import Linkage, kinematics
-from .numbers import Number, of_machines
+from .numbers import Number, of_machines, samples
 
 SAMPLES = 3600  # over the drive's way: two dead points closer together than this grid are not seen
 BISECTIONS = 60  # from the whole way down to the last place
@@ -50,7 +50,7 @@ def guide_of(scene: Scene, point: str) -> tuple[Vectors, complex]:
     if guided is None:
         raise ValueError(f"{point} is on no body that slides on the ground")
     _, slide = guided
-    return np.asarray(as_complex(slide.along)), as_complex(slide.through)
+    return samples(as_complex(slide.along)), as_complex(slide.through)
 
 
 def dead_points(displaced: Displaced, least: float, most: float) -> Samples:

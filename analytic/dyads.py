@@ -6,20 +6,22 @@ Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b
 near the folded pose.
 """
 
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes.motion import Samples
 
-from .numbers import Number, Vector, chosen, largest, least
+from .numbers import Number, Vector, chosen, largest, least, samples
 
 Vectors: TypeAlias = NDArray[np.complex128]  # shape (n,)
 
 
 def as_vectors(x: Samples, y: Samples) -> Vectors:
-    """Return x + iy; twice as fast as writing it so."""
+    """Return x + iy; of arrays twice as fast as writing it so."""
+    if not (isinstance(x, np.ndarray) and isinstance(y, np.ndarray)):
+        return cast("Vectors", x + 1j * y)
     v = np.empty(np.shape(x), np.result_type(x, np.complex64))
     v.real, v.imag = x, y
     return v
@@ -70,7 +72,7 @@ def slide_reach(r: Number | Samples, h: Number | Samples) -> Samples:
     Of RRP, where a bar of length r has its foot off the guide by h, and of RPR, where two feet are r apart and the
     guide passes them by h; negative where they do not reach.
     """
-    return np.asarray((r - h) * (r + h))
+    return samples((r - h) * (r + h))
 
 
 def closing(e: Vectors, g1: Vectors, g2: Vectors, det: Samples) -> tuple[Samples, Samples]:

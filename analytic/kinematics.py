@@ -19,6 +19,7 @@ from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pin
 from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
 from .group_equations import Group, Placed, in_plane
 from .newton_group import rates
+from .numbers import samples
 from .placing import Closure, Kinematics, Placing
 
 RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]
@@ -136,16 +137,16 @@ class _Pass(Placing):
         p_t, p_n = dyad.branch * np.sqrt(k.reach[P]), e.imag
         s = p_t - e.real
         p = as_vectors(p_t, p_n) * t
-        closure = k.closure[P] = Closure(1j * p, np.asarray(t), -p_t)
+        closure = k.closure[P] = Closure(1j * p, samples(t), -p_t)
 
         spin = None
         base = self.carried(slider.on, C, s * t)
-        k.z[P] = np.asarray(base[0])
+        k.z[P] = samples(base[0])
         if self.rates:
             omega, ds = closing(base[1] - k.v[A], *closure)
             a = base[2] + self.coriolis(slider.on, ds * t)
             alpha, dds = closing(a - (k.a[A] - omega**2 * p), *closure)
-            k.v[P], k.a[P] = np.asarray(base[1] + ds * t), np.asarray(a + dds * t)
+            k.v[P], k.a[P] = samples(base[1] + ds * t), samples(a + dds * t)
             spin = omega, alpha
         self.place_on_guide(slider, P)
         self.place(bar.body, A, as_vectors(p_t, p_n) * (t / arm), spin)
@@ -173,7 +174,7 @@ class _Pass(Placing):
         k, guide, name = self.k, dyad.guide, inner_joint(dyad)
         bodies = self.linkage.bodies
         feet = (guide.F - bodies[one.body].local[one.A]) - (guide.G - bodies[two.body].local[two.A])
-        h = -cross(guide.t, np.asarray(feet))
+        h = -cross(guide.t, samples(feet))
         d = k.z[one.A] - k.z[two.A]
         distance = np.abs(d)
         k.reach[name] = slide_reach(distance, h)
@@ -235,8 +236,8 @@ class _Pass(Placing):
         """Return the frames of what the group hangs on, at one position after the other; a point's do not turn."""
         k, placed = self.k, Placed.at_rest(prod(shape), len(group.hangs_on))
 
-        def row(samples: NDArray[Any]) -> NDArray[Any]:
-            return np.broadcast_to(samples, shape).ravel()
+        def row(values: NDArray[Any]) -> NDArray[Any]:
+            return np.broadcast_to(values, shape).ravel()
 
         for column, name in enumerate(group.hangs_on):
             if name in self.scene.bodies:

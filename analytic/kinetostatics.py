@@ -22,7 +22,7 @@ from .geometry import as_complex
 from .group_equations import Group
 from .kinematics import Linkage
 from .newton_group import joint_forces
-from .numbers import Number
+from .numbers import Number, samples
 from .placing import Kinematics
 
 StrokeEnds: TypeAlias = Mapping[int, Number]  # by number of the press force: where its slider's closing stroke ends, m
@@ -196,7 +196,7 @@ class _Balance:
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
         moment = cross(r, force) - rigid.inertia * k.alpha[body]
         if self.scene.gravity is not None:
-            weight = np.array(rigid.mass * as_complex(self.scene.gravity))
+            weight = samples(rigid.mass * as_complex(self.scene.gravity))
             force, moment = force + weight, moment + cross(r, weight)
         for wrench in self.wrenches(body):
             force = force + wrench.force
@@ -225,11 +225,12 @@ class _Balance:
     def load(self, number: int, load: Load) -> Vectors:
         """Return a load's force, N."""
         if isinstance(load, Force):
-            return np.array(as_complex(load.force))
+            return samples(as_complex(load.force))
         first = self.scene.bodies[load.body].points[0]
         t, through = guide_of(self.scene, first)
         s = dot(t, self.k.z[first] - through)
         if isinstance(load, ForceTable):
-            return t * load.along(s)
+            force: Vectors = t * load.along(s)
+            return force
         acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[number])
         return np.where(acts, as_complex(load.force), 0)

@@ -9,9 +9,10 @@ from dataclasses import is_dataclass
 from functools import reduce
 from math import sqrt
 from operator import is_
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 Number: TypeAlias = Any  # float, or real samples of shape (m, 1)
 Vector: TypeAlias = Any  # complex, or complex samples of shape (m, 1)
@@ -37,6 +38,11 @@ def chosen(condition: Any, yes: Any, no: Any) -> Any:
 def root(number: Number) -> Number:
     """Return the square root, zero of what is negative."""
     return sqrt(max(number, 0.0)) if _plain(number) else np.sqrt(np.maximum(number, 0.0))
+
+
+def samples(number: Any) -> NDArray[Any]:
+    """Return a plain number as samples of shape (); what are samples already stays as it is."""
+    return cast("NDArray[Any]", number) if hasattr(number, "astype") else np.asarray(number)
 
 
 def of_machines(whole: Any, rows: Any) -> Any:

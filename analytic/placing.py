@@ -13,6 +13,7 @@ from scenes.scene import GROUND
 from .decomposition import Decomposition, Guided
 from .dyads import Vectors, closing, turned
 from .geometry import as_complex
+from .numbers import Vector, samples
 
 Plane: TypeAlias = tuple[Vectors, Vectors, Vectors]  # position, velocity, acceleration
 Spin: TypeAlias = tuple[Samples, Samples]  # omega, alpha
@@ -49,7 +50,7 @@ class Kinematics:
 
     def direction(self, leg: Guided) -> Vectors:
         """Return the direction of a leg's guide in the plane."""
-        return np.asarray(leg.t) if leg.on == GROUND else self.u[leg.on] * leg.t
+        return samples(leg.t) if leg.on == GROUND else self.u[leg.on] * leg.t
 
 
 class Placing:
@@ -61,16 +62,16 @@ class Placing:
 
     def __init__(self, scene: Scene, linkage: Decomposition, precision: NDArray[Any], *, rates: bool) -> None:
         self.scene, self.linkage, self.rates = scene, linkage, rates
-        self.real, self.complex = precision.dtype, np.result_type(precision, np.complex64)
+        self.real, self.complex = precision.dtype, np.result_type(precision.dtype, np.complex64)
         self.still: Vectors = np.zeros((), self.complex)
         k = self.k = Kinematics()
         for point, xy in scene.ground.items():
             k.z[point], k.v[point], k.a[point] = self.constant(as_complex(xy)), self.still, self.still
         k.u[GROUND], k.omega[GROUND], k.alpha[GROUND] = self.constant(1), self.still.real, self.still.real
 
-    def constant(self, value: complex) -> Vectors:
-        """Return a vector that does not change."""
-        return np.array(value, self.complex)
+    def constant(self, value: Vector) -> Vectors:
+        """Return a vector that is the same at all positions."""
+        return samples(value).astype(self.complex)
 
     # --- guides
 

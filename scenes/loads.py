@@ -7,10 +7,10 @@ A slider's displacement is that of its body's first point along its guide from `
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 Vector: TypeAlias = tuple[float, float]
 
@@ -38,10 +38,10 @@ class PressForce:
     last: float  # m
     closing: int  # the sign of the displacement's rate while the slider closes
 
-    def acts(self, displacement: ArrayLike, velocity: ArrayLike, end: float) -> NDArray[np.bool_]:
+    def acts(self, displacement: Any, velocity: Any, end: float) -> NDArray[np.bool_]:
         """Return where the force acts: displacements, m, velocities, m/s, of one shape; the stroke ends at `end`, m."""
-        before_end = (end - np.asarray(displacement)) * self.closing
-        acts: NDArray[np.bool_] = (before_end <= self.last) & (np.asarray(velocity) * self.closing > 0)
+        before_end = (end - displacement) * self.closing
+        acts: NDArray[np.bool_] = (before_end <= self.last) & (velocity * self.closing > 0)
         return acts
 
 
@@ -54,11 +54,11 @@ class ForceTable:
     displacements: tuple[float, ...]  # m, increasing
     forces: tuple[float, ...]  # N, along `along`
 
-    def along(self, displacement: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    def along(self, displacement: Any) -> Any:
         """Return the forces along the guide, N, at displacements of any shape, m."""
         if not self._of_many:
-            return np.asarray(np.interp(displacement, self.displacements, self.forces))
-        force = np.asarray(self.forces[0])
+            return np.interp(displacement, self.displacements, self.forces)
+        force = self.forces[0]
         for (x0, f0), (x1, f1) in pairwise(zip(self.displacements, self.forces, strict=True)):
             force = force + (f1 - f0) / (x1 - x0) * np.clip(displacement - x0, 0, x1 - x0)
         return force

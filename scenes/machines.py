@@ -1,6 +1,6 @@
 """Many machines of one topology: a scene with arrays of shape (m, 1) in place of the numbers that differ."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import combinations, pairwise
@@ -34,15 +34,10 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
         InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch.
         ValueError: the numbers are not as many for each path.
     """
-    arrays = {_canonical(path): np.array(values, np.float64) for path, values in changes.items()}
+    known = numbers_of(scene)
+    arrays = {at_path(scene, path, known): np.array(values, np.float64) for path, values in changes.items()}
     if len({values.shape for values in arrays.values()}) > 1 or any(values.ndim != 1 for values in arrays.values()):
         raise ValueError("changes: expected one number a machine for each path, shape (m,)")
-    known = paths(scene)
-    for path, given in zip(arrays, changes, strict=True):
-        if path not in known:
-            raise InputError(
-                f"{scene.file}: {given}: expected the path of a number of the machine{nearest(path, known)}"
-            )
 
     def change(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
         return to_si(arrays[path][:, None]) if path in arrays else value
@@ -50,15 +45,36 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
     return with_numbers(scene, change)
 
 
-def paths(scene: Scene) -> Sequence[str]:
-    """Return the paths of all numbers that machines of one topology may differ by, in the order of the file."""
-    found: list[str] = []
+def numbers_of(scene: Scene) -> Mapping[str, tuple[Any, float]]:
+    """Return all numbers that machines of one topology may differ by, in the order of the file.
 
-    def note(path: str, value: Any, _: Callable[[Any], Any]) -> Any:
-        found.append(path)
+    Args:
+        scene: the mechanism.
+
+    Returns:
+        By path: the number in SI, and what the file's unit of it is in SI.
+    """
+    found: dict[str, tuple[Any, float]] = {}
+
+    def note(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
+        found[path] = value, to_si(1.0)
         return value
 
     with_numbers(scene, note)
+    return found
+
+
+def at_path(scene: Scene, path: str, known: Collection[str]) -> str:
+    """Return the one form of a path, in which a length has no direction.
+
+    Raises:
+        InputError: there is no number that machines may differ by.
+    """
+    before, key, pair = path.partition(".lengths.")
+    found = before + key + "-".join(sorted(pair.split("-")))
+    if found not in known:
+        near = nearest(found, known)
+        raise InputError(f"{scene.file}: {path}: expected the path of a number of the machine{near}")
     return found
 
 
@@ -99,11 +115,6 @@ def refused(scene: Scene) -> dict[int, str]:
 
 
 # --- parts of the scene ----------------------------------------------------------------------------------------------
-
-
-def _canonical(path: str) -> str:
-    before, key, pair = path.partition(".lengths.")
-    return before + key + "-".join(sorted(pair.split("-")))
 
 
 def _times(size: float, value: Any) -> Any:

@@ -8,7 +8,7 @@ import scenes
 from analytic.decomposition import decompose
 from analytic.group_equations import Group
 from scenes import InputError, Scene, Status
-from scenes.machines import paths
+from scenes.machines import numbers_of
 
 CLOSED_FORM = [
     name
@@ -22,7 +22,7 @@ CLOSE = 1e-10  # of a channel's peak: roundings, times what a scene's conditioni
 def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     """Return other numbers at all paths, off by a share, or by it of a unit where they are zero."""
     draw = np.random.default_rng(seed)
-    written = [path for path in paths(scene) if path != "drive.start"]  # which some files leave out
+    written = [path for path in numbers_of(scene) if path != "drive.start"]  # which some files leave out
     nominal = np.array(scenes.numbers_in(scene.name, written))
     size = np.where(nominal == 0, 1.0, nominal)
     others = nominal + size * share * draw.uniform(-1, 1, (COUNT, len(nominal)))

@@ -1,0 +1,88 @@
+"""Recorded expressions as Python code: one NumPy call an operation, its results in few arrays that stay in cache."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import atan2, cos, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from scenes.drive import Driven
+from scenes.motion import Samples
+
+from .expressions import Expression
+from .program import SAMPLED, needed
+
+BLOCK = 4000  # positions: a few hundred arrays of them are at hand at a time
+
+PLAIN = {
+    "add": "({} + {})",
+    "subtract": "({} - {})",
+    "multiply": "({} * {})",
+    "divide": "({} / {})",
+    "negative": "(-{})",
+    "absolute": "abs({})",
+    "minimum": "min({}, {})",
+    "maximum": "max({}, {})",
+    "less": "({} < {})",
+    "less_equal": "({} <= {})",
+    "where": "({1} if {0} else {2})",
+    "arctan2": "atan2({}, {})",
+}
+
+
+def evaluated(expressions: Sequence[Expression], numbers: Mapping[str, float], driven: Driven) -> Samples:
+    """Return the values of expressions, shape (expressions, n), at positions of the drive, shape (n,)."""
+    run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2}
+    exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)
+    n = len(driven.position)
+    rows = np.zeros((len(expressions), n))  # whose pages, where nothing is written, cost nothing
+    with np.errstate(all="ignore"):
+        for start in range(0, n, BLOCK):
+            block = slice(start, min(start + BLOCK, n))
+            given = (np.broadcast_to(samples, n)[block] for samples in driven)
+            run["evaluate"](numbers, *given, rows[:, block])
+    return rows
+
+
+def code(expressions: Sequence[Expression]) -> Iterator[str]:
+    """Yield the lines of a function that writes the values of expressions into the rows of an array."""
+    order = needed(expressions)
+    last = {one.order: place for place, made in enumerate(order) for one in made.of if isinstance(one, Expression)}
+    rows: dict[int, int] = {}
+    for row, expression in enumerate(expressions):
+        rows.setdefault(expression.order, row)
+    name: dict[int, str] = {}
+    free: list[str] = []
+    arrays = 0
+    yield f"def evaluate(number, {', '.join(SAMPLED)}, row):"
+    for place, made in enumerate(order):
+        of = [name[one.order] for one in made.of if isinstance(one, Expression)]
+        own = rows.get(made.order)
+        if made.operation == "constant":
+            name[made.order] = repr(made.of[0]) if np.isfinite(made.of[0]) else f"float('{made.of[0]}')"
+        elif made.operation == "input":
+            name[made.order] = made.of[0] if made.sampled else f"number[{made.of[0]!r}]"
+        elif not made.sampled:
+            name[made.order] = f"n{made.order}"
+            form = PLAIN.get(made.operation, made.operation + "({})")
+            yield f"    n{made.order} = {form.format(*of)}"
+        elif made.operation in ("where", "less", "less_equal"):
+            name[made.order] = f"s{made.order}"
+            yield f"    s{made.order} = np.{made.operation}({', '.join(of)})"
+        else:
+            if own is not None:
+                target = f"row[{own}]"
+            elif free:
+                target = free.pop()
+            else:
+                target, arrays = f"a{arrays}", arrays + 1
+                yield f"    {target} = np.empty(len(position))"
+            name[made.order] = target
+            yield f"    np.{made.operation}({', '.join(of)}, {target})"
+        if own is not None and name[made.order] not in (f"row[{own}]", "0.0"):
+            yield f"    row[{own}] = {name[made.order]}"
+        ended = {one.order for one in made.of if isinstance(one, Expression) and last.get(one.order) == place}
+        free += sorted({name[one] for one in ended if name[one].startswith("a") and name[one][1:].isdecimal()})
+    for row, expression in enumerate(expressions):
+        if rows[expression.order] != row and name[expression.order] != "0.0":
+            yield f"    row[{row}] = row[{rows[expression.order]}]"
