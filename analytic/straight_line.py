@@ -78,7 +78,7 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
                 target, arrays = f"a{arrays}", arrays + 1
                 yield f"    {target} = np.empty(len(position))"
             name[made.order] = target
-            yield f"    np.{made.operation}({', '.join(of)}, {target})"
+            yield f"    np.{made.operation}({', '.join(of)}, out={target})"
         if own is not None and name[made.order] not in (f"row[{own}]", "0.0"):
             yield f"    row[{own}] = {name[made.order]}"
         ended = {one.order for one in made.of if isinstance(one, Expression) and last.get(one.order) == place}
