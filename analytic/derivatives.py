@@ -11,9 +11,9 @@ from scenes.machines import at_path, numbers_of
 from scenes.motion import Samples
 
 from .expressions import Expression, Recorder
-from .program import Program, needed, recorded
+from .program import Program, needed, recorded, stroke_end
 from .solve import driven_at, solver
-from .straight_line import evaluated
+from .straight_line import StraightLine
 
 
 def derivatives(
@@ -48,10 +48,10 @@ def derivatives(
     position = np.asarray(position, np.float64)
     _, driven = driven_at(scene, position, time)
     values = {key: known[key][0] for key in keys}
-    values |= {f"stroke_end.{number}": end for number, end in solve.stroke_ends.items()}
+    values |= {stroke_end(number): end for number, end in solve.stroke_ends.items()}
     found = differentiated(program, keys)
     names = [(channel, key) for channel in program.channels for key in range(len(keys))]
-    rows = evaluated([found[key][channel] for channel, key in names], values, driven)
+    rows = StraightLine([found[key][channel] for channel, key in names])(values, driven)
     units = np.array([known[key][1] for key in keys])[:, None]
     return {
         channel: rows[number * len(keys) : (number + 1) * len(keys)] * units

@@ -5,6 +5,8 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from scenes import Failure, Sampling, Scene, Status
 from scenes.drive import Driven
 from scenes.machines import with_numbers
@@ -27,6 +29,7 @@ class Program:
     make: Recorder
     numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
+    reach: Expression  # negative where a group does not reach
 
 
 def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None) -> Program:
@@ -64,7 +67,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     on = Reactions()
     if request.wants_forces(scene):
         presses = (number for number, load in enumerate(scene.loads) if isinstance(load, PressForce))
-        ends: Any = {number: make.input(f"stroke_end.{number}", sampled=False) for number in presses}
+        ends: Any = {number: make.input(stroke_end(number), sampled=False) for number in presses}
         on = kinetostatics(opened, linkage, ends, k, request.channels)
     found: dict[str, Expression] = {}
     for (x, y), take in vector_channels(scene):
@@ -74,7 +77,15 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     for (name,), take in scalar_channels(scene, linkage):
         if request.channels is None or name in request.channels:
             found[name] = make.traced(take(k, on)).x
-    return Program(make, numbers, found)
+    least: Any = make.traced(np.inf)
+    for reach in k.reach.values():
+        least = np.minimum(least, reach)
+    return Program(make, numbers, found, least.x)
+
+
+def stroke_end(number: int) -> str:
+    """Return the name of the input that is where a press force's stroke ends, m, by the number of the load."""
+    return f"stroke_end.{number}"
 
 
 def needed(expressions: Iterable[Expression]) -> list[Expression]:

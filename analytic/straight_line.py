@@ -30,18 +30,24 @@ PLAIN = {
 }
 
 
-def evaluated(expressions: Sequence[Expression], numbers: Mapping[str, float], driven: Driven) -> Samples:
-    """Return the values of expressions, shape (expressions, n), at positions of the drive, shape (n,)."""
-    run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2}
-    exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)
-    n = len(driven.position)
-    rows = np.zeros((len(expressions), n))  # whose pages, where nothing is written, cost nothing
-    with np.errstate(all="ignore"):
-        for start in range(0, n, BLOCK):
-            block = slice(start, min(start + BLOCK, n))
-            given = (np.broadcast_to(samples, n)[block] for samples in driven)
-            run["evaluate"](numbers, *given, rows[:, block])
-    return rows
+class StraightLine:
+    """The values of expressions at positions of the drive, for many calls."""
+
+    def __init__(self, expressions: Sequence[Expression]) -> None:
+        run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2}
+        exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)  # of names made here alone
+        self._evaluate, self._count = run["evaluate"], len(expressions)
+
+    def __call__(self, numbers: Mapping[str, float], driven: Driven) -> Samples:
+        """Return the values, shape (expressions, n), at positions of the drive, shape (n,)."""
+        n = len(driven.position)
+        rows = np.zeros((self._count, n))  # whose pages, where nothing is written, cost nothing
+        with np.errstate(all="ignore"):
+            for start in range(0, n, BLOCK):
+                block = slice(start, min(start + BLOCK, n))
+                given = (np.broadcast_to(samples, n)[block] for samples in driven)
+                self._evaluate(numbers, *given, rows[:, block])
+        return rows
 
 
 def code(expressions: Sequence[Expression]) -> Iterator[str]:
