@@ -1,7 +1,7 @@
 """Where a slider stands still while the drive moves on, and how far it gets."""
 
 from collections.abc import Callable
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 
@@ -73,8 +73,8 @@ def stroke_end(scene: Scene, linkage: Linkage, number: int, machines: int = 1) -
     if machines == 1:
         return float(_stroke_end(scene, linkage, number)[0])
     parts = (slice(first, first + TOGETHER) for first in range(0, machines, TOGETHER))
-    some = (cast("tuple[Scene, Linkage]", of_machines((scene, linkage), part)) for part in parts)
-    return np.concatenate([_stroke_end(*part, number) for part in some])[:, None]
+    some = map(of_machines((scene, linkage)), parts)
+    return np.concatenate([_stroke_end(part, those, number) for part, those in some])[:, None]
 
 
 def _stroke_end(scene: Scene, linkage: Linkage, number: int) -> Samples:

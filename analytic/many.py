@@ -139,10 +139,11 @@ class ManySolver:
         _, driven = driven_at(self.solver.scene, position, time)
         n = position.shape[-1]
         height = max(1, BLOCK // n)
+        some = of_machines(self.solver)
         with np.errstate(all="ignore"):  # what is not finite gets a status
             for first in range(0, self.count, height):
                 rows = slice(first, min(first + height, self.count))
-                part = of_machines(self.solver, rows)
+                part = some(rows)
                 for start in range(0, n, BLOCK):
                     columns = slice(start, min(start + BLOCK, n))
                     here = Driven(*(_part(x, rows, columns) for x in driven))

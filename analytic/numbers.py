@@ -3,12 +3,11 @@
 Plain numbers take the precision of the positions that they meet, as NumPy has it of Python's own.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from dataclasses import is_dataclass
 from functools import reduce
 from math import sqrt
-from operator import is_
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -45,22 +44,43 @@ def samples(number: Any) -> NDArray[Any]:
     return cast("NDArray[Any]", number) if hasattr(number, "astype") else np.asarray(number)
 
 
-def of_machines(whole: Any, rows: Any) -> Any:
-    """Return what holds numbers of shape (m, 1), with those of some machines; what they are not in stays as it is."""
+def of_machines(whole: Any) -> Callable[[Any], Any]:
+    """Return the function of rows that takes what holds numbers of shape (m, 1) to the same of some machines.
+
+    What those numbers are not in is looked at only once, and stays as it is.
+    """
+    parts = _parts(whole)
+    return parts if parts is not None else lambda _: whole
+
+
+def _parts(whole: Any) -> Callable[[Any], Any] | None:
     if isinstance(whole, np.ndarray):
-        return whole[rows] if whole.ndim == 2 and whole.shape[1] == 1 else whole
+        return whole.__getitem__ if whole.ndim == 2 and whole.shape[1] == 1 else None
     if isinstance(whole, tuple):
-        parts = [of_machines(part, rows) for part in whole]
-        return whole if all(map(is_, parts, whole)) else tuple(parts)
+        found = _differing(enumerate(whole))
+        return (lambda rows: tuple(_changed(dict(enumerate(whole)), found, rows).values())) if found else None
     if isinstance(whole, Mapping):
-        parts = [of_machines(part, rows) for part in whole.values()]
-        return whole if all(map(is_, parts, whole.values())) else dict(zip(whole, parts, strict=True))
-    if is_dataclass(whole):
-        changed = {name: part for name, old in vars(whole).items() if (part := of_machines(old, rows)) is not old}
-        if changed:
-            whole = copy(whole)
-            vars(whole).update(changed)
-    return whole
+        found = _differing(whole.items())
+        return (lambda rows: _changed(dict(whole), found, rows)) if found else None
+    if is_dataclass(whole) and (found := _differing(vars(whole).items())):
+
+        def some(rows: Any) -> Any:
+            part = copy(whole)
+            _changed(vars(part), found, rows)
+            return part
+
+        return some
+    return None
+
+
+def _differing(items: Iterable[tuple[Any, Any]]) -> dict[Any, Callable[[Any], Any]]:
+    return {key: parts for key, value in items if (parts := _parts(value)) is not None}
+
+
+def _changed(values: dict[Any, Any], found: Mapping[Any, Callable[[Any], Any]], rows: Any) -> dict[Any, Any]:
+    for key, parts in found.items():
+        values[key] = parts(rows)
+    return values
 
 
 def _plain(*numbers: Number) -> bool:
