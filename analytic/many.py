@@ -6,12 +6,12 @@ What does not differ stays a plain number, or samples of shape (n,), and is foun
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Motion, Scene, Status
-from scenes.drive import Driven
 from scenes.machines import machines, refused
 from scenes.motion import Samples
 
@@ -104,6 +104,7 @@ class Block:
     columns: slice
     k: Kinematics
     on: Reactions
+    position: Samples  # of the drive, rad or m, shape (columns,) or (rows, columns)
     unreached: NDArray[np.bool_] | None  # shape (rows, columns); None where all reach
 
 
@@ -134,9 +135,8 @@ class ManySolver:
         samples = answer.samples(*(np.broadcast_to(x, shape) for x in (instants, position)))
         return Machines(samples, *endings.told())
 
-    def blocks(self, position: Samples, time: ArrayLike | None, endings: "Endings") -> Iterator[Block]:
+    def blocks(self, position: Any, time: ArrayLike | None, endings: "Endings") -> Iterator[Block]:
         """Yield what is known of blocks of machines and positions, whose temporaries stay in cache."""
-        _, driven = driven_at(self.solver.scene, position, time)
         n = position.shape[-1]
         height = max(1, BLOCK // n)
         some = of_machines(self.solver)
@@ -146,10 +146,12 @@ class ManySolver:
                 part = some(rows)
                 for start in range(0, n, BLOCK):
                     columns = slice(start, min(start + BLOCK, n))
-                    here = Driven(*(_part(x, rows, columns) for x in driven))
+                    at = _part(position, rows, columns)
+                    when = None if time is None else _part(np.asarray(time, np.float64), rows, columns)
+                    _, here = driven_at(part.scene, at, when)
                     k = kinematics(part.scene, part.linkage, here, rates=part.rates)
                     unreached = endings.reached(rows, part, k, np.broadcast_to(here.position, _shape(rows, columns)))
-                    yield Block(rows, columns, k, part.reactions(k), unreached)
+                    yield Block(rows, columns, k, part.reactions(k), here.position, unreached)
 
 
 class Endings:
@@ -192,11 +194,9 @@ class Endings:
         return tuple(status for status, _ in endings), tuple(why for _, why in endings)
 
 
-def _part(samples: Samples, rows: slice, columns: slice) -> Samples:
-    """Return the samples of some machines and positions, of an array whose axes may have the length one, or be none."""
-    if samples.ndim == 2 and samples.shape[0] > 1:
-        samples = samples[rows]
-    return samples[..., columns] if samples.ndim and samples.shape[-1] > 1 else samples
+def _part(samples: Any, rows: slice, columns: slice) -> Any:
+    """Return the samples, shape (n,) or (m, n), of some machines and positions."""
+    return samples[rows, columns] if len(samples.shape) == 2 else samples[columns]
 
 
 def _shape(rows: slice, columns: slice) -> tuple[int, int]:

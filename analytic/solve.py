@@ -146,6 +146,12 @@ class Answer:
             for row, take in zip(rows, takes, strict=True):
                 yield row, take(k, on)
 
+    def filled(self, k: Kinematics, on: Reactions, position: Samples) -> dict[str, Samples]:
+        """Return the channels by name of an answer that is one block."""
+        for row, values in self.taken(k, on):
+            row[...] = values
+        return self.samples(np.empty(0), np.broadcast_to(position, self.lines.shape[1:]))
+
     def samples(self, time: Samples, position: Samples) -> dict[str, Samples]:
         """Return the channels by name, in the order of the files, with the instants and the positions of the drive."""
         samples = {"time": time, self.drive_channel: position}
