@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, cached_property
 from hashlib import sha256
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from os import environ, getpid
@@ -20,14 +20,16 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Motion, Scene, Status
+from scenes import Failure, Motion, Scene, Status
 from scenes.drive import Driven
 from scenes.machines import at_path, machines, numbers_of
 from scenes.motion import Samples
 
-from .expressions import Expression
+from .decomposition import decompose
+from .expressions import Expression, needed
+from .group_equations import Group
 from .many import Machines, many_solver, solve_many
-from .program import SAMPLED, Program, needed, recorded, stroke_end
+from .program import SAMPLED, Program, recorded, stroke_end
 from .solve import Solver, driven_at, solver
 from .straight_line import PLAIN, StraightLine
 
@@ -50,6 +52,8 @@ def fast_solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Fast
     Raises:
         Failure: as of `solver`; `unsupported` for a group that is solved by Newton's method.
     """
+    if any(isinstance(group, Group) for group in decompose(scene).groups):
+        raise Failure(Status.unsupported, "a group that is solved by Newton's method is no straight line")
     return FastSolver(scene, None if channels is None else frozenset(channels), solver(scene, channels))
 
 
@@ -139,7 +143,7 @@ class FastSolver:
         if not COMPILES:
             program = recorded(self.scene, frozenset(), self.channels)
             line = StraightLine([*program.channels.values(), program.reach])
-            return tuple(program.channels), partial(line, ends)
+            return tuple(program.channels), lambda driven: line(ends, driven._asdict())
         names, kernel, program = self._with(frozenset())
         numbers = np.array([[{**self._numbers, **ends}[name] for name in names]])
         return tuple(program.channels), lambda driven: self._filled(

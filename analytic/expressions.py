@@ -3,9 +3,10 @@
 What the core computes with these in place of samples is the straight line of its own formulas.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from math import atan2, cos, sin, sqrt
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import atan2, cos, isqrt, sin, sqrt
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -30,7 +31,8 @@ OPERATIONS: Mapping[str, Operation] = {
 }
 
 
-class Expression(NamedTuple):
+@dataclass(frozen=True, eq=False, slots=True)
+class Expression:
     """An operation on others; or a number in the place of the operation's name, or an input by its name and kind."""
 
     order: int  # of making: what an expression needs comes before it
@@ -48,6 +50,23 @@ class Recorder:
     def input(self, name: str, *, sampled: bool) -> "Traced":
         """Return an input: of each position, or a number."""
         return Traced(self, self._make("input", (name,), sampled=sampled), self.constant(0.0))
+
+    def system(self, A: Iterable[Expression], b: Sequence[Expression]) -> Expression:
+        """Return the linear equations A x = b, the m^2 entries of A row by row; zero where all of b is."""
+        if all(one.operation == "constant" and one.of[0] == 0 for one in b):
+            return self.constant(0.0)
+        return self._make("system", (*A, *b), sampled=True)
+
+    def component(self, system: Expression, i: int) -> Expression:
+        """Return one of the unknowns of linear equations."""
+        if system.operation == "constant":
+            return system
+        return self._make("component", (system, self.constant(i)), sampled=True)
+
+    @staticmethod
+    def unknowns(system: Expression) -> int:
+        """Return how many unknowns linear equations have."""
+        return (isqrt(1 + 4 * len(system.of)) - 1) // 2
 
     def constant(self, value: float) -> Expression:
         """Return a number."""
@@ -230,6 +249,18 @@ class Traced:
         return both
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def needed(expressions: Iterable[Expression]) -> list[Expression]:
+    """Return expressions and all that they are made of, in an order in which they can be evaluated."""
+    found: dict[int, Expression] = {}
+    ahead = list(expressions)
+    while ahead:
+        expression = ahead.pop()
+        if expression.order not in found:
+            found[expression.order] = expression
+            ahead += [one for one in expression.of if isinstance(one, Expression)]
+    return [found[order] for order in sorted(found)]
 
 
 def _real(name: str) -> Callable[..., Traced]:

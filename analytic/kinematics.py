@@ -39,7 +39,7 @@ def kinematics(
 
     Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN.
     """
-    return _Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
+    return Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
 
 
 def followed(scene: Scene, whole: Decomposition) -> Linkage:
@@ -61,17 +61,17 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
 def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
     """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
-    return _Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
+    return Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
 
 
-class _Pass(Placing):
+class Pass(Placing):
     """One pass from the driver to the last group."""
 
     def __init__(self, scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
         super().__init__(scene, linkage, driven.position, rates=rates)
         self.driven, self.rrr_position, self.tracks = driven, rrr, linkage.tracks
 
-    def solve(self) -> "_Pass":
+    def solve(self) -> "Pass":
         """Place everything."""
         self.driver(self.linkage.driver, self.driven)
         for group in self.linkage.groups:
@@ -84,6 +84,7 @@ class _Pass(Placing):
         return self
 
     def driver(self, driver: Leg, driven: Driven) -> None:
+        """Place the driven body."""
         spin = driven.rate.astype(self.real), driven.acceleration.astype(self.real)
         if isinstance(driver, Pinned):
             self.place(driver.body, driver.A, np.exp(1j * driven.position), spin if self.rates else None)
@@ -97,6 +98,7 @@ class _Pass(Placing):
     # --- dyads
 
     def inner_pin(self, dyad: InnerPin) -> None:
+        """Place the legs of a dyad with an inner pin."""
         one, two = dyad.legs
         if isinstance(one, Pinned) and isinstance(two, Pinned):
             self.rrr(dyad, one, two)
@@ -106,6 +108,7 @@ class _Pass(Placing):
             self.prp(dyad, one, two)
 
     def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
+        """Place two bars; P follows from the three sides of their triangle."""
         A, B, P, k = one.A, two.A, dyad.P, self.k
         bar_1 = self.linkage.bodies[one.body].arm(A, P)
         bar_2 = self.linkage.bodies[two.body].arm(B, P)
@@ -152,6 +155,7 @@ class _Pass(Placing):
         self.place(bar.body, A, as_vectors(p_t, p_n) * (t / arm), spin)
 
     def prp(self, dyad: InnerPin, one: Guided, two: Guided) -> None:
+        """Place two sliders, whose guides cross at P."""
         P, k = dyad.P, self.k
         C1, C2 = self.guide_through(one, P), self.guide_through(two, P)
         t1, t2 = self.k.direction(one), self.k.direction(two)
@@ -163,6 +167,7 @@ class _Pass(Placing):
         self.place_on_guide(two, P)
 
     def inner_slide(self, dyad: InnerSlide) -> None:
+        """Place the legs of a dyad with an inner slide."""
         one, two = dyad.legs
         if isinstance(one, Pinned):
             self.rpr(dyad, one, two)
@@ -214,6 +219,7 @@ class _Pass(Placing):
     # --- larger groups
 
     def larger(self, group: Group, position: Samples) -> None:
+        """Place a larger group by Newton's method from the nearest pose of its branch."""
         k, track = self.k, self.tracks[group]
         placed = self.hung(group, position.shape)
         pose, J = track.at(position.ravel(), placed.pose)

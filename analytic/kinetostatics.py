@@ -4,10 +4,10 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -49,22 +49,11 @@ def kinetostatics(
     scene: Scene, linkage: Linkage, stroke_ends: StrokeEnds, k: Kinematics, wanted: AbstractSet[str] | None = None
 ) -> Reactions:
     """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does."""
-    balance = _Balance(scene, linkage, stroke_ends, k)
-    for group in reversed(linkage.groups):
-        if wanted is not None and balance.has(wanted):
-            return balance.found
-        if isinstance(group, InnerPin):
-            balance.inner_pin(group)
-        elif isinstance(group, InnerSlide):
-            balance.inner_slide(group)
-        else:
-            balance.larger(group)
-    balance.driver()
-    return balance.found
+    return Balance(scene, linkage, stroke_ends, k).solve(wanted)
 
 
 @dataclass(frozen=True)
-class _Balance:
+class Balance:
     """One pass from the last group to the driver."""
 
     scene: Scene
@@ -73,6 +62,20 @@ class _Balance:
     k: Kinematics
     found: Reactions = field(default_factory=Reactions)
     slid_on: dict[str, list[Wrench]] = field(default_factory=dict)  # by body: what the guides of other groups do to it
+
+    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
+        """Balance one group after the other, as long as a reaction that is wanted is missing."""
+        for group in reversed(self.linkage.groups):
+            if wanted is not None and self.has(wanted):
+                return self.found
+            if isinstance(group, InnerPin):
+                self.inner_pin(group)
+            elif isinstance(group, InnerSlide):
+                self.inner_slide(group)
+            else:
+                self.larger(group)
+        self.driver()
+        return self.found
 
     def has(self, wanted: AbstractSet[str]) -> bool:
         """Return whether all reactions wanted were found; what was, is final."""
@@ -83,6 +86,7 @@ class _Balance:
     # --- dyads
 
     def inner_pin(self, dyad: InnerPin) -> None:
+        """Balance a dyad with an inner pin."""
         one, two = dyad.legs
         closure = self.k.closure[dyad.P]
         applied = [self.applied(leg.body, self.foot(leg)) for leg in dyad.legs]
@@ -98,6 +102,7 @@ class _Balance:
                 self.outer_guide(leg, force + on_leg, moment + cross(arm, on_leg))
 
     def inner_slide(self, dyad: InnerSlide) -> None:
+        """Balance a dyad with an inner slide."""
         one, two = dyad.legs
         force_1, moment_1 = self.applied(one.body, self.foot(one))
         force_2, moment_2 = self.applied(two.body, two.A)
@@ -148,15 +153,18 @@ class _Balance:
     # --- larger groups, driver
 
     def larger(self, group: Group) -> None:
+        """Balance a larger group, by the transpose of its Jacobian."""
         equations, J = self.linkage.tracks[group].equations, self.k.jacobian[group.P]
         shape = self.k.reach[group.P].shape
         force, moment = np.zeros((len(J), len(group.bodies)), complex), np.zeros((len(J), len(group.bodies)))
         for b, body in enumerate(group.bodies):
             applied = self.applied(body, self.scene.bodies[body].points[0])
             force[:, b], moment[:, b] = (np.broadcast_to(x, shape).ravel() for x in applied)
-        on_pinned, guide_force, guide_moment = (
-            found.T.reshape(-1, *shape) for found in joint_forces(equations, J, force, moment)
-        )
+        found = joint_forces(equations, J, force, moment)
+        self.spread(group, *(multipliers.T.reshape(-1, *shape) for multipliers in found))
+
+    def spread(self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any) -> None:
+        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider."""
         for pin, on_body in zip(group.pins, on_pinned, strict=True):
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
@@ -172,6 +180,7 @@ class _Balance:
                     self.slid_on.setdefault(placed, []).append(Wrench(sign * reaction, at, sign * M))
 
     def driver(self) -> None:
+        """Balance the driven body, and find the effort of the drive."""
         leg = self.linkage.driver
         force, moment = self.applied(leg.body, self.foot(leg))
         if isinstance(leg, Pinned):

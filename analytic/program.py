@@ -1,23 +1,26 @@
 """The core's formulas for one topology as a straight line of real expressions, recorded from the core itself."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from scenes import Failure, Sampling, Scene, Status
+from scenes import Sampling, Scene
 from scenes.drive import Driven
 from scenes.machines import with_numbers
+from scenes.motion import Samples
 from scenes.scene import PressForce
 
 from .channels import scalar_channels, vector_channels
 from .decomposition import decompose
 from .expressions import Expression, Recorder, Traced
 from .group_equations import Group
-from .kinematics import Linkage, kinematics
-from .kinetostatics import Reactions, kinetostatics
+from .kinematics import Linkage
+from .kinetostatics import Reactions
+from .placing import Kinematics
+from .recorded_group import RecordedBalance, RecordedPass
 
 SAMPLED = ("position", "rate", "acceleration")  # of the drive
 
@@ -36,12 +39,13 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     """Record the core's own formulas.
 
     Args:
-        scene: the mechanism; its groups are dyads.
+        scene: the mechanism.
         paths: of the numbers that stay open; the others are those of the scene.
-        channels: the names of those wanted; None for all, but for the time and the drive's position.
+        channels: the names of those wanted; None for all, but for the time, the drive's position and a larger group's
+            distance from a singular configuration, which is a singular value.
 
     Raises:
-        Failure: `unsupported` when the linkage has a larger group.
+        Failure: as of `decompose`.
     """
     make = Recorder()
     numbers: dict[str, Expression] = {}
@@ -55,27 +59,26 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
 
     opened = with_numbers(scene, change)
     whole = decompose(opened)
-    if any(isinstance(group, Group) for group in whole.groups):
-        raise Failure(Status.unsupported, "a group that is solved by Newton's method has no formula to record")
     linkage = Linkage(whole.driver, whole.groups, whole.bodies, whole.carries, whole.arm, tracks={})
     driven: Any = Driven(*(make.input(name, sampled=True) for name in SAMPLED))  # type: ignore[arg-type]
     rate = getattr(opened.drive, "speed", None)
     if isinstance(rate, Traced):
         driven = driven._replace(rate=rate, acceleration=make.traced(0.0))
-    k = kinematics(opened, linkage, driven)
+    k = RecordedPass(make, opened, linkage, driven).solve().k
     request = Sampling(channels=None if channels is None else frozenset(channels))
     on = Reactions()
     if request.wants_forces(scene):
         presses = (number for number, load in enumerate(scene.loads) if isinstance(load, PressForce))
         ends: Any = {number: make.input(stroke_end(number), sampled=False) for number in presses}
-        on = kinetostatics(opened, linkage, ends, k, request.channels)
+        on = RecordedBalance(opened, linkage, ends, k).solve(request.channels)
     found: dict[str, Expression] = {}
     for (x, y), take in vector_channels(scene):
         if request.channels is None or {x, y} & request.channels:
             vector: Any = take(k, on)
             found |= {x: make.traced(vector).x, y: make.traced(vector).y}
+    singular_values = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     for (name,), take in scalar_channels(scene, linkage):
-        if request.channels is None or name in request.channels:
+        if (request.channels is None or name in request.channels) and name not in singular_values:
             found[name] = make.traced(take(k, on)).x
     least: Any = make.traced(np.inf)
     for reach in k.reach.values():
@@ -83,18 +86,15 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     return Program(make, numbers, found, least.x)
 
 
+def coordinates(scene: Scene, k: Kinematics, linkage: Linkage) -> dict[str, Samples]:
+    """Return the inputs that are the poses of larger groups."""
+    found: dict[str, Samples] = {}
+    for body in (body for group in linkage.groups if isinstance(group, Group) for body in group.bodies):
+        z = k.z[scene.bodies[body].points[0]]
+        found |= {f"{body}.x": z.real, f"{body}.y": z.imag, f"{body}.angle": np.angle(k.u[body])}
+    return found
+
+
 def stroke_end(number: int) -> str:
     """Return the name of the input that is where a press force's stroke ends, m, by the number of the load."""
     return f"stroke_end.{number}"
-
-
-def needed(expressions: Iterable[Expression]) -> list[Expression]:
-    """Return expressions and all that they are made of, in an order in which they can be evaluated."""
-    found: dict[int, Expression] = {}
-    ahead = list(expressions)
-    while ahead:
-        expression = ahead.pop()
-        if expression.order not in found:
-            found[expression.order] = expression
-            ahead += [one for one in expression.of if isinstance(one, Expression)]
-    return [found[order] for order in sorted(found)]

@@ -1,16 +1,15 @@
 """Recorded expressions as Python code: one NumPy call an operation, its results in few arrays that stay in cache."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, isqrt, sin, sqrt
 from typing import Any
 
 import numpy as np
 
-from scenes.drive import Driven
 from scenes.motion import Samples
 
-from .expressions import Expression
-from .program import SAMPLED, needed
+from .expressions import Expression, needed
+from .newton_group import solved
 
 BLOCK = 4000  # positions: a few hundred arrays of them are at hand at a time
 
@@ -34,20 +33,29 @@ class StraightLine:
     """The values of expressions at positions of the drive, for many calls."""
 
     def __init__(self, expressions: Sequence[Expression]) -> None:
-        run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2}
+        run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2, "solutions": solutions}
         exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)  # of names made here alone
         self._evaluate, self._count = run["evaluate"], len(expressions)
 
-    def __call__(self, numbers: Mapping[str, float], driven: Driven) -> Samples:
-        """Return the values, shape (expressions, n), at positions of the drive, shape (n,)."""
-        n = len(driven.position)
+    def __call__(self, numbers: Mapping[str, float], samples: Mapping[str, Samples]) -> Samples:
+        """Return the values, shape (expressions, n), given the inputs: numbers, and samples of shape (n,) or ()."""
+        n = len(samples["position"])
         rows = np.zeros((self._count, n))  # whose pages, where nothing is written, cost nothing
         with np.errstate(all="ignore"):
             for start in range(0, n, BLOCK):
                 block = slice(start, min(start + BLOCK, n))
-                given = (np.broadcast_to(samples, n)[block] for samples in driven)
-                self._evaluate(numbers, *given, rows[:, block])
+                given = {name: np.broadcast_to(values, n)[block] for name, values in samples.items()}
+                self._evaluate(numbers, given, rows[:, block])
         return rows
+
+
+def solutions(n: int, entries: Sequence[Samples | float]) -> Samples:
+    """Return x of A x = b, shape (m, n), given the entries of A, row by row, and of b."""
+    m = (isqrt(1 + 4 * len(entries)) - 1) // 2
+    rows = np.empty((n, m * m + m))
+    for column, entry in enumerate(entries):
+        rows[:, column] = entry
+    return np.ascontiguousarray(solved(rows[:, : m * m].reshape(n, m, m), rows[:, m * m :]).T)
 
 
 def code(expressions: Sequence[Expression]) -> Iterator[str]:
@@ -60,18 +68,24 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
     name: dict[int, str] = {}
     free: list[str] = []
     arrays = 0
-    yield f"def evaluate(number, {', '.join(SAMPLED)}, row):"
+    yield "def evaluate(number, sample, row):"
+    yield "    n = row.shape[1]"
     for place, made in enumerate(order):
         of = [name[one.order] for one in made.of if isinstance(one, Expression)]
         own = rows.get(made.order)
         if made.operation == "constant":
             name[made.order] = repr(made.of[0]) if np.isfinite(made.of[0]) else f"float('{made.of[0]}')"
         elif made.operation == "input":
-            name[made.order] = made.of[0] if made.sampled else f"number[{made.of[0]!r}]"
+            name[made.order] = f"{'sample' if made.sampled else 'number'}[{made.of[0]!r}]"
+        elif made.operation == "component":
+            name[made.order] = f"{of[0]}[{int(made.of[1].of[0])}]"
         elif not made.sampled:
             name[made.order] = f"n{made.order}"
             form = PLAIN.get(made.operation, made.operation + "({})")
             yield f"    n{made.order} = {form.format(*of)}"
+        elif made.operation == "system":
+            name[made.order] = f"x{made.order}"
+            yield f"    x{made.order} = solutions(n, [{', '.join(of)}])"
         elif made.operation in ("where", "less", "less_equal"):
             name[made.order] = f"s{made.order}"
             yield f"    s{made.order} = np.{made.operation}({', '.join(of)})"
@@ -82,7 +96,7 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
                 target = free.pop()
             else:
                 target, arrays = f"a{arrays}", arrays + 1
-                yield f"    {target} = np.empty(len(position))"
+                yield f"    {target} = np.empty(n)"
             name[made.order] = target
             yield f"    np.{made.operation}({', '.join(of)}, out={target})"
         if own is not None and name[made.order] not in (f"row[{own}]", "0.0"):
