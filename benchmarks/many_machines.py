@@ -1,0 +1,184 @@
+"""What many machines, few positions, streams and derivatives cost: `python -m benchmarks.many_machines [--out FILE]`.
+
+Processor time, the least of some rounds in turn, so that a busy machine is so for all; what counts are the ratios. It
+takes three minutes, a third of it for the machine code where that is not on the disk yet.
+"""
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from math import inf, pi
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+import numpy as np
+import pandas as pd
+
+import analytic
+import scenes
+from scenes import Scene
+from scenes.machines import numbers_of
+from scenes.motion import channels
+from tests.chain import chain
+
+ROUNDS = 5
+STREAM = """
+import resource, sys
+from math import pi
+from time import process_time
+import analytic, scenes
+scene, began = scenes.load("toggle_press"), process_time()
+taken = [analytic.Extremes("drive.torque"), analytic.Integral("drive.torque")]
+analytic.reduce_many(scene, {}, analytic.Grid(0, 2 * pi, int(sys.argv[1])), taken)
+print(process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def main() -> None:
+    """Print the table, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args()
+    rows = [*positions_of_many(), *every_channel(), *few_positions(), *streams(), *derivatives()]
+    table = pd.DataFrame(rows, columns=["what", "measured", "in units of", "ratio"]).to_markdown(index=False)
+    if options.out is None:
+        print(table)
+    else:
+        options.out.write_text(f"# Many machines\n\nMade by `python -m benchmarks.many_machines`.\n\n{table}\n")
+
+
+def seconds(jobs: Mapping[str, Callable[[], object]]) -> dict[str, float]:
+    """Return the least processor time of each job, s."""
+    least = dict.fromkeys(jobs, inf)
+    for _ in range(ROUNDS):
+        for name, job in jobs.items():
+            began = process_time()
+            job()
+            least[name] = min(least[name], process_time() - began)
+    return least
+
+
+def spread(scene: Scene, count: int) -> dict[str, np.ndarray]:
+    """Return lengths and points of machines that are a ten-thousandth off."""
+    draw = np.random.default_rng(0)
+    wanted = {path: value / unit for path, (value, unit) in numbers_of(scene).items() if "length" in path}
+    return {path: value * (1 + 1e-4 * draw.uniform(-1, 1, count)) for path, value in wanted.items()}
+
+
+def positions_of_many() -> list[tuple[str, str, str, str]]:
+    """Time 64 machines of 19 moving joints at 200 angles, positions alone."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "chain.toml"
+        file.write_text(chain(9, "chain"), encoding="utf-8")
+        scene = scenes.load(file)
+    wanted = {f"{point}.{q}" for point in scene.moving_points for q in "xy"}
+    angles, changes = np.linspace(0, 2 * pi, 200), spread(scene, 64)
+    one, many = analytic.solver(scene, wanted), analytic.many_solver(scene, changes, wanted)
+    fast = analytic.fast_solver(scene, wanted)
+    fast.many(changes, angles)
+    took = seconds(
+        {
+            "long": lambda: one(np.linspace(0, 2 * pi, 72_000)),
+            "many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
+            "prepared": lambda: many(angles),
+            "compiled": lambda: fast.many(changes, angles),
+        }
+    )
+    unit, name = took["long"] / 72_000 * 200, "200 positions of one long run"
+    return [
+        (f"64 machines x 200 angles, {len(scene.moving_points)} joints, {what}", *share(took[key] / 64, unit, name))
+        for key, what in (("many", "solve_many"), ("prepared", "prepared"), ("compiled", "machine code"))
+    ]
+
+
+def every_channel() -> list[tuple[str, str, str, str]]:
+    """Time 4096 toggle presses at 360 angles, all channels."""
+    scene, angles = scenes.load("toggle_press"), np.linspace(0, 2 * pi, 360)
+    wanted = set(channels(scene))
+    changes, size = spread(scene, 4096), 4096 * 360
+    one, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted)
+    fast.many(changes, angles)
+    took = seconds(
+        {
+            "long": lambda: one(np.linspace(0, 2 * pi, 360_000)),
+            "many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
+            "compiled": lambda: fast.many(changes, angles),
+            "writing": lambda: np.full((len(wanted), size), 1.0),
+        }
+    )
+    long, writing = took["long"] / 360_000, took["writing"] / size
+    return [
+        ("4096 machines x 360 angles, every channel, a position", *share(took["many"] / size, long, "one long run's")),
+        ("the same, machine code", *share(took["compiled"] / size, writing, "writing the answer")),
+    ]
+
+
+def few_positions() -> list[tuple[str, str, str, str]]:
+    """Time a prepared solver of the toggle press at one position and at 72."""
+    scene, again = scenes.load("toggle_press"), 200
+    solvers = {"the core": analytic.solver(scene), "machine code": analytic.fast_solver(scene)}
+    with_compiler, analytic.compiled.COMPILES = analytic.compiled.COMPILES, False
+    solvers["NumPy in a straight line"] = analytic.fast_solver(scene)
+    solvers["NumPy in a straight line"](np.zeros(1))
+    analytic.compiled.COMPILES = with_compiler
+    rows = []
+    for count in (1, 72):
+        angles = np.linspace(0, 6, count)
+        jobs = {name: (lambda solve=solve: [solve(angles) for _ in range(again)]) for name, solve in solvers.items()}
+        for job in jobs.values():
+            job()
+        took = {name: time / again for name, time in seconds(jobs).items()}
+        core = took.pop("the core")
+        rows += [
+            (f"{count} position{'s' * (count > 1)}, {name}", *share(time, core, "the core"))
+            for name, time in took.items()
+        ]
+    return rows
+
+
+def streams() -> list[tuple[str, str, str, str]]:
+    """Time reductions of a million and of a hundred million positions, each in a process of its own."""
+    found = {}
+    for count in (10**6, 10**8):
+        run = subprocess.run([sys.executable, "-c", STREAM, str(count)], check=True, capture_output=True, text=True)
+        found[count] = [float(number) for number in run.stdout.split()]
+    (million, _), (all_, megabytes) = found.values()
+    what, *rest = (
+        "1e8 positions, extremes and integral of the torque",
+        *share(all_ / 1e8, million / 1e6, "1e6 positions"),
+    )
+    return [(f"{what}: {megabytes:.0f} MB", *rest)]
+
+
+def derivatives() -> list[tuple[str, str, str, str]]:
+    """Time the derivatives of all channels of the toggle press by all its numbers."""
+    scene, angles = scenes.load("toggle_press"), np.linspace(0, 6, 8000)
+    paths = [path for path in numbers_of(scene) if not path.startswith("drive.")]
+    one = analytic.solver(scene)
+    took = seconds(
+        {
+            "solve": lambda: one(angles),
+            "few": lambda: analytic.derivatives(scene, paths, angles[:2]),
+            "derivatives": lambda: analytic.derivatives(scene, paths, angles),
+        }
+    )
+    each = (took["derivatives"] - took["few"]) / len(paths)
+    return [
+        (
+            f"derivatives of all channels by {len(paths)} numbers, 8000 angles, a number",
+            *share(each, took["solve"], "a plain solve"),
+        ),
+        ("what they take to prepare", *share(took["few"], took["solve"], "a plain solve of 8000 angles")),
+    ]
+
+
+def share(seconds: float, unit: float, name: str) -> tuple[str, str, str]:
+    """Return a time, what it is compared with, and the ratio."""
+    size, symbol = next((s, n) for s, n in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (0.0, "ns")) if seconds >= s)
+    return f"{seconds / (size or 1e-9):.3g} {symbol}", name, f"{seconds / unit:.2f}"
+
+
+if __name__ == "__main__":
+    main()
