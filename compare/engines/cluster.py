@@ -4,6 +4,7 @@ A task whose worker died runs again on another. Of one that was on several such 
 blame, or another that they had: it is tried once more by itself, and then given up.
 """
 
+import asyncio
 import logging
 import pickle
 from collections.abc import Callable, Iterable, Iterator
@@ -55,9 +56,12 @@ def cluster(workers: int, scheduler: str = "") -> Iterator["Client"]:
         InputError: no scheduler answers there, or it has no workers.
     """
     check_installed()
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with _elsewhere(scheduler) if scheduler else _here(workers) as client:
-        yield client
+    logging.disable()  # what Dask reports of workers that come and go is no matter of the user's
+    try:
+        with _elsewhere(scheduler) if scheduler else _here(workers) as client:
+            yield client
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 @contextmanager
@@ -89,15 +93,24 @@ def _elsewhere(scheduler: str) -> Iterator["Client"]:
     from dask.distributed import Client
 
     try:
+        asyncio.run(_connect(scheduler))  # a client that gets no answer takes half a minute to give up
         client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except Exception as error:  # whatever an address can be
-        raise InputError(f"--scheduler {scheduler}: expected a Dask scheduler there, and none answers") from error
+    except (OSError, ValueError, TypeError, RuntimeError):  # whatever an address can be
+        raise InputError(f"--scheduler {scheduler}: expected a Dask scheduler there, and none answers") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError:
             raise InputError(f"--scheduler {scheduler}: expected workers there, and none is connected") from None
         yield client
+
+
+async def _connect(scheduler: str) -> None:
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    comm = await connect(scheduler, timeout=PATIENCE, **Security().get_connection_args("client"))
+    comm.abort()
 
 
 def spread(
@@ -174,8 +187,6 @@ def _done(wanted: str, packed: bytes) -> bytes:
         InputError: this is another version of everything than where it comes from, whose answer may differ.
     """
     if version() != wanted:
-        raise InputError(
-            f"--scheduler: expected this version of everything on every worker, and {gethostname()} has another"
-        )
+        raise InputError(f"--scheduler: expected the same versions on every worker, and {gethostname()} has others")
     function, item = pickle.loads(packed)
     return bytes(answer(function, item, Limits()))

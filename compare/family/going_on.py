@@ -7,7 +7,6 @@ from functools import partial
 from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from typing import TYPE_CHECKING
-from zlib import compress, decompress
 
 from scenes import Sampling, Scene, Status, shipped
 
@@ -54,11 +53,11 @@ def going_on(
     left = {str(change): change for change in changes}
     for name, packed in kept.read():
         if left.pop(name, None):
-            yield pickle.loads(decompress(b64decode(packed)))
+            yield pickle.loads(b64decode(packed))
     run = members if client is None else partial(_spread, client)
     for member in run(file, list(left.values()), engines, sampling, progress):
         if member.status != Status.crashed.name:  # which may go well the next time
-            kept.add(str(member.changes), b64encode(compress(ForkingPickler.dumps(member), 1)).decode())
+            kept.add(str(member.changes), b64encode(ForkingPickler.dumps(member)).decode())
         yield member
 
 
