@@ -35,6 +35,9 @@ SETTINGS = {
     "distributed.worker.daemon": False,  # a worker has processes of its own, the engines'
     "distributed.scheduler.worker-saturation": 1.0,  # no task waits on a worker while another is idle
     "distributed.scheduler.allowed-failures": 1,  # a task is given up with the second worker that dies with it
+    "distributed.worker.profile.enabled": False,  # what watches the workers took a fifth of their time
+    "distributed.admin.tick.interval": "1 s",
+    "distributed.admin.system-monitor.interval": "10 s",
 }
 
 
@@ -173,7 +176,7 @@ def _outcome(future: Any) -> Answer[Any] | Ended | None:
     except KilledWorker:
         return None
     except CancelledError:
-        raise InputError("--scheduler: expected it to stay, and it has gone; what is done is kept") from None
+        raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
     return outcome
 
 
@@ -187,6 +190,6 @@ def _done(wanted: str, packed: bytes) -> bytes:
         InputError: this is another version of everything than where it comes from, whose answer may differ.
     """
     if version() != wanted:
-        raise InputError(f"--scheduler: expected the same versions on every worker, and {gethostname()} has others")
+        raise InputError(f"workers: expected the same versions of everything, and one on {gethostname()} has others")
     function, item = pickle.loads(packed)
     return bytes(answer(function, item, Limits()))

@@ -73,7 +73,7 @@ def test_a_stop_begins_no_more(client: "Client") -> None:
 def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: pytest.MonkeyPatch) -> None:
     versions = iter(["here", "there"])
     monkeypatch.setattr(cluster, "version", lambda: next(versions))
-    with pytest.raises(InputError, match=r"^--scheduler: expected the same versions on every worker"):
+    with pytest.raises(InputError, match=r"^workers: expected the same versions .* has others"):
         list(spread(do, ["a"], client, lambda: None))
 
 
