@@ -1,7 +1,8 @@
 """What a member of a family costs: `python -m benchmarks.members [--members N] [--scene S --vary PATH=FROM:TO]`.
 
 By stage in processor time, and in bytes; then the family by one worker, by two, and by two of which one is killed: from
-its first members to its last the processor time of the command and of all its workers, and the time on the wall.
+its first members to its last the processor time of the command and of its workers, and the time on the wall; and what
+that would be on two cores that do nothing else: one worker has a core to itself, two share both with the command.
 """
 
 import argparse
@@ -38,8 +39,8 @@ def main() -> None:
     options = parser.parse_args()
     path, _, span = options.vary.partition("=")
     stages(options.scene, {path: float(span.partition(":")[0])})
-    print("\n| workers | processor time a member, command | workers | s a member on the wall | table |")
-    print("| --- | ---: | ---: | ---: | --- |")
+    print("\n| workers | processor time a member: of the command | of workers | wall | on two free cores | table |")
+    print("| --- | ---: | ---: | ---: | ---: | --- |")
     job = [options.scene, "--vary", f"{options.vary}:{options.members}"]
     with TemporaryDirectory() as folder:
         first = Path(folder) / "1"
@@ -100,8 +101,11 @@ def family(job: Sequence[str], workers: int, out: Path, like: Path, *, kill: boo
     tables = [next(where.glob("*/family.csv")).read_bytes() for where in (out, like)]
     same = "the same" if tables[0] == tables[1] else "ANOTHER"
     told = f"{workers}, one killed" if kill else f"{workers}"
-    shown = "– | –" if kill else f"{of_command:.3f} s | {of_workers:.3f} s"  # a killed process takes its time along
-    return f"| {told} | {shown} | {on_wall:.3f} s | {same}, {len(tables[0].splitlines()) - 1} members |"
+    free = of_workers if workers == 1 else (of_command + of_workers) / 2
+    cells = [f"{seconds:.3f} s" for seconds in (of_command, of_workers, on_wall, free)]
+    if kill:  # a killed process takes its time along
+        cells = ["–"] * 4
+    return " | ".join((f"| {told}", *cells, f"{same}, {len(tables[0].splitlines()) - 1} members |"))
 
 
 def used(processes: Sequence[psutil.Process]) -> float:
