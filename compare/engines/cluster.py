@@ -161,6 +161,8 @@ def _spread(
             try:
                 future = done.get(timeout=POLL)
             except Empty:
+                if client.cluster is not None:  # one that dies while it begins is not begun anew by itself
+                    client.cluster.scale(len(client.cluster.worker_spec))
                 continue
             yield running.pop(future), _outcome(future)
     finally:
