@@ -17,8 +17,8 @@ from .family.grid import variation
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check]"
-    " [--open] [--list] [--new NAME]"
+    " [--channels LIST] [--accuracy A] [--full] [--check] [--open] [--list] [--new NAME]"
+    " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
@@ -50,6 +50,9 @@ def parser() -> argparse.ArgumentParser:
         metavar="PATH=FROM:TO:COUNT",
         help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
     )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")

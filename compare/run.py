@@ -7,6 +7,7 @@ from .command_line import command, shown_progress, starting
 with starting(__name__):
     import argparse
     from collections.abc import Callable, Mapping, Sequence
+    from contextlib import nullcontext
     from dataclasses import replace
     from pathlib import Path
     from typing import TYPE_CHECKING
@@ -87,6 +88,12 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
     ):
         if options.vary and getattr(options, name):
             raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
+    if _many(options):
+        if not options.vary:
+            raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
+        from .engines.cluster import check_installed
+
+        check_installed()
 
 
 def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
@@ -148,7 +155,9 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
     Raises:
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
-    from .family.family import Family, members
+    from .engines.cluster import cluster
+    from .family.family import Family
+    from .family.going_on import going_on, kept_members
     from .report import files as output
     from .report.family.tables import label, on_a_line
 
@@ -157,18 +166,25 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
     changes = grid(options.vary)
     family = Family(scene, options.vary, options.engines)
+    kept = kept_members(options.out, scene, options.engines, request)
     stopped = False
     try:
-        for member in members(scene.file, changes, options.engines, request, progress):
-            family.members.append(member)
-            print(f"{scene.name}  {on_a_line(family, member)}")
+        with cluster(options.workers, options.scheduler) if _many(options) else nullcontext() as client:
+            for member in going_on(kept, scene.file, changes, options.engines, request, client, progress):
+                family.members.append(member)
+                print(f"{scene.name}  {on_a_line(family, member)}")
     except KeyboardInterrupt:
         if not family.members:
             raise
         stopped = True
+    family.members.sort(key=lambda member: changes.index(member.changes))
     progress("writing the report")
     page = output.write_family(family, options.out) / "family.html"
     print(f"family: {page}")
+    if family.complete:
+        kept.forget()
+    if kept.trouble:
+        print(f"{scene.name}  {kept.trouble}")
     if stopped:
         raise KeyboardInterrupt(
             f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
@@ -180,6 +196,10 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
         print(f"{scene.name}  missed: every tolerance, since no member runs")
         return True
     return bool(options.check) and _stops(scene, able)
+
+
+def _many(options: argparse.Namespace) -> bool:
+    return bool(options.workers or options.scheduler)
 
 
 def _open(page: Path) -> None:

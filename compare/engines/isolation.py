@@ -78,7 +78,7 @@ class Worker(Generic[Item, Result]):
         try:
             self.connection, theirs = CONTEXT.Pipe()
             self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
-            with _uninterrupted():
+            with uninterrupted():
                 self._process.start()
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
@@ -183,7 +183,7 @@ def isolated(
 
 
 @contextmanager
-def _uninterrupted() -> Iterator[None]:
+def uninterrupted() -> Iterator[None]:
     """Have Ctrl-C wait, so that it does not reach a process that does not ignore it yet."""
     if not LINUX:
         yield
@@ -208,10 +208,11 @@ def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Re
         except EOFError:
             return
         _limit(size + limits.memory)
-        connection.send_bytes(_answer(function, item, limits))
+        connection.send_bytes(answer(function, item, limits))
 
 
-def _answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> memoryview:
+def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> memoryview:
+    """Return what the function returns for an item, or how it ended, as bytes to be sent; whatever it raises."""
     outcome: Answer[Result] | Ended
     try:
         return ForkingPickler.dumps(Answer(function(item)))

@@ -68,14 +68,37 @@ def members(
     """Yield one member after the other, those that cannot run too."""
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
         for change in changes:
-            try:
-                yield _member(load(file, change), change, engines, sampling, progress, runs)
-            except InputError as error:
-                yield Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
-            except Failure as failure:
-                yield Member(change, failure.status.name, failure.reason)
-            except Exception as error:  # one odd linkage must not take the others with it
-                yield Member(change, Status.crashed.name, described(error))
+            scene = changed(file, change)
+            yield (
+                scene if isinstance(scene, Member) else solved_member(scene, change, engines, sampling, progress, runs)
+            )
+
+
+def changed(file: str | Path, change: Mapping[str, float]) -> Scene | Member:
+    """Return the scene of a member; of one that is no scene the member itself."""
+    try:
+        return load(file, change)
+    except InputError as error:
+        return Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
+
+
+def solved_member(
+    scene: Scene,
+    change: Mapping[str, float],
+    engines: Sequence[str],
+    sampling: Sampling,
+    progress: Callable[[str], None],
+    runs: Runs,
+) -> Member:
+    """Return a member, whether it can run or not."""
+    try:
+        return _member(scene, change, engines, sampling, progress, runs)
+    except InputError as error:
+        return Member(change, INVALID, str(error).removeprefix(f"{scene.file}: "))
+    except Failure as failure:
+        return Member(change, failure.status.name, failure.reason)
+    except Exception as error:  # one odd linkage must not take the others with it
+        return Member(change, Status.crashed.name, described(error))
 
 
 def _member(

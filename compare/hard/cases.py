@@ -1,7 +1,6 @@
 """The hard cases: every engine on every rung of every ladder, in processes of their own, kept as they come."""
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -10,9 +9,9 @@ from scenes import hard
 
 from ..engines import registry
 from ..engines.isolation import Ended, Limits, isolated
+from ..engines.kept import Kept
 from ..engines.stopping import kept as until_stopped
 from .case import Case, Outcome, Row, case_row, examine
-from .kept import Kept
 
 PARTIAL = "hard.partial.jsonl"
 
@@ -38,22 +37,23 @@ def hard_cases(
     limits = Limits()
     wanted = cases(ladders, engines)
     kept = Kept(folder / PARTIAL, limits)
-    left = [case for case in wanted if str(case) not in kept.rows]
+    rows = dict(kept.read())
+    left = [case for case in wanted if str(case) not in rows]
 
     def poll() -> None:
-        progress(f"hard cases, {len(kept.rows)} of {len(wanted)} done")
+        progress(f"hard cases, {len(rows)} of {len(wanted)} done")
 
     for case, result in until_stopped(isolated(examine, left, limits, poll)):
-        kept.add(str(case), [_ended(case, result)] if isinstance(result, Ended) else result)
+        rows[str(case)] = [_ended(case, result)] if isinstance(result, Ended) else result
+        kept.add(str(case), rows[str(case)])
     if kept.trouble:
         note(kept.trouble)
-    return pd.DataFrame([row for case in wanted for row in kept.rows.get(str(case), [])])
+    return pd.DataFrame([row for case in wanted for row in rows.get(str(case), [])])
 
 
 def forget(folder: Path) -> None:
     """Drop what is kept: a command that came to its end starts anew the next time."""
-    with suppress(OSError):
-        (folder / PARTIAL).unlink()
+    Kept(folder / PARTIAL, "").forget()
 
 
 def _ended(case: Case, ended: Ended) -> Row:

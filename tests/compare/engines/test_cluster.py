@@ -1,0 +1,99 @@
+"""Tasks spread over workers: every outcome comes back, a stop begins no more, and engines stay for the next task."""
+
+from collections.abc import Iterator
+from threading import Event
+from typing import TYPE_CHECKING
+
+import pytest
+
+from compare.engines import cluster
+from compare.engines.cluster import check_installed, spread
+from compare.engines.isolation import Ended
+from compare.engines.lasting import Lasting
+from compare.engines.stopping import Stopped, kept
+from scenes import InputError, Sampling, Status, load
+from tests.deaths import DEATHS, children, within
+
+if TYPE_CHECKING:
+    from dask.distributed import Client
+
+RAISED = ("recursion", "SystemExit", "non-Exception", "newlines", "an exception that cannot be sent")
+done: list[str] = []
+go_on = Event()
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator["Client"]:
+    """Yield a client of one worker in this process, a thread."""
+    from dask.distributed import Client, LocalCluster
+
+    options = {"dashboard_address": "127.0.0.1:0", "scheduler_kwargs": {"dashboard": False}, "memory_limit": 0}
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, **options) as here, Client(here) as found:
+        yield found
+
+
+def do(what: str) -> str:
+    if what in DEATHS:
+        DEATHS[what][0]()
+    return what.upper()
+
+
+def wait(what: str) -> str:
+    done.append(what)
+    if what == "first":
+        return what
+    go_on.wait(60.0)
+    return what
+
+
+def test_every_outcome_comes_back(client: "Client") -> None:
+    found = dict(spread(do, ["a", *RAISED, "b"], client, lambda: None))
+    assert (found.pop("a"), found.pop("b")) == ("A", "B")
+    assert set(found) == set(RAISED)
+    for name, ended in found.items():
+        assert isinstance(ended, Ended)
+        assert ended.status is Status.crashed
+        assert DEATHS[name][2] in ended.reason
+
+
+def test_a_stop_begins_no_more(client: "Client") -> None:
+    def poll() -> None:
+        if found:
+            raise Stopped
+
+    found: list[str] = []
+    for item, _ in kept(spread(wait, ["first", "running", *(f"never {n}" for n in range(5))], client, poll)):
+        found.append(item)
+    go_on.set()
+    assert found == ["first"]
+    assert dict(spread(do, ["a"], client, lambda: None)) == {"a": "A"}
+    assert set(done) <= {"first", "running", "never 0"}, "a worker has one that waits at most"
+
+
+def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: pytest.MonkeyPatch) -> None:
+    versions = iter(["here", "there"])
+    monkeypatch.setattr(cluster, "version", lambda: next(versions))
+    with pytest.raises(InputError, match=r"^workers: expected the same versions .* has others"):
+        list(spread(do, ["a"], client, lambda: None))
+
+
+def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "find_spec", lambda _: None)
+    with pytest.raises(InputError, match=r"dask is not installed: pip install '\.\[dask\]'"):
+        check_installed()
+
+
+def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("compare.engines.lasting.IDLE", 600.0)
+    lasting, scene = Lasting(), load("four_bar")
+    begun = []
+    for engines in (("analytic",), ("analytic",), ("analytic", "pymunk")):
+        with lasting.runs(engines) as runs:
+            assert runs.run("analytic", scene, Sampling(24)).status is Status.ok
+            begun.append(children())
+    assert begun[0] == begun[1]
+    assert [len(each) for each in begun] == [1, 1, 2]
+    monkeypatch.setattr("compare.engines.lasting.IDLE", 0.01)
+    with lasting.runs(("analytic", "pymunk")):
+        assert children() == begun[2]
+    assert within(5.0, lambda: children() == [])

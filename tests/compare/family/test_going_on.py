@@ -1,0 +1,153 @@
+"""A family goes on from what an earlier run kept; by workers it is the same as without, whatever dies."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from signal import SIGINT, SIGKILL
+from subprocess import PIPE
+
+import psutil
+import pytest
+
+from compare.engines.cluster import cluster, spread
+from compare.engines.isolation import Ended
+from compare.family import family
+from compare.family.family import Member
+from compare.family.going_on import going_on, kept_members
+from compare.family.grid import grid, variation
+from compare.run import main
+from scenes import Sampling, Scene, Status, load
+from tests.comparisons import SLOW
+from tests.deaths import children, within
+from tests.killed import of_session
+
+from .runs import CRANK_SLIDER
+
+ROOT = Path(__file__).parents[3]
+SPEEDS = ("--vary", "drive.speed=10:50:5", "--samples", "72")
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Have members solved at once, the third meet Ctrl-C and the fourth crash; return where their speeds will be."""
+    found: list[float] = []
+
+    def solve(_: Scene, change: Mapping[str, float], *__: object) -> Member:
+        found.append(change["drive.speed"])
+        if len(found) == 3:
+            raise KeyboardInterrupt
+        if len(found) == 4:
+            raise ZeroDivisionError
+        return Member(change, "ok", "")
+
+    monkeypatch.setattr(family, "_member", solve)
+    monkeypatch.setattr(family, "workers", lambda *_: nullcontext())
+    return found
+
+
+def run(file: Path, folder: Path, samples: int = 24) -> dict[float, str]:
+    """Return the statuses by speed, in the order in which the members come."""
+    scene, changes, sampling = load(file), grid([variation("drive.speed=10:40:4")]), Sampling(samples)
+    kept = kept_members(folder, scene, ["analytic"], sampling)
+    found = going_on(kept, scene.file, changes, ["analytic"], sampling, None, lambda _: None)
+    return {member.changes["drive.speed"]: member.status for member in found}
+
+
+def test_a_stopped_family_goes_on_where_it_was(tmp_path: Path, solved: list[float]) -> None:
+    """What crashed may go well the next time."""
+    with pytest.raises(KeyboardInterrupt):
+        run(CRANK_SLIDER, tmp_path)
+    assert run(CRANK_SLIDER, tmp_path) == {10: "ok", 20: "ok", 30: "crashed", 40: "ok"}
+    assert run(CRANK_SLIDER, tmp_path) == dict.fromkeys((10, 20, 40, 30), "ok")
+    assert solved == [10, 20, 30, 30, 40, 30]
+
+
+@pytest.mark.parametrize("other", ["scene", "samples"])
+def test_what_is_kept_of_another_family_does_not_count(other: str, tmp_path: Path, solved: list[float]) -> None:
+    scene, text = tmp_path / "mine.toml", CRANK_SLIDER.read_text(encoding="utf-8")
+    scene.write_text(text, encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        run(scene, tmp_path)
+    if other == "scene":
+        scene.write_text(text.replace("mass = 7", "mass = 8"), encoding="utf-8")
+    run(scene, tmp_path, 36 if other == "samples" else 24)
+    assert solved == [10, 20, 30, 10, 20, 30, 40]
+
+
+# --- by workers -------------------------------------------------------------------------------------------------------
+
+
+def kill(what: str) -> str:
+    if what == "kill":
+        os.kill(os.getpid(), SIGKILL)
+    return what.upper()
+
+
+@SLOW
+def test_a_task_that_kills_its_workers_is_given_up_and_takes_no_other_with_it() -> None:
+    with cluster(1) as client:
+        listening = [
+            connection.laddr.ip
+            for process in (psutil.Process(), *psutil.Process().children())
+            for connection in process.net_connections("tcp")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+        found = dict(spread(kill, ["kill", "a", "b"], client, lambda: None))
+    assert len(listening) >= 4
+    assert {*listening} == {"127.0.0.1"}
+    assert found == {"a": "A", "b": "B", "kill": Ended(Status.crashed, "every worker's process that took it died")}
+    assert within(5.0, lambda: children() == [])
+
+
+@SLOW
+def test_whatever_dies_the_family_is_the_same(tmp_path: Path) -> None:
+    """A run by workers that meets Ctrl-C, and one that goes on from there and loses a worker."""
+    arguments = [str(CRANK_SLIDER), *SPEEDS, "--engines", "analytic,pymunk", "--out"]
+    assert main([*arguments, str(tmp_path / "alone")]) == 0
+    status, told = stopped([*arguments, str(tmp_path / "out")], tmp_path, 1, lambda run: os.killpg(run.pid, SIGINT))
+    assert (status, told.count("\n")) == (130, 1)
+    assert "Stopped after" in (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    assert stopped([*arguments, str(tmp_path / "out")], tmp_path, 3, kill_a_worker) == (0, "")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"offset_slider_crank"}
+    alone, out = (files(tmp_path / where / "offset_slider_crank") for where in ("alone", "out"))
+    assert alone == out
+
+
+def files(folder: Path) -> Mapping[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def stopped(
+    arguments: Sequence[str], folder: Path, after: int, stop: Callable[[subprocess.Popen[str]], None]
+) -> tuple[int, str]:
+    """Run a family by two workers, stop something after some members, and return the status and what is on stderr."""
+    scratch = folder / "scratch"
+    scratch.mkdir(exist_ok=True)
+    command = [sys.executable, "-m", "compare.run", *arguments, "--workers", "2"]
+    surroundings = {**os.environ, "TMPDIR": str(scratch)}
+    with (
+        (folder / "stderr.txt").open("w+", encoding="utf-8") as errors,
+        subprocess.Popen(
+            command, cwd=ROOT, env=surroundings, start_new_session=True, stdout=PIPE, stderr=errors, text=True
+        ) as run,
+    ):
+        assert run.stdout is not None
+        for _ in range(after):
+            assert " ok " in run.stdout.readline()
+        stop(run)
+        run.stdout.read()
+        run.wait()
+        errors.seek(0)
+        told = errors.read()
+    assert within(5.0, lambda: not [*of_session(run.pid)])
+    assert [*scratch.iterdir()] == []
+    return run.returncode, told
+
+
+def kill_a_worker(run: subprocess.Popen[str]) -> None:
+    workers = [each for each in psutil.Process(run.pid).children() if "spawn_main" in " ".join(each.cmdline())]
+    assert len(workers) == 2
+    workers[0].kill()
