@@ -7,7 +7,7 @@ displacement by Δ sizes, or of one that is longer than the size by Δ of itself
 
 from collections.abc import Iterator
 from math import radians
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat
@@ -30,6 +30,19 @@ ON_THE_WAY = SMALLEST_TURN**2  # error of a pose from which the next is predicte
 LEFT_OVER = 1e-8  # of a correction in doubles, as much as `SMALLEST_TURN` takes of their digits
 TRIALS = 9  # positions from a singular one to the goal, to find one where a joint stays open
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
+AIM = 0.4  # what that is to be in the next step
+LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0  # of one step and the next
+
+
+class Motion(NamedTuple):
+    """A pose, and its derivatives by the share of a way."""
+
+    q: arb_mat
+    B: Array
+    inverse: Array  # of J
+    rate: Array
+    curvature: Array
+    turn: float  # the largest rate of y
 
 
 class Continuation:
@@ -49,9 +62,9 @@ class Continuation:
         """Return the pose with f(q) = goal that is connected to q: f moves to its goal along a straight line.
 
         From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it moves the drive.
-        A Taylor predictor of second order is followed by Newton; a step is halved unless Newton contracts and the
-        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step may be twice
-        as long.
+        A Taylor predictor of second order is followed by Newton; a step is shortened until Newton contracts and the
+        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step is as long as
+        the change of the Jacobian allows.
 
         Raises:
             Failure: the Jacobian becomes singular on the way, or the budget does not last.
@@ -60,21 +73,17 @@ class Continuation:
         while share < 1:
             self.budget.check(f"it is at {self._place(q)}")
             left = goal - self.rows.value(q)
-            try:
-                B = self._varying(q)
-                inverse = np.linalg.inv(self._C + B @ self._S)
-            except np.linalg.LinAlgError:
-                raise self._singular(q, goal) from None
-            rate = inverse @ _floats(left)
-            curvature = inverse @ _floats(self.rows.centripetal(q, _balls(rate)))
-            turn = self._largest_turn(rate, q)
-            share = longest / max(longest, turn)
-            while (reached := self._step(q, B, inverse, rate, curvature, goal - left * arb(1 - share), share)) is None:
-                share /= 2
+            motion = self._motion(q, left, goal)
+            share = longest / max(longest, motion.turn)
+            while True:
+                reached, factor = self._step(motion, goal - left * arb(1 - share), share)
+                if reached is not None:
+                    break
+                share *= factor
                 self.counters["rejected_steps"] += 1
-                if not share * turn >= SMALLEST_TURN:
+                if not share * motion.turn >= SMALLEST_TURN:
                     raise self._singular(q, goal)
-            q, longest = reached, min(LARGEST_TURN, 2 * share * turn)
+            q, longest = reached, min(LARGEST_TURN, factor * share * motion.turn)
             self.counters["steps"] += 1
         return q
 
@@ -95,25 +104,39 @@ class Continuation:
             raise Failure(Status.not_converged, f"the digits are too few to prove the pose at {self._place(q)}")
         return image
 
-    def _step(
-        self, q: arb_mat, B: Array, inverse: Array, rate: Array, curvature: Array, goal: arb_mat, share: float
-    ) -> arb_mat | None:
-        """Return the pose a step further, or None where Newton does not contract or J changes too much."""
-        predicted = (q + _balls(share * rate + share**2 / 2 * curvature)).mid()
-        enough = self.converged if share == 1 else ON_THE_WAY
-        reached = self._newton(predicted, goal, share * self._largest_turn(rate, q), enough)
-        if reached is None:
-            return None
-        relative = np.abs(self._S @ (inverse @ (self._varying(reached) - B)))
-        return reached if self._spectral_radius(relative) <= HOMOTOPY else None
+    def _motion(self, q: arb_mat, left: arb_mat, goal: arb_mat) -> Motion:
+        """Return how a pose moves as f does by `left`."""
+        B = self._varying(q)
+        try:
+            inverse = np.linalg.inv(self._C + B @ self._S)
+        except np.linalg.LinAlgError:
+            raise self._singular(q, goal) from None
+        rate = inverse @ _floats(left)
+        curvature = inverse @ _floats(self.rows.centripetal(q, _balls(rate)))
+        return Motion(q, B, inverse, rate, curvature, self._largest_turn(rate, q))
 
-    def _spectral_radius(self, relative: Array) -> float:
-        """Return that of the magnitudes of S J^-1 ΔB, J changing by ΔB S.
+    def _step(self, motion: Motion, goal: arb_mat, share: float) -> tuple[arb_mat | None, float]:
+        """Return the pose a step further and how much longer the next one may be.
+
+        There is none where Newton does not contract or J changes too much, and the next try is as much shorter.
+        """
+        predicted = (motion.q + _balls(share * motion.rate + share**2 / 2 * motion.curvature)).mid()
+        enough = self.converged if share == 1 else ON_THE_WAY
+        reached = self._newton(predicted, goal, share * motion.turn, enough)
+        if reached is None:
+            return None, LEAST_FACTOR
+        change = self._relative(motion.inverse, self._varying(reached) - motion.B)
+        factor = max(LEAST_FACTOR, min(AIM / change, LARGEST_FACTOR)) if change > 0 else LARGEST_FACTOR
+        return (reached if change <= HOMOTOPY else None), factor
+
+    def _relative(self, inverse: Array, change: Array) -> float:
+        """Return how much J changes relative to itself where B changes by ΔB, given J^-1.
 
         det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of S J^-1 ΔB is less than one, no matrix on the line
         between the two is singular. The least of its norms in any units of y is the spectral radius of the matrix of
         its magnitudes (Perron and Frobenius), which is block triangular as J is.
         """
+        relative = np.abs(self._S @ (inverse @ change))
         radii = (np.abs(np.linalg.eigvals(relative[np.ix_(own, own)])).max() for own in self._groups)
         return float(max(radii, default=0.0))
 
