@@ -9,9 +9,9 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Scene
+from scenes.groups import groups
 from scenes.scene import GROUND, Body
 
-from .blocks import Blocks
 from .bodies import centre_of_mass, inertia, local_points
 from .drive import law_of
 from .rows import Point, Rows, axis_vector
@@ -46,7 +46,9 @@ class LinkageEquations:
             mass = 1.0 if body.mass is None else body.mass
             self.mass += arb(mass), arb(mass), inertia(body, mass, local)
         self.constraints = self._constraints()
-        self.blocks = Blocks(self.constraints.pattern)
+        pattern = self.constraints.pattern
+        self.groups = groups(pattern)
+        self.transposed_groups = groups([[i for i, row in enumerate(pattern) if j in row] for j in range(len(pattern))])
         self.points = self._points()
         self.position = Rows(1, len(self.index))  # of the drive
         self._add_drive(self.position, 0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from scenes import Failure, ProcessorBudget, Status
 
+from .blocks import solved
 from .constraints import LinkageEquations
 from .misfit import misfit
 
@@ -99,7 +100,7 @@ class Continuation:
         """
         box = q + self.halo
         J, left = self.rows.jacobian(box), self.rows.value(q) - goal
-        image = q - self.linkage.blocks.solve(J, left, nonstop=True)  # NaN where singular
+        image = q - solved(self.linkage.groups, J, left, nonstop=True)  # NaN where singular
         if not box.contains(image):
             raise Failure(Status.not_converged, f"the digits are too few to prove the pose at {self._place(q)}")
         return image
@@ -191,8 +192,8 @@ def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
     """Yield for every group of equations that is not linear in its own unknowns in which y it is not."""
     rows = linkage.constraints
     terms = [*rows.varying(arb_mat(rows.C.ncols(), 1))]
-    for block in linkage.blocks.blocks:
-        own = {y for row, y in terms if row in block.rows and not {*rows.moved_by[y]}.isdisjoint(block.columns)}
+    for group in linkage.groups:
+        own = {y for row, y in terms if row in group.rows and not {*rows.moved_by[y]}.isdisjoint(group.columns)}
         if own:
             yield sorted(own)
 

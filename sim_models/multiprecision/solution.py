@@ -8,6 +8,7 @@ from flint import arb, arb_mat
 
 from scenes.motion import Samples
 
+from . import blocks
 from .constraints import LinkageEquations
 from .loads import GeneralisedForce
 
@@ -26,12 +27,12 @@ def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate:
 
     J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
     """
-    rows, blocks = linkage.constraints, linkage.blocks
+    rows, groups = linkage.constraints, linkage.groups
     J = rows.jacobian(q)
-    velocity = blocks.solve(J, linkage.drive(rate))
-    total = blocks.solve(J, linkage.drive(acceleration) + rows.centripetal(q, velocity))
+    velocity = blocks.solved(groups, J, linkage.drive(rate))
+    total = blocks.solved(groups, J, linkage.drive(acceleration) + rows.centripetal(q, velocity))
     inertial = arb_mat([[m * a] for m, a in zip(linkage.mass, total.entries(), strict=True)])
-    multipliers = blocks.solve_transposed(J, inertial - force(q, velocity))
+    multipliers = blocks.solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity))
     return Solution(q, velocity, total, multipliers)
 
 

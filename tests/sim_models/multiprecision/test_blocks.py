@@ -8,6 +8,7 @@ import pytest
 
 import scenes
 from scenes import Scene
+from scenes.groups import groups
 from tests import chain, scene_files
 
 flint = pytest.importorskip("flint")
@@ -33,29 +34,26 @@ def pattern(values: Any) -> list[list[int]]:
 
 def test_solutions_are_those_of_the_whole_matrix() -> None:
     values = shuffled()
-    blocks = multiprecision_blocks.Blocks(pattern(values))
-    assert [len(block.rows) for block in blocks.blocks] == [*SIZES]
+    found = groups(pattern(values))
+    assert [len(group.rows) for group in found] == [*SIZES]
     with flint.ctx.workdps(50):
         matrix, right = flint.arb_mat(values.tolist()), flint.arb_mat([[k] for k in range(len(values))])
-        for found, expected in (
-            (blocks.solve(matrix, right), matrix.solve(right)),
-            (blocks.solve_transposed(matrix, right), matrix.transpose().solve(right)),
-        ):
-            assert found.overlaps(expected)  # both are proven
-            assert max(float(ball.rad()) for ball in found.entries()) <= 1e-40
+        solution = multiprecision_blocks.solved(found, matrix, right)
+        assert solution.overlaps(matrix.solve(right))  # both are proven
+        assert max(float(ball.rad()) for ball in solution.entries()) <= 1e-40
 
 
 def test_a_matrix_without_an_order_is_one_block_and_singular_where_it_is() -> None:
     values = np.ones((3, 3))
     values[:2, 1:] = 0  # two equations for one unknown
-    blocks = multiprecision_blocks.Blocks(pattern(values))
-    assert [len(block.rows) for block in blocks.blocks] == [3]
+    found = groups(pattern(values))
+    assert [len(group.rows) for group in found] == [3]
     with pytest.raises(ZeroDivisionError):
-        blocks.solve(flint.arb_mat(values.tolist()), flint.arb_mat([[1], [2], [3]]))
+        multiprecision_blocks.solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1], [2], [3]]))
 
 
 def group_sizes(scene: Scene) -> list[int]:
-    return [len(block.rows) for block in multiprecision_constraints.LinkageEquations(scene).blocks.blocks]
+    return [len(group.rows) for group in multiprecision_constraints.LinkageEquations(scene).groups]
 
 
 def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:
