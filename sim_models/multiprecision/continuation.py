@@ -6,6 +6,7 @@ displacement by Δ sizes, or of one that is longer than the size by Δ of itself
 """
 
 from collections.abc import Iterator
+from itertools import groupby
 from math import radians
 from typing import NamedTuple, TypeAlias
 
@@ -54,7 +55,8 @@ class Continuation:
         self.rows = linkage.constraints
         self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
         self._units = np.array(linkage.units)
-        self._groups = [*_nonlinear(linkage)]  # in which y are, that are found together
+        alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
+        self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
         self.converged = 10.0 ** (-2 * digits / 3)
         self.halo = arb_mat([[arb(0, unit * self.converged)] for unit in linkage.units])
         self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
@@ -138,7 +140,8 @@ class Continuation:
         its magnitudes (Perron and Frobenius), which is block triangular as J is.
         """
         relative = np.abs(self._S @ (inverse @ change))
-        radii = (np.abs(np.linalg.eigvals(relative[np.ix_(own, own)])).max() for own in self._groups)
+        parts = (relative[own[:, :, np.newaxis], own[:, np.newaxis, :]] for own in self._groups)
+        radii = (np.abs(np.linalg.eigvals(part)).max() for part in parts)
         return float(max(radii, default=0.0))
 
     def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:

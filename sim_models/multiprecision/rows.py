@@ -55,7 +55,7 @@ class Rows:
         self.moved_by = [[3 * i + 2] for i in range(bodies)]  # the columns of S by row
         for i in range(bodies):
             self.S[i, 3 * i + 2] = arb(1)
-        self._arms: set[tuple[int, int]] = set()  # rows and bodies of U and V
+        self._arms: dict[tuple[int, int], Point] = {}  # entries of U and V by row and body
         self._guides: list[Guide] = []
         self._size = arb(size)
 
@@ -70,7 +70,7 @@ class Rows:
         u, v = _lever(weight, arm)
         self.U[row, body] += u
         self.V[row, body] += v
-        self._arms.add((row, body))
+        self._arms[row, body] = self.U[row, body], self.V[row, body]
 
     def add_guide(self, row: int, normal: Point, carrier: int, slider: int) -> None:
         """Add the projection of the way from the carrier's to the slider's centre of mass on a normal of the carrier's.
@@ -79,7 +79,7 @@ class Rows:
         """
         column = self.U.ncols() + 2 * len(self._guides)
         self._guides.append(Guide(row, column, carrier, slider, normal))
-        self._arms.add((row, carrier))
+        self._arms[row, carrier] = self.U[row, carrier], self.V[row, carrier]
         for axis in (0, 1):
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
             self.S[column + axis, 3 * carrier + axis] = -1 / self._size
@@ -95,7 +95,9 @@ class Rows:
         """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
         U, V = self._levers(q)
         sin, cos = _sin_cos(q)
-        B = {(row, body): -(U[row, body] * sin[body] + V[row, body] * cos[body]) for row, body in self._arms}
+        turned = {(row, body): (U[row, body], V[row, body]) for row, _, body, *_ in self._guides}
+        arms = (self._arms | turned).items()
+        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in arms}
         for guide in self._guides:
             (x, y), s, c = guide.normal, sin[guide.carrier], cos[guide.carrier]
             B[guide.row, guide.column] = self._size * (x * c - y * s)
