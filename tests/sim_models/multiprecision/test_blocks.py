@@ -1,13 +1,14 @@
 """Equations solved block by block: the dense solution, and a work that grows with the number of groups alone."""
 
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 import numpy as np
 import pytest
 
 import scenes
-from scenes import Scene
+from scenes import Sampling, Scene
 from scenes.groups import groups
 from tests import chain, scene_files
 
@@ -15,6 +16,7 @@ flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import blocks as multiprecision_blocks  # noqa: E402  (its engine is there)
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402
+from sim_models.multiprecision import engine as model  # noqa: E402
 
 SIZES = (1, 3, 6, 1, 2)  # of diagonal blocks
 
@@ -64,3 +66,18 @@ def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:
 
 def test_bodies_that_need_each_other_are_one_group() -> None:
     assert max(group_sizes(scene_files.load("class_iii"))) == 12  # a triangle on three links
+
+
+@pytest.mark.slow
+def test_the_cost_of_a_sample_hardly_grows_with_the_linkage(tmp_path: Path) -> None:
+    """From 7 bodies to 19 by a third or two; dense equations took ten times as long."""
+
+    def seconds(dyads: int) -> float:
+        file = tmp_path / f"chain{dyads}.toml"
+        file.write_text(chain.chain(dyads, "chain"), encoding="utf-8")
+        simulation = model.build(scenes.load(str(file)), model.DEFAULT, Sampling(6))
+        began = process_time()
+        simulation.solve()
+        return process_time() - began
+
+    assert min(seconds(9) for _ in range(3)) <= 4 * min(seconds(3) for _ in range(3))
