@@ -69,13 +69,13 @@ def test_bodies_that_need_each_other_are_one_group() -> None:
 
 
 @pytest.mark.slow
-def test_the_cost_of_a_sample_hardly_grows_with_the_linkage(tmp_path: Path) -> None:
-    """From 7 bodies to 19 by a third or two; dense equations took ten times as long."""
+def test_the_cost_does_not_grow_with_the_cube_of_the_linkage(tmp_path: Path) -> None:
+    """From 7 bodies to 19 it is two or three times as much, and more than five with all equations in one group."""
 
     def seconds(dyads: int) -> float:
         file = tmp_path / f"chain{dyads}.toml"
         file.write_text(chain.chain(dyads, "chain"), encoding="utf-8")
-        simulation = model.build(scenes.load(str(file)), model.DEFAULT, Sampling(6))
+        simulation = model.build(scenes.load(str(file)), model.DEFAULT, Sampling(36))
         began = process_time()
         simulation.solve()
         return process_time() - began
