@@ -11,7 +11,7 @@ from scenes import InputError, Sampling, Scene
 # bodies. A number is one channel at one sample; those of an engine count with their errors, checks and files.
 FIXED = 14.0  # s, of settings that are timed and of the page
 MEMBER = 1.0  # s, of a member of a family besides
-OF_BODIES = 0.05  # s, times the square of their number: of the same, and of the certificate
+OF_BODIES = 0.01  # s, times the square of their number: of the same, and of the certificate
 MATRIX = 5e-9  # s, times the cube of the constraints, for every sample of an engine
 NUMBER: Mapping[str, float] = {"analytic": 4e-6, "exudyn": 8e-6, "pymunk": 10e-6, "multiprecision": 1e-4}  # s
 OTHER = 1e-5  # s, of an engine that is not measured

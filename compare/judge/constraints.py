@@ -11,13 +11,14 @@ in the order of `scenes.motion.force_channels`, and as many as coordinates, m, w
 freedom and no constraint too many.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
+from scenes.groups import groups
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
@@ -57,6 +58,8 @@ class Constraints:
         self._along = np.array([row.along for row in rows])
         self._turns = np.flatnonzero(self._along == 0)
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
+        somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
+        self._groups = groups([*map(_nonzero, self.jacobian(somewhere)[0])])
 
     def _rows(self) -> Iterator[Row]:
         """Yield all constraints."""
@@ -102,6 +105,22 @@ class Constraints:
         found[:, rows, self._frame, 2] += (along.conj() * w).imag
         return found[:, :, :-1].reshape(len(q), len(rows), -1)
 
+    def determinant(self, J: Matrices) -> tuple[Samples, Samples]:
+        """Return the sign of det J, but for one that is the same everywhere, and its logarithm, each of shape (n,)."""
+        signs, sizes = zip(*(np.linalg.slogdet(_part(J, own.rows, own.columns)) for own in self._groups), strict=True)
+        return np.prod(signs, axis=0), np.sum(sizes, axis=0)
+
+    def solve(self, J: Matrices, right: Samples) -> Samples:
+        """Return J^-1 times what is given by constraints, shape (n, m, k): infinite in singular poses."""
+        found, singular = np.zeros(right.shape), np.zeros(len(J), dtype=bool)
+        for rows, columns, left in self._groups:
+            inverse = _inverse(_part(J, rows, columns))
+            known: Matrices = _part(J, rows, left) @ found[:, left]
+            found[:, columns] = inverse @ (right[:, rows] - known)
+            singular |= np.isinf(inverse).all(axis=(1, 2))
+        found[singular] = np.inf
+        return found
+
     def bending(self, q: Poses, v: Poses) -> Samples:
         """Return d²C/dt² at rates v without accelerations, shape (n, m)."""
         (along, w, arm, other), (rate, omega) = self._parts(q), planes(v)
@@ -117,6 +136,23 @@ class Constraints:
         turn = np.exp(1j * angle)
         arm, other = self._arm * turn[:, self._first], self._other * turn[:, self._second]
         return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
+
+
+def _nonzero(row: Samples) -> list[int]:
+    return [number for number, entry in enumerate(row.tolist()) if entry != 0]
+
+
+def _part(J: Matrices, rows: Sequence[int], columns: Sequence[int]) -> Matrices:
+    return J[:, np.array(rows)[:, np.newaxis], np.array(columns, dtype=np.intp)]
+
+
+def _inverse(J: Matrices) -> Matrices:
+    """Return the inverses, infinite in singular poses."""
+    try:
+        return np.linalg.inv(J).astype(np.float64, copy=False)
+    except np.linalg.LinAlgError:  # of any of them
+        singular = (np.linalg.slogdet(J)[0] == 0)[:, np.newaxis, np.newaxis]
+        return np.where(singular, np.inf, np.linalg.inv(np.where(singular, np.eye(J.shape[-1]), J)))
 
 
 def planes(q: Poses) -> tuple[Vectors, Samples]:

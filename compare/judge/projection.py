@@ -52,11 +52,11 @@ def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) 
     given = {channel: motion[channel] for channel in ("time", scene.drive_channel)}
     q = constraints.poses(motion)
     J = constraints.jacobian(q)
-    sign, size = np.linalg.slogdet(J)
-    step = _times(_inverse(J), constraints.gaps(q, given[scene.drive_channel]))
-    q = q - np.where(np.isfinite(step), step, 0.0).reshape(q.shape)
+    sign, size = constraints.determinant(J)
+    step = constraints.solve(J, constraints.gaps(q, given[scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
+    q = q - np.where(np.isfinite(step), step, 0.0)
     J = constraints.jacobian(q)
-    inverse = _inverse(J)
+    inverse = constraints.solve(J, np.broadcast_to(np.eye(len(constraints.units)), J.shape))
     _, rate, acceleration = (of[:, np.newaxis] / constraints.units[-1] for of in scene.drive.at(motion["time"]))
     v = (inverse[:, :, -1] * rate).reshape(q.shape)
     a = (inverse[:, :, -1] * acceleration - _times(inverse, constraints.bending(q, v))).reshape(q.shape)
@@ -118,12 +118,3 @@ def _cross(arm: Vectors, force: Vectors) -> Samples:
 def _times(matrix: Matrices, vector: Samples) -> Samples:
     product: Samples = (matrix @ vector[..., np.newaxis])[..., 0]
     return product
-
-
-def _inverse(J: Matrices) -> Matrices:
-    """Return the inverses, infinite in singular poses."""
-    try:
-        return np.linalg.inv(J).astype(np.float64, copy=False)
-    except np.linalg.LinAlgError:  # of any of them
-        singular = (np.linalg.slogdet(J)[0] == 0)[:, np.newaxis, np.newaxis]
-        return np.where(singular, np.inf, np.linalg.inv(np.where(singular, np.eye(J.shape[-1]), J)))

@@ -9,6 +9,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Scene
+from scenes.groups import groups
 from scenes.scene import GROUND, Body
 
 from .bodies import centre_of_mass, inertia, local_points
@@ -35,17 +36,19 @@ class LinkageEquations:
         self.index = {name: i for i, name in enumerate(scene.bodies)}
         self.arms: dict[str, dict[str, Point]] = {}  # from the centre of mass to the points, in the body's frame
         self._origins: dict[str, Point] = {}  # and to the frame's origin
-        self.mass = arb_mat(3 * len(self.index), 3 * len(self.index))
-        for name, i in self.index.items():
+        self.mass: list[arb] = []  # of every coordinate, kg or kg m^2
+        for name in self.index:
             body = scene.bodies[name]
             local = local_points(scene, body)
             com = centre_of_mass(body, local)
             self.arms[name] = {point: (x - com[0], y - com[1]) for point, (x, y) in local.items()}
             self._origins[name] = -com[0], -com[1]
             mass = 1.0 if body.mass is None else body.mass
-            for k, m in enumerate((arb(mass), arb(mass), inertia(body, mass, local))):
-                self.mass[3 * i + k, 3 * i + k] = m
+            self.mass += arb(mass), arb(mass), inertia(body, mass, local)
         self.constraints = self._constraints()
+        pattern = self.constraints.pattern
+        self.groups = groups(pattern)
+        self.transposed_groups = groups([[i for i, row in enumerate(pattern) if j in row] for j in range(len(pattern))])
         self.points = self._points()
         self.position = Rows(1, len(self.index))  # of the drive
         self._add_drive(self.position, 0)

@@ -5,7 +5,10 @@ the linkage's size. So every criterion here is on y alone, which has no unit: a 
 displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
+from collections.abc import Iterator
+from itertools import groupby
 from math import radians
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat
@@ -13,17 +16,35 @@ from numpy.typing import NDArray
 
 from scenes import Failure, ProcessorBudget, Status
 
+from .blocks import solved
 from .constraints import LinkageEquations
 from .misfit import misfit
+
+Array: TypeAlias = NDArray[np.float64]
 
 LARGEST_TURN = radians(2)  # of any body in one step
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
 # a singular configuration within their root, 1e-8.
 SMALLEST_TURN = 1e-7
 CONTRACTION = 0.25  # largest ratio of Newton corrections; Deuflhard, Newton Methods for Nonlinear Problems, ch. 5
-ITERATIONS = 12  # contracting quadratically from 1/4, these reach thousands of digits
+ITERATIONS = 12  # contracting from 1/4, at last by the digits of doubles: these reach a hundred
+ON_THE_WAY = SMALLEST_TURN**2  # error of a pose from which the next is predicted
+LEFT_OVER = 1e-8  # of a correction in doubles, as much as `SMALLEST_TURN` takes of their digits
 TRIALS = 9  # positions from a singular one to the goal, to find one where a joint stays open
 HOMOTOPY = 0.5  # largest change of the Jacobian in one step, relative to itself
+AIM = 0.4  # what that is to be in the next step
+LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0  # of one step and the next
+
+
+class Motion(NamedTuple):
+    """A pose, and its derivatives by the share of a way."""
+
+    q: arb_mat
+    B: Array
+    inverse: Array  # of J
+    rate: Array
+    curvature: Array
+    turn: float  # the largest rate of y
 
 
 class Continuation:
@@ -32,38 +53,40 @@ class Continuation:
     def __init__(self, linkage: LinkageEquations, digits: int, budget: ProcessorBudget) -> None:
         self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
-        self.converged = 10.0 ** (-digits / 2)  # the next correction would be its square
-        halo = 10.0 ** (-2 * digits / 3)
-        self.halo = arb_mat(len(linkage.units), 1, [arb(0, unit * halo) for unit in linkage.units])
+        self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
+        self._units = np.array(linkage.units)
+        alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
+        self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
+        self.converged = 10.0 ** (-2 * digits / 3)
+        self.halo = arb_mat([[arb(0, unit * self.converged)] for unit in linkage.units])
         self.counters = {"steps": 0, "rejected_steps": 0, "newton_iterations": 0}
 
     def follow(self, q: arb_mat, goal: arb_mat) -> arb_mat:
         """Return the pose with f(q) = goal that is connected to q: f moves to its goal along a straight line.
 
         From the sketch this is Davidenko's homotopy, which closes the linkage; from a closed pose it moves the drive.
-        A Taylor predictor of second order is followed by Newton; a step is halved unless Newton contracts and the
-        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step may be twice
-        as long.
+        A Taylor predictor of second order is followed by Newton; a step is shortened until Newton contracts and the
+        Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step is as long as
+        the change of the Jacobian allows.
 
         Raises:
             Failure: the Jacobian becomes singular on the way, or the budget does not last.
         """
-        rows = self.rows
         share, longest = 0.0, LARGEST_TURN
         while share < 1:
             self.budget.check(f"it is at {self._place(q)}")
-            left = goal - rows.value(q)
-            J = rows.jacobian(q)
-            rate = self._solve(J, left, q, goal)
-            curvature = self._solve(J, rows.centripetal(q, rate), q, goal)
-            turn = self._largest_turn(rate, q)
-            share = longest / max(longest, turn)
-            while (reached := self._step(q, J, rate, curvature, goal - left * arb(1 - share), share)) is None:
-                share /= 2
+            left = goal - self.rows.value(q)
+            motion = self._motion(q, left, goal)
+            share = longest / max(longest, motion.turn)
+            while True:
+                reached, factor = self._step(motion, goal - left * arb(1 - share), share)
+                if reached is not None:
+                    break
+                share *= factor
                 self.counters["rejected_steps"] += 1
-                if not share * turn >= SMALLEST_TURN:
+                if not share * motion.turn >= SMALLEST_TURN:
                     raise self._singular(q, goal)
-            q, longest = reached, min(LARGEST_TURN, 2 * share * turn)
+            q, longest = reached, min(LARGEST_TURN, factor * share * motion.turn)
             self.counters["steps"] += 1
         return q
 
@@ -78,60 +101,84 @@ class Continuation:
             Failure: nothing is proven at this precision.
         """
         box = q + self.halo
-        image = q - self.rows.jacobian(box).solve(self.rows.value(q) - goal, nonstop=True)  # NaN where singular
+        J, left = self.rows.jacobian(box), self.rows.value(q) - goal
+        image = q - solved(self.linkage.groups, J, left, nonstop=True)  # NaN where singular
         if not box.contains(image):
             raise Failure(Status.not_converged, f"the digits are too few to prove the pose at {self._place(q)}")
         return image
 
-    def _step(
-        self, q: arb_mat, J: arb_mat, rate: arb_mat, curvature: arb_mat, goal: arb_mat, share: float
-    ) -> arb_mat | None:
-        """Return the pose a step further, or None where Newton does not contract or J changes too much."""
-        h = arb(share)
-        reached = self._newton(
-            (q + rate * h + curvature * (h * h / 2)).mid(), goal, share * self._largest_turn(rate, q)
-        )
-        if reached is None:
-            return None
-        # J and its successor differ by ΔB S, and det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of
-        # S J^-1 ΔB is less than one, no matrix on the line between the two is singular. The least of its norms in any
-        # units of y is the spectral radius of the matrix of its magnitudes (Perron and Frobenius).
-        change = self.rows.varying(reached) - self.rows.varying(q)
-        relative = np.array((self.rows.S * J.solve(change, algorithm="approx")).tolist(), dtype=float)
-        return reached if np.abs(np.linalg.eigvals(np.abs(relative))).max() <= HOMOTOPY else None
+    def _motion(self, q: arb_mat, left: arb_mat, goal: arb_mat) -> Motion:
+        """Return how a pose moves as f does by `left`."""
+        B = self._varying(q)
+        try:
+            inverse = np.linalg.inv(self._C + B @ self._S)
+        except np.linalg.LinAlgError:
+            raise self._singular(q, goal) from None
+        rate = inverse @ _floats(left)
+        curvature = inverse @ _floats(self.rows.centripetal(q, _balls(rate)))
+        return Motion(q, B, inverse, rate, curvature, self._largest_turn(rate, q))
 
-    def _newton(self, q: arb_mat, goal: arb_mat, turn: float) -> arb_mat | None:
-        """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by."""
+    def _step(self, motion: Motion, goal: arb_mat, share: float) -> tuple[arb_mat | None, float]:
+        """Return the pose a step further and how much longer the next one may be.
+
+        There is none where Newton does not contract or J changes too much, and the next try is as much shorter.
+        """
+        predicted = (motion.q + _balls(share * motion.rate + share**2 / 2 * motion.curvature)).mid()
+        enough = self.converged if share == 1 else ON_THE_WAY
+        reached = self._newton(predicted, goal, share * motion.turn, enough)
+        if reached is None:
+            return None, LEAST_FACTOR
+        change = self._relative(motion.inverse, self._varying(reached) - motion.B)
+        factor = max(LEAST_FACTOR, min(AIM / change, LARGEST_FACTOR)) if change > 0 else LARGEST_FACTOR
+        return (reached if change <= HOMOTOPY else None), factor
+
+    def _relative(self, inverse: Array, change: Array) -> float:
+        """Return how much J changes relative to itself where B changes by ΔB, given J^-1.
+
+        det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of S J^-1 ΔB is less than one, no matrix on the line
+        between the two is singular. The least of its norms in any units of y is the spectral radius of the matrix of
+        its magnitudes (Perron and Frobenius), which is block triangular as J is.
+        """
+        relative = np.abs(self._S @ (inverse @ change))
+        parts = (relative[own[:, :, np.newaxis], own[:, np.newaxis, :]] for own in self._groups)
+        radii = (np.abs(np.linalg.eigvals(part)).max() for part in parts)
+        return float(max(radii, default=0.0))
+
+    def _newton(self, q: arb_mat, goal: arb_mat, turn: float, enough: float) -> arb_mat | None:
+        """Return the solution of f(q) = goal near q, or None; `turn` is the predicted step that q came by.
+
+        The residual has all digits, its Jacobian and the corrections those of doubles.
+        """
         for _ in range(ITERATIONS):
             self.counters["newton_iterations"] += 1
+            left = _floats(goal - self.rows.value(q))
             try:
-                correction = self.rows.jacobian(q).solve(goal - self.rows.value(q), algorithm="approx")
-            except ZeroDivisionError:
+                correction = np.linalg.solve(self._C + self._varying(q) @ self._S, left)
+            except np.linalg.LinAlgError:
                 return None
-            q = (q + correction).mid()
+            q = (q + _balls(correction)).mid()
             last, turn = turn, self._largest_turn(correction, q)
-            if turn <= self.converged:
+            closes = turn <= enough or turn * turn <= enough * last  # the next turn
+            if closes and LEFT_OVER * np.abs(correction / self._units).max() <= enough:
                 return q
-            if not turn <= CONTRACTION * last:
+            if not (closes or turn <= CONTRACTION * max(last, SMALLEST_TURN)):  # what moves without turning has none
                 return None
         return None
 
-    def _solve(self, J: arb_mat, right: arb_mat, q: arb_mat, goal: arb_mat) -> arb_mat:
-        try:
-            return J.solve(right)
-        except ZeroDivisionError:
-            raise self._singular(q, goal) from None
+    def _varying(self, q: arb_mat) -> Array:
+        """Return B in double precision."""
+        B = np.zeros((self.rows.C.nrows(), len(self._S)))
+        for place, slope in self.rows.varying(q).items():
+            B[place] = float(slope)
+        return B
 
-    def _largest_turn(self, change: arb_mat, q: arb_mat) -> float:
+    def _largest_turn(self, change: Array, q: arb_mat) -> float:
         """Return the largest |Δy| of a change of pose q, that of a displacement longer than the size over itself."""
-        moves, bodies = self._turns(change), len(self.linkage.index)
+        moves, bodies = self._S @ change, len(self.linkage.index)
         if len(moves) > bodies:
-            lengths = np.hypot(*self._turns(q)[bodies:].reshape(-1, 2).T)
+            lengths = np.hypot(*(self._S @ _floats(q))[bodies:].reshape(-1, 2).T)
             moves[bodies:] /= np.repeat(np.maximum(1.0, lengths), 2)
         return float(np.max(np.abs(moves)))  # NaN stays NaN
-
-    def _turns(self, q: arb_mat) -> NDArray[np.float64]:
-        return np.array([float(y) for y in (self.rows.S * q).entries()])
 
     def _place(self, q: arb_mat) -> str:
         return self.linkage.scene.where(float(self.linkage.position.value(q)[0, 0]))
@@ -142,3 +189,21 @@ class Continuation:
         open_by = misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)
+
+
+def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
+    """Yield for every group of equations that is not linear in its own unknowns in which y it is not."""
+    rows = linkage.constraints
+    terms = [*rows.varying(arb_mat(rows.C.ncols(), 1))]
+    for group in linkage.groups:
+        own = {y for row, y in terms if row in group.rows and not {*rows.moved_by[y]}.isdisjoint(group.columns)}
+        if own:
+            yield sorted(own)
+
+
+def _floats(balls: arb_mat) -> Array:
+    return np.array([float(ball) for ball in balls.entries()])
+
+
+def _balls(values: Array) -> arb_mat:
+    return arb_mat([[value] for value in values.tolist()])

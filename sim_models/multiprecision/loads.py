@@ -33,7 +33,7 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
             others.append(_table(linkage, load))
     if scene.gravity is not None:
         for i in linkage.index.values():
-            m = linkage.mass[3 * i, 3 * i]
+            m = linkage.mass[3 * i]
             work.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
 
     def total(q: arb_mat, velocity: arb_mat) -> arb_mat:

@@ -52,8 +52,10 @@ class Rows:
         self.U = arb_mat(count, bodies)
         self.V = arb_mat(count, bodies)
         self.S = arb_mat(bodies + 2 * guides, 3 * bodies)
+        self.moved_by = [[3 * i + 2] for i in range(bodies)]  # the columns of S by row
         for i in range(bodies):
             self.S[i, 3 * i + 2] = arb(1)
+        self._arms: dict[tuple[int, int], Point] = {}  # entries of U and V by row and body
         self._guides: list[Guide] = []
         self._size = arb(size)
 
@@ -68,6 +70,7 @@ class Rows:
         u, v = _lever(weight, arm)
         self.U[row, body] += u
         self.V[row, body] += v
+        self._arms[row, body] = self.U[row, body], self.V[row, body]
 
     def add_guide(self, row: int, normal: Point, carrier: int, slider: int) -> None:
         """Add the projection of the way from the carrier's to the slider's centre of mass on a normal of the carrier's.
@@ -76,9 +79,11 @@ class Rows:
         """
         column = self.U.ncols() + 2 * len(self._guides)
         self._guides.append(Guide(row, column, carrier, slider, normal))
+        self._arms[row, carrier] = self.U[row, carrier], self.V[row, carrier]
         for axis in (0, 1):
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
             self.S[column + axis, 3 * carrier + axis] = -1 / self._size
+            self.moved_by.append([3 * slider + axis, 3 * carrier + axis])
 
     def value(self, q: arb_mat) -> arb_mat:
         """Return f(q) of (1), shape (rows, 1)."""
@@ -86,12 +91,13 @@ class Rows:
         sin, cos = _sin_cos(q)
         return self.k + self.C * q + U * _column(cos) - V * _column(sin)
 
-    def varying(self, q: arb_mat) -> arb_mat:
-        """Return B of (2), the part of J that varies, as columns for y = S q alone, shape (rows, len(y))."""
+    def varying(self, q: arb_mat) -> dict[tuple[int, int], arb]:
+        """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
         U, V = self._levers(q)
         sin, cos = _sin_cos(q)
-        columns = self.S.nrows()
-        B = -(U * _diagonal(sin, columns) + V * _diagonal(cos, columns))
+        turned = {(row, body): (U[row, body], V[row, body]) for row, _, body, *_ in self._guides}
+        arms = (self._arms | turned).items()
+        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in arms}
         for guide in self._guides:
             (x, y), s, c = guide.normal, sin[guide.carrier], cos[guide.carrier]
             B[guide.row, guide.column] = self._size * (x * c - y * s)
@@ -100,7 +106,19 @@ class Rows:
 
     def jacobian(self, q: arb_mat) -> arb_mat:
         """Return J of (2), shape (rows, 3 bodies)."""
-        return self.C + self.varying(q) * self.S
+        J = arb_mat(self.C)
+        for (row, y), slope in self.varying(q).items():
+            for column in self.moved_by[y]:
+                J[row, column] += slope * self.S[y, column]
+        return J
+
+    @property
+    def pattern(self) -> list[list[int]]:
+        """The columns of J, by row, where it may be other than zero."""
+        columns = [{j for j in range(self.C.ncols()) if self.C[i, j] != 0} for i in range(self.C.nrows())]
+        for row, y in self.varying(arb_mat(self.C.ncols(), 1)):
+            columns[row].update(self.moved_by[y])
+        return [sorted(row) for row in columns]
 
     def centripetal(self, q: arb_mat, rate: arb_mat) -> arb_mat:
         """Return J q'' - f'' of (3), shape (rows, 1), for q' = `rate`: the centripetal and the Coriolis terms."""
@@ -151,11 +169,3 @@ def _sin_cos(q: arb_mat) -> tuple[list[arb], list[arb]]:
 
 def _column(entries: list[arb]) -> arb_mat:
     return arb_mat(len(entries), 1, entries)
-
-
-def _diagonal(entries: list[arb], columns: int) -> arb_mat:
-    """Return a matrix with the entries on its diagonal, and more columns if wanted."""
-    matrix = arb_mat(len(entries), columns)
-    for i, entry in enumerate(entries):
-        matrix[i, i] = entry
-    return matrix

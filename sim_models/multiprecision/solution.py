@@ -8,6 +8,7 @@ from flint import arb, arb_mat
 
 from scenes.motion import Samples
 
+from . import blocks
 from .constraints import LinkageEquations
 from .loads import GeneralisedForce
 
@@ -26,11 +27,12 @@ def solved(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate:
 
     J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q.
     """
-    rows = linkage.constraints
+    rows, groups = linkage.constraints, linkage.groups
     J = rows.jacobian(q)
-    velocity = J.solve(linkage.drive(rate))
-    total = J.solve(linkage.drive(acceleration) + rows.centripetal(q, velocity))
-    multipliers = J.transpose().solve(linkage.mass * total - force(q, velocity))
+    velocity = blocks.solved(groups, J, linkage.drive(rate))
+    total = blocks.solved(groups, J, linkage.drive(acceleration) + rows.centripetal(q, velocity))
+    inertial = arb_mat([[m * a] for m, a in zip(linkage.mass, total.entries(), strict=True)])
+    multipliers = blocks.solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity))
     return Solution(q, velocity, total, multipliers)
 
 
@@ -52,7 +54,7 @@ def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> d
     if scene.has_masses:
         force = np.max([_radii(solution.multipliers) for solution in solutions])
         peak = np.max(np.abs([[float(ball) for ball in solution.multipliers.entries()] for solution in solutions]))
-        heaviest = max(float(linkage.mass[k, k]) for k in range(0, len(units), 3))
+        heaviest = max(float(mass) for mass in linkage.mass[::3])
         scale = max(peak, heaviest * linkage.size * pace**2)
         errors["newton-euler"] = float(force / scale if scale > 0 else force)
     return errors

@@ -11,6 +11,7 @@ from flint import arb, arb_mat
 from scenes import Scene
 from scenes.loads import PressForce
 
+from .blocks import solved
 from .constraints import LinkageEquations
 from .continuation import Continuation
 
@@ -44,7 +45,7 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
         """Return the pose after some cycles, whether the slider closes there, and how far it has closed, m."""
         command = linkage.law.at(cycles)
         q = continuation.follow(q, linkage.drive(command.position))
-        motion = linkage.constraints.jacobian(q).solve(linkage.drive(command.rate))
+        motion = solved(linkage.groups, linkage.constraints.jacobian(q), linkage.drive(command.rate))
         velocity = (displacement.jacobian(q) * motion)[0, 0]
         return q, bool(velocity * closing > 0), closing * float(displacement.value(q)[0, 0])
 

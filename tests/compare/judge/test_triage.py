@@ -217,7 +217,7 @@ def test_of_many_bodies_a_length_is_sought_at_few_samples(
         return projected(scene, near)
 
     monkeypatch.setattr(geometry, "projected", counted)
-    monkeypatch.setattr(geometry, "WORK", 1e6)
+    monkeypatch.setattr(geometry, "WORK", 7e4)
     found = cause(reference, SAMPLING, motion)
     assert (found.kind, found.place, found.amount) == (kind, place, amount)
     assert len(rows) > 10

@@ -1,0 +1,83 @@
+"""Equations solved block by block: the dense solution, and a work that grows with the number of groups alone."""
+
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+import pytest
+
+import scenes
+from scenes import Sampling, Scene
+from scenes.groups import groups
+from tests import chain, scene_files
+
+flint = pytest.importorskip("flint")
+
+from sim_models.multiprecision import blocks as multiprecision_blocks  # noqa: E402  (its engine is there)
+from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402
+from sim_models.multiprecision import engine as model  # noqa: E402
+
+SIZES = (1, 3, 6, 1, 2)  # of diagonal blocks
+
+
+def shuffled() -> Any:
+    """Return a lower block triangular matrix with its rows and its columns in another order, without zero blocks."""
+    draw, ends = np.random.default_rng(3), np.repeat(np.cumsum(SIZES), SIZES)
+    values = draw.normal(size=(ends[-1], ends[-1]))
+    values[np.arange(ends[-1]) >= ends[:, np.newaxis]] = 0
+    rows, columns = draw.permutation(ends[-1]), draw.permutation(ends[-1])
+    return values[rows][:, columns]
+
+
+def pattern(values: Any) -> list[list[int]]:
+    return [[*map(int, np.flatnonzero(row))] for row in values]
+
+
+def test_solutions_are_those_of_the_whole_matrix() -> None:
+    values = shuffled()
+    found = groups(pattern(values))
+    assert [len(group.rows) for group in found] == [*SIZES]
+    with flint.ctx.workdps(50):
+        matrix, right = flint.arb_mat(values.tolist()), flint.arb_mat([[k] for k in range(len(values))])
+        solution = multiprecision_blocks.solved(found, matrix, right)
+        assert solution.overlaps(matrix.solve(right))  # both are proven
+        assert max(float(ball.rad()) for ball in solution.entries()) <= 1e-40
+
+
+def test_a_matrix_without_an_order_is_one_block_and_singular_where_it_is() -> None:
+    values = np.ones((3, 3))
+    values[:2, 1:] = 0  # two equations for one unknown
+    found = groups(pattern(values))
+    assert [len(group.rows) for group in found] == [3]
+    with pytest.raises(ZeroDivisionError):
+        multiprecision_blocks.solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1], [2], [3]]))
+
+
+def group_sizes(scene: Scene) -> list[int]:
+    return [len(group.rows) for group in multiprecision_constraints.LinkageEquations(scene).groups]
+
+
+def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:
+    file = tmp_path / "chain.toml"
+    file.write_text(chain.chain(9, "chain"), encoding="utf-8")
+    assert sorted(group_sizes(scenes.load(str(file)))) == [1, 1, 1] + [6] * 9
+
+
+def test_bodies_that_need_each_other_are_one_group() -> None:
+    assert max(group_sizes(scene_files.load("class_iii"))) == 12  # a triangle on three links
+
+
+@pytest.mark.slow
+def test_the_cost_does_not_grow_with_the_cube_of_the_linkage(tmp_path: Path) -> None:
+    """From 7 bodies to 19 it is two or three times as much, and more than five with all equations in one group."""
+
+    def seconds(dyads: int) -> float:
+        file = tmp_path / f"chain{dyads}.toml"
+        file.write_text(chain.chain(dyads, "chain"), encoding="utf-8")
+        simulation = model.build(scenes.load(str(file)), model.DEFAULT, Sampling(36))
+        began = process_time()
+        simulation.solve()
+        return process_time() - began
+
+    assert min(seconds(9) for _ in range(3)) <= 4 * min(seconds(3) for _ in range(3))
