@@ -5,19 +5,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
+from importlib.resources import files
 from itertools import islice
 from json import dumps
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import plotly.graph_objects as go
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
 
 from ..engines.environment import environment
 from . import numbers
-from .extremes import CURVE, thinned
+from .extremes import CURVE
+from .figure import Figure
 
 HERE = "compare.report"  # the package of the templates that all pages share
 ROWS = 200  # of a table or a list, at most
@@ -54,7 +54,7 @@ def _templates(package: str) -> Environment:
 
 @cache
 def _library() -> str:
-    return packed(get_plotlyjs().encode())
+    return packed((files("plotly") / "package_data/plotly.min.js").read_bytes())
 
 
 def packed(data: bytes) -> str:
@@ -74,9 +74,9 @@ class Parts:
         self.contents.append((anchor, title))
         return anchor
 
-    def figure(self, figure: go.Figure) -> int:
+    def figure(self, figure: Figure) -> int:
         """Take a figure in, and return its number."""
-        self._figures.append(thinned(figure, self._most).to_json(validate=False))
+        self._figures.append(figure.json(self._most))
         return len(self._figures) - 1
 
     @property

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import plotly.graph_objects as go
 
 from scenes import Status
 from scenes.motion import Samples
@@ -15,7 +14,7 @@ from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
 from ...speed.work_precision import contenders, families, front, groups, solved
 from ...study import Study
-from ..draft import Draft
+from ..figure import Figure
 from ..style import BOUND, FLOOR, GREY, cell, colour, draw, error_axes, grid, layout, marker
 from .tables import contender
 
@@ -23,7 +22,7 @@ COLUMNS = 3
 NOTED = ("x-thin", "asterisk", "cross-thin", "y-up")  # symbols of settings with a note
 
 
-def work_precision(study: Study) -> go.Figure:
+def work_precision(study: Study) -> Figure:
     """Draw every setting's time per cycle against its error, log-log, by channel group; buttons switch to the RMS."""
     found = groups(study.speed)
     figure, rms = _panels(study, found, "max"), _panels(study, found, "rms")
@@ -32,16 +31,16 @@ def work_precision(study: Study) -> go.Figure:
     place = {"x": 1, "xanchor": "right", "y": 1.01, "yanchor": "bottom", "pad": {"b": 25}}
     menu = {"type": "buttons", "direction": "right", "buttons": choices} | place
     arranged = layout(150 + 390 * -(-len(found) // COLUMNS), titled=True)
-    return figure.update_layout(arranged).finished({"updatemenus": [menu], "margin": {"t": 110}})
+    return figure.update_layout(arranged, {"updatemenus": [menu], "margin": {"t": 110}})
 
 
-def _button(label: str, figure: Draft) -> dict[str, object]:
+def _button(label: str, figure: Figure) -> dict[str, object]:
     """Return a button that puts a figure's numbers into the traces of the one that is shown."""
     numbers = {axis: [[*trace[axis]] for trace in figure.traces] for axis in ("x", "y")}
     return {"label": label, "method": "restyle", "args": [numbers]}
 
 
-def _panels(study: Study, found: Sequence[str], kind: str) -> Draft:
+def _panels(study: Study, found: Sequence[str], kind: str) -> Figure:
     """Draw the floor, the Pareto fronts, the families' lines and the settings of every group, from back to front."""
     figure = grid(found, min(COLUMNS, len(found)) or 1)
     speed = study.speed.assign(ms=1e3 * study.speed["solve_min_s"]) if found else study.speed
