@@ -19,10 +19,8 @@ from ..engines.environment import environment
 from ..engines.registry import route
 from ..family.family import Family
 from ..judge.agreement import WorstError, worst_error
-from ..judge.errors import group_floors
 from ..judge.measure import Measurement
 from ..judge.sketch import distances
-from ..speed import work_precision
 from ..study import Study
 from .family.page import page as family_page
 from .family.tables import in_si
@@ -140,10 +138,10 @@ def _summary(study: Study) -> dict[str, Any]:
         "causes": study.causes,
         "errors": study.errors.to_dict("records"),
         "gates": study.gates.to_dict("records"),
-        "cheapest": work_precision.choices(study.speed).to_dict("records"),
-        "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
+        "cheapest": study.cheapest.to_dict("records"),
+        "orders": study.orders.to_dict("records"),
         "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],
-        "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
+        "step_costs": study.step_costs.to_dict("records"),
         "environment": environment(),
     }
 
