@@ -95,14 +95,14 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
     """
     points = solved(speed).reset_index(drop=True)
     sets = [(engine, note, rows.index.to_numpy()) for engine, note, rows in contenders(points)]
-    found = []
+    found, names = [], points["setting"].tolist() if len(points) else []
     for group in groups(speed) if len(points) else ():
         times, errors, steps = _numbers(points, f"{group}_max")
         standings = {name: standing(points, f"{group}_max", limit) for name, limit in LEVELS.items()}
         plain = np.where(points["note"] == "", errors, np.inf)
         for (engine, note, places), (name, limit) in product(sets, LEVELS.items()):
             level = places[_as_fast(times[places], errors[places], steps[places], limit, TIE)]
-            settings = [str(points["setting"][place]) for place in level]
+            settings = [names[place] for place in level]
             row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note}
             found.append(row | {"setting": settings[0] if settings else ""})
             if settings:
@@ -119,10 +119,11 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
 
 def standing(points: pd.DataFrame, error: str, limit: float) -> dict[str, str]:
     """Return by engine how its fastest setting without a note stands, among the engines besides the reference."""
-    able = (points["note"] == "") & (points["engine"] != REFERENCE) & (points[error] <= limit)
     fastest: dict[str, float] = {}
-    for engine, time in zip(points["engine"][able], points["solve_min_s"][able], strict=True):
-        fastest[engine] = min(time, fastest.get(engine, np.inf))
+    columns = "engine", "note", "solve_min_s", error
+    for engine, note, time, off in zip(*(points[name].tolist() for name in columns), strict=True):
+        if not note and engine != REFERENCE and off <= limit:
+            fastest[engine] = min(time, fastest.get(engine, np.inf))
     near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
@@ -179,7 +180,8 @@ def families(speed: pd.DataFrame, steps: str) -> Iterator[tuple[dict[str, object
     if len(points):
         for (engine, family), rows in points[points["family"] != ""].groupby(["engine", "family"], sort=False):
             named = {"engine": engine, "family": family, "expected_order": rows["expected_order"].iloc[0]}
-            yield named, rows[rows[steps].notna()].drop_duplicates(steps).sort_values(steps)
+            counts, first = np.unique(rows[steps].to_numpy(float), return_index=True)
+            yield named, rows.take(first[~np.isnan(counts)])
 
 
 def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:
