@@ -105,7 +105,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
             raise Stopped
         show(f"{scene.name}: {doing}")
 
-    budget = Budget(rounds=20, seconds=0.5)
+    budget = Budget(rounds=20, seconds=0.3)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:

@@ -13,7 +13,7 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
-PATIENCE = 3.0  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+PATIENCE = 2.0  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
 
 
