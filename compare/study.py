@@ -9,10 +9,9 @@ import pandas as pd
 from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
-from .engines.registry import ORACLE
+from .engines.registry import ORACLE, REFERENCE
 from .engines.settings import Accuracy, settings_of, tiers
 from .engines.workers import workers
-from .faults.canaries import canaries
 from .judge.errors import group_floors
 from .judge.escalation import offers, promising
 from .judge.floor import establish
@@ -61,6 +60,8 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
         if not isinstance(accuracy, str):
             speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
         found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
+    from .faults.canaries import canaries  # late: no report needs it
+
     found.let_through.extend(canaries(found))
     return found
 
@@ -104,7 +105,8 @@ def study(
 
 
 def _prepared(scene: Scene) -> None:
-    """Find the range of a motion law, whose library is slow to import, before the processes are begun that share it."""
+    """Import what is slow to, the core and the library of motion laws, before the processes are begun that share it."""
+    registry.engine(REFERENCE)
     _ = scene.drive.extent
 
 
