@@ -55,7 +55,7 @@ def test_a_table(reference: Reference) -> None:
 def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngine) -> None:
     """Three error runs, then three rounds over three settings, each of another speed."""
     stub.slowness = chain([9.0] * 3, [1.5] * 3, [2.0] * 3, repeat(1.0))
-    row = rows_of(speed_table(reference, ["stub"], Budget(0, 0.0, point_s=inf), quiet))["100 steps"]
+    row = rows_of(speed_table(reference, ["stub"], Budget(0, inf, point_s=inf), quiet))["100 steps"]
     found = [row[f"solve_{of}_s"] for of in ("min", "median", "spread", "wall")]
     assert found == pytest.approx([0.144, 0.216, 0.144, 0.144])
 

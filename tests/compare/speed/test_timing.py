@@ -81,15 +81,15 @@ def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
 
 
 def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
-    """Of two settings each has half of the time: three rounds of 0.5 s, of 2 s as many as it lasts for."""
+    """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for."""
     for budget, rounds in ((Budget(20, 0.5), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
-        times, _ = turns([Job("a", [0.5]), Job("b", [2.0])], budget, lambda _: ())
+        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda _: ())
         assert [len(of.solve) for of in times] == [3, rounds]
 
 
 def test_a_batch_ends_with_the_budget() -> None:
     """Two of three settings, of 0.1 s each, begin within 0.15 s."""
-    jobs = [Job("a", [0.3, 0.2, 0.1]) for _ in range(3)]
+    jobs = [Job("a", [0.2, 0.15, 0.1]) for _ in range(3)]
     times, ran = turns(jobs, Budget(99, 0.15), all_of)
     assert [len(of.solve) for of in times] == [4, 4, 3]
     assert ran == "aaa|aaa|aaa|aa|"
