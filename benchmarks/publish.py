@@ -35,8 +35,8 @@ def main() -> None:
     for panel in panels(result.reference, result.sampling):
         if panel.title in PICTURED:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
-            figure.write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
-    work_precision(result).write_image(FOLDER / "speed.svg", width=1180, height=930)
+            figure.checked().write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
+    work_precision(result).checked().write_image(FOLDER / "speed.svg", width=1180, height=930)
     (FOLDER / "linkage.svg").write_text(linkage_svg(scene, result.motion), encoding="utf-8")
     speed = result.speed[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]

@@ -136,10 +136,13 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
 
 @contextmanager
 def shown_progress(doing: str = "") -> Iterator[Callable[[str], None]]:
-    """Yield a function that shows what is being done on a line of the terminal; elsewhere nothing is shown.
+    """Yield a function that shows what is being done on a line of the terminal; elsewhere nothing is shown or imported.
 
     Lines that are printed meanwhile stay whole, and go where standard output goes.
     """
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda _: None
+        return
     from rich.console import Console
     from rich.live import Live
     from rich.spinner import Spinner

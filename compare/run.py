@@ -13,7 +13,6 @@ with starting(__name__):
     from typing import TYPE_CHECKING
 
     from scenes import InputError, Sampling, Scene, load, numbers_in, shipped, write_starter
-    from scenes.hard import catalogue, ladder
 
     from .arguments import parser, sampling
     from .engines import registry
@@ -112,7 +111,7 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
             raise Stopped
         show(f"{scene.name}: {doing}")
 
-    budget = Budget(rounds=20, seconds=1.0)
+    budget = Budget(rounds=20, seconds=0.3)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:
@@ -139,6 +138,8 @@ def _report(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
 def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":
     """Return the study with maps of stability and the hard cases, as far as the user lets it."""
+    from scenes.hard import catalogue, ladder
+
     from .hard.cases import hard_cases
     from .hard.stability import stability_table
 

@@ -2,23 +2,24 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 
 import pandas as pd
 
 from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
-from .engines.registry import ORACLE
+from .engines.registry import ORACLE, REFERENCE
 from .engines.settings import Accuracy, settings_of, tiers
 from .engines.workers import workers
-from .faults.canaries import canaries
+from .judge.errors import group_floors
 from .judge.escalation import offers, promising
 from .judge.floor import establish
 from .judge.judgement import Judgement, Offers, judgement
 from .judge.measure import Measurement
+from .speed import work_precision
 from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
-from .speed.work_precision import within
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,21 @@ class Study(Judgement):
     speed: pd.DataFrame  # one row per setting
     maps: pd.DataFrame = field(default_factory=pd.DataFrame)  # of stability, one row per cell
     hard: pd.DataFrame = field(default_factory=pd.DataFrame)  # one row per attempt at a hard case
+
+    @cached_property
+    def cheapest(self) -> pd.DataFrame:
+        """The cheapest setting for every error, see `work_precision.choices`."""
+        return work_precision.choices(self.speed)
+
+    @cached_property
+    def orders(self) -> pd.DataFrame:
+        """Every family's order of convergence, see `work_precision.orders`."""
+        return work_precision.orders(self.speed, group_floors(self.reference))
+
+    @cached_property
+    def step_costs(self) -> pd.DataFrame:
+        """The cost of a step in every family, see `work_precision.step_costs`."""
+        return work_precision.step_costs(self.speed)
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:
@@ -44,6 +60,8 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
         if not isinstance(accuracy, str):
             speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
         found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
+    from .faults.canaries import canaries  # late: no report needs it
+
     found.let_through.extend(canaries(found))
     return found
 
@@ -87,7 +105,8 @@ def study(
 
 
 def _prepared(scene: Scene) -> None:
-    """Find the range of a motion law, whose library is slow to import, before the processes are begun that share it."""
+    """Import what is slow to, the core and the library of motion laws, before the processes are begun that share it."""
+    registry.engine(REFERENCE)
     _ = scene.drive.extent
 
 
@@ -103,7 +122,7 @@ def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
         return offered, noted(engine, offered[0])
 
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
-        found, level = within(engine, float(accuracy), speed), float(accuracy)
+        found, level = work_precision.within(engine, float(accuracy), speed), float(accuracy)
         others = [*tiers(engine).values()][::-1]
         if found:
             why = f"{engine}: {found[0].label} is the cheapest measured to be within {level:g} in every group"

@@ -5,9 +5,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 import pandas as pd
-import plotly.graph_objects as go
 from markupsafe import Markup, escape
 
+from compare.report.figure import Figure
 from compare.report.html import render
 
 from .claims import Claim, Verdict
@@ -17,7 +17,7 @@ GREEK = {"alpha": "α", "gamma": "γ", "epsilon": "ε", "theta": "θ", "omega": 
 
 
 def page(
-    claims: Mapping[str, Sequence[Claim]], pictures: Iterable[tuple[str, str, go.Figure]], notes: Sequence[str]
+    claims: Mapping[str, Sequence[Claim]], pictures: Iterable[tuple[str, str, Figure]], notes: Sequence[str]
 ) -> str:
     """Return the audit's page, given the claims by their source, pictures with titles and notes, and notes on all."""
     return render(

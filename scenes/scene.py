@@ -120,6 +120,10 @@ class Scene:
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
 
+    def __hash__(self) -> int:
+        """Return the hash of its name: what an engine finds once a scene is known by the scene."""
+        return hash((self.name, self.file))
+
     @property
     def has_masses(self) -> bool:
         """Whether forces are asked for; a scene without masses is kinematic."""

@@ -1,8 +1,11 @@
-"""Units: a plain product of powers of unit names, read by a grammar; what a name means is pint's."""
+"""Units: a plain product of powers of unit names, read by a grammar; what a name means is pint's.
+
+The usual ones are known here: to import pint, and have it read its definitions, takes as long as to solve a linkage.
+"""
 
 import re
 from functools import cache, lru_cache
-from math import nan
+from math import nan, pi
 from typing import TYPE_CHECKING
 
 from .errors import InputError, nearest, one_line
@@ -11,14 +14,19 @@ from .format import Units
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-_EXAMPLES = {
-    "length": ("meter", ("m", "mm", "cm", "um", "km", "in", "ft")),
-    "mass": ("kilogram", ("kg", "g", "t", "lb")),
-    "force": ("newton", ("N", "kN", "MN", "lbf")),
-    "angle": ("radian", ("rad", "deg")),
+_USUAL = {  # SI, by what a file has where it names none; and how many of it a unit is
+    "length": ("meter", {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048}),
+    "mass": ("kilogram", {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237}),
+    "force": ("newton", {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605}),
+    "angle": ("radian", {"rad": 1.0, "deg": pi / 180}),
 }
-_TURNING = ("rad/s", "deg/s", "rpm")
-_SLIDING = ("m/s", "mm/s", "m/min", "in/s")
+_TURNING = ("rad/s", {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30})
+_SLIDING = ("m/s", {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1 / 60, "in/s": 0.0254})
+_FACTORS = {
+    (unit, si): factor
+    for si, usual in (*_USUAL.values(), _TURNING, _SLIDING)
+    for unit, factor in ({si: 1.0} | usual).items()
+}
 _POWER = r"(?:°|[^\W\d]\w{0,31})(?: ?(?:\*\*|\^) ?-?\d{1,2}(?:\.\d{1,2})?)?"
 _PRODUCT = re.compile(rf"{_POWER}(?: ?[*/] ?{_POWER}){{0,7}}")
 _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta, and its square is a double
@@ -37,19 +45,19 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
     """
     factors = {}
     speed, other = (_SLIDING, _TURNING) if slides else (_TURNING, _SLIDING)
-    for name, (si, examples) in (_EXAMPLES | {"speed": (speed[0], speed)}).items():
+    for name, (si, usual) in (_USUAL | {"speed": speed}).items():
         unit = getattr(units, name) or si
         wrong = ""
         if not _PRODUCT.fullmatch(unit):
             wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
-        elif name == "speed" and _factor(unit, other[0]) > 0:
-            kind, has = ("crank", "has") if slides else ("slider", "has no")
-            wrong = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
         elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
             wrong = f"is not a unit of {name} that is known"
+            if name == "speed" and _factor(unit, other[0]) > 0:
+                kind, has = ("crank", "has") if slides else ("slider", "has no")
+                wrong = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
         if wrong:
             shown = one_line(unit, 40)
-            raise InputError(f"units.{name}: '{shown}' {wrong}{nearest(shown, examples)}")
+            raise InputError(f"units.{name}: '{shown}' {wrong}{nearest(shown, usual)}")
         factors[name] = unit, _factor(unit, si)
     return factors
 
@@ -57,6 +65,8 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
 @lru_cache(100)
 def _factor(unit: str, si: str) -> float:
     """Return how many of the SI unit a unit is; NaN where it is none of the same quantity."""
+    if (unit, si) in _FACTORS:
+        return _FACTORS[unit, si]
     registry = _registry()
     try:
         return float(registry.Quantity(1.0, registry.parse_units(unit)).to(si).magnitude)

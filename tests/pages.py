@@ -20,6 +20,16 @@ def unpacked(text: str) -> list[str]:
     return [library, *(json.dumps(figure, separators=(",", ":")) for figure in json.loads(figures))]
 
 
+def check_figures(text: str) -> None:
+    """Check that a page has figures, and that plotly takes each of them as it is."""
+    import plotly.graph_objects as go
+
+    _, *figures = unpacked(text)
+    assert figures
+    for figure in figures:
+        assert json.loads(go.Figure(json.loads(figure)).to_json()) == json.loads(figure)
+
+
 def without_scripts(text: str) -> str:
     """Return a page without its scripts, and what is packed in them."""
     return re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)

@@ -2,11 +2,13 @@
 
 import os
 import platform
+from functools import cache
 from importlib.metadata import version
 
 PACKAGES = ("linkage-crosscheck", "numpy", "scipy", "pandas", "plotly")  # the engines name their own
 
 
+@cache
 def environment() -> dict[str, str]:
     """Return the machine's and the packages' versions."""
     return {

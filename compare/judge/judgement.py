@@ -23,7 +23,6 @@ from .measure import Measurement, measure
 from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
 from .sketch import warnings
-from .triage import sentences
 from .verdict import judged
 
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
@@ -59,6 +58,10 @@ class Judgement:
     def causes(self) -> dict[str, str]:
         """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
         off = {gate.engine for gate in self.held if gate.missed}
+        if not (off or self.reference.floor.doubt) and all(m.run.status is Status.ok for m in self.measurements):
+            return {}
+        from .triage import sentences  # late: most runs have nothing to find a cause for
+
         return sentences(self.reference, self.sampling, self.measurements, off)
 
     @property

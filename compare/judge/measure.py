@@ -30,7 +30,8 @@ class Measurement:
         """Return the largest of a column of the errors by channel group; a NaN counts as the largest."""
         if self.errors.empty:
             return {}
-        return {str(group): worst for group, worst in self.errors.groupby("group")[figure].max(skipna=False).items()}
+        groups, errors = self.errors["group"].to_numpy(str), self.errors[figure].to_numpy()
+        return {str(group): float(errors[groups == group].max()) for group in np.unique(groups)}
 
     @property
     def estimate(self) -> float:

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import plotly.graph_objects as go
 
 from scenes import Motion, Request
 from scenes.motion import Samples, quantity
@@ -17,6 +16,7 @@ from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..judge.errors import GROUPS, Comparison
 from ..study import Study
+from .figure import Figure
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, draw, drive_axes, layout, marker, stacked
 from .units import units
 
@@ -123,7 +123,7 @@ def _floor(study: Study, panel: Panel) -> float:
     return max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
 
 
-def over_angle(study: Study, panel: Panel) -> go.Figure:
+def over_angle(study: Study, panel: Panel) -> Figure:
     """Draw one panel over the drive's position or the time: curves above, errors below."""
     figure = stacked(0.6, 0.4)
     over = axis(study.scene).of(study.motion)
@@ -146,4 +146,4 @@ def over_angle(study: Study, panel: Panel) -> go.Figure:
     figure.update_yaxes(title=panel.axis, row=1, col=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
-    return figure.finished(layout(480))
+    return figure.update_layout(layout(480))

@@ -3,14 +3,15 @@
 After Jugel et al. (2014), doi:10.14778/2732951.2732953.
 """
 
-from collections.abc import Iterable, Iterator
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeAlias
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from scenes.motion import Samples
+
+Trace: TypeAlias = Mapping[str, Any]  # as plotly names its parts
 
 CURVE = 2000  # points at most
 PAGE = 80_000  # of all curves; a point is 6 to 11 bytes of the page
@@ -37,27 +38,29 @@ def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
     return np.unique(kept)
 
 
-def affordable(figures: Iterable[go.Figure]) -> int:
+def affordable(figures: Iterable[Iterable[Trace]]) -> int:
     """Return how many points a curve may have, so that all curves of some figures fit on a page."""
-    lengths = [len(trace.x) for figure in figures for trace in _curves(figure)]
+    lengths = [len(trace["x"]) for traces in figures for trace in traces if _is_curve(trace)]
     most = CURVE
     while sum(min(length, most) for length in lengths) > PAGE:
         most = most * 3 // 4
     return most
 
 
-def thinned(figure: go.Figure, most: int) -> go.Figure:
-    """Return the figure with at most so many points a curve, in single precision."""
-    for trace in _curves(figure):
-        x, y = (np.asarray(values) for values in (trace.x, trace.y))
-        rows = extremes(x, y, most)
-        trace.update({"x": _single(x[rows]), "y": _single(y[rows])})
-    return figure
+def thinned(traces: Iterable[Trace], most: int) -> list[Trace]:
+    """Return traces with at most so many points a curve, in single precision."""
+    return [_thinned(trace, most) if _is_curve(trace) else trace for trace in traces]
 
 
-def _curves(figure: go.Figure) -> Iterator[Any]:
-    """Yield the traces that are curves or clouds of unnamed points."""
-    yield from (trace for trace in figure.data if trace.type == "scatter" and trace.text is None and len(trace.x))
+def _thinned(trace: Trace, most: int) -> Trace:
+    x, y = (np.asarray(trace[axis]) for axis in ("x", "y"))
+    rows = extremes(x, y, most)
+    return {**trace, "x": _single(x[rows]), "y": _single(y[rows])}
+
+
+def _is_curve(trace: Trace) -> bool:
+    """Return whether a trace is a curve or a cloud of unnamed points."""
+    return trace["type"] == "scatter" and "text" not in trace and len(trace["x"]) > 0
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any]:

@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,20 +17,17 @@ from scenes.motion import header
 from ..engines.axis import axis
 from ..engines.environment import environment
 from ..engines.registry import route
-from ..family.family import Family
 from ..judge.agreement import WorstError, worst_error
-from ..judge.errors import group_floors
 from ..judge.measure import Measurement
 from ..judge.sketch import distances
-from ..speed import work_precision
 from ..study import Study
-from .family.page import page as family_page
-from .family.tables import in_si
-from .hard import tables as hard_tables
 from .origin import origin
 from .page import page
 from .placing import placed, remove
 from .tables import peaks
+
+if TYPE_CHECKING:
+    from ..family.family import Family
 
 PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
 REPORT = (
@@ -68,7 +65,7 @@ def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
     return place
 
 
-def write_family(family: Family, folder: Path) -> Path:
+def write_family(family: "Family", folder: Path) -> Path:
     """Write `family.html`, `family.json` and `family.csv` into `folder/<scene>/` and return that folder.
 
     One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
@@ -76,6 +73,9 @@ def write_family(family: Family, folder: Path) -> Path:
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
+    from .family.page import page as family_page  # late, as what is of hard cases: no report of a scene needs it
+    from .family.tables import in_si
+
     with _result(folder, family.scene.name, FAMILY, complete=family.complete) as (aside, place):
         in_si(family).to_csv(aside / "family.csv", index=False)
         varied = {variation.path: variation.values for variation in family.variations}
@@ -127,7 +127,11 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
 
 
 def _summary(study: Study) -> dict[str, Any]:
-    scene = study.scene
+    scene, hard = study.scene, []
+    if len(study.hard):
+        from .hard.tables import counts
+
+        hard = counts(study.hard).to_dict("records")
     return {
         "scene": scene,
         "sampling": study.sampling,
@@ -140,10 +144,10 @@ def _summary(study: Study) -> dict[str, Any]:
         "causes": study.causes,
         "errors": study.errors.to_dict("records"),
         "gates": study.gates.to_dict("records"),
-        "cheapest": work_precision.choices(study.speed).to_dict("records"),
-        "orders": work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"),
-        "hard": hard_tables.counts(study.hard).to_dict("records") if len(study.hard) else [],
-        "step_costs": work_precision.step_costs(study.speed).to_dict("records"),
+        "cheapest": study.cheapest.to_dict("records"),
+        "orders": study.orders.to_dict("records"),
+        "hard": hard,
+        "step_costs": study.step_costs.to_dict("records"),
         "environment": environment(),
     }
 

@@ -59,7 +59,7 @@ class Result(Study):
             raise KeyError(f"{channel}: no such channel{nearest(channel, known)}")
         factor, unit = prefixed(self.reference.scale[channel], UNITS[quantity(channel)])
         curve = Curve(channel, unit, {channel: factor})
-        return over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,)))
+        return over_angle(self, Panel(channel, f"{channel} [{unit}]", (curve,), (channel,))).checked()
 
     def __repr__(self) -> str:
         """Return the result in a sentence or two."""
@@ -85,7 +85,7 @@ class Varied(Family):
         """Return a figure of the curves of output and drive over one cycle, a line a member."""
         from .family.figure import curves
 
-        return curves(self)
+        return curves(self).checked()
 
     def __repr__(self) -> str:
         """Return the family in a sentence or two."""

@@ -2,8 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-import plotly.graph_objects as go
-
 from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, cycle_name, position_name
@@ -14,6 +12,7 @@ from . import first_screen, tables
 from .curves import Panel, chosen, over_angle
 from .description import described
 from .extremes import affordable
+from .figure import Figure
 from .hard.section import hard_cases
 from .hard.stability import stability_maps
 from .html import render
@@ -39,7 +38,7 @@ def page(study: Study) -> str:
     scene, (drawn, left_out) = study.scene, chosen(study)
     sections = list(_sections(study, drawn))
     numbers = scene, study.peaks, units(study.reference)
-    most = affordable(figure for _, figure, _, _ in sections)
+    most = affordable(figure.traces for _, figure, _, _ in sections)
     return render(
         "report.html",
         most=most,
@@ -66,7 +65,7 @@ def page(study: Study) -> str:
     )
 
 
-def _sections(study: Study, drawn: Iterable[Panel]) -> Iterator[tuple[str, go.Figure, str, str]]:
+def _sections(study: Study, drawn: Iterable[Panel]) -> Iterator[tuple[str, Figure, str, str]]:
     """Yield title, figure, its text and a note of the panels, and of the figures of singular configurations."""
     for panel in drawn:
         figure = over_angle(study, panel)

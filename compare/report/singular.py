@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
 from scenes.motion import Samples, quantity
 
@@ -12,13 +11,14 @@ from ..engines.registry import REFERENCE
 from ..judge.errors import GROUPS
 from ..study import Study
 from . import style
+from .figure import Figure
 from .style import colour, draw, drive_axes, error_axes, layout, side_by_side, stacked
 from .units import units
 
 PLOTTED = ("velocity", "acceleration", "reaction")
 
 
-def assur_groups(study: Study) -> go.Figure | None:
+def assur_groups(study: Study) -> Figure | None:
     """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
@@ -41,7 +41,7 @@ def assur_groups(study: Study) -> go.Figure | None:
             vertical = {"title": f"to lock [{metres}]"} | _logarithmic(np.array(list(curves.values())))
         figure.update_yaxes(**vertical, row=row, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, len(rows))
-    return figure.finished(layout((300, 480)[len(rows) - 1]))
+    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
 
 
 def _logarithmic(values: Samples) -> dict[str, Any]:
@@ -52,13 +52,13 @@ def _logarithmic(values: Samples) -> dict[str, Any]:
     if not 1 < len(near) < 8:
         return style.LOG | {"dtick": 1}
     return style.LOG | {
-        "range": np.log10([0.9 * near[0], near[-1]]),
+        "range": [*np.log10([0.9 * near[0], near[-1]])],
         "tickvals": near,
         "ticktext": [f"{m:g}" for m in near],
     }
 
 
-def over_distance(study: Study) -> go.Figure | None:
+def over_distance(study: Study) -> Figure | None:
     """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran.
 
     Where the core knows no distance in metres, it is the relative one to the nearest singular Jacobian, 1/κ.
@@ -86,4 +86,4 @@ def over_distance(study: Study) -> go.Figure | None:
         explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
         draw(figure, style.ROUND_OFF, distance[order], explained[order], 1, column, line=style.BOUND)
     error_axes(figure, f"distance to lock [{metres}]" if locks else "1/κ [-]")
-    return figure.finished(layout(380, titled=True))
+    return figure.update_layout(layout(380, titled=True))

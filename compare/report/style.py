@@ -9,8 +9,8 @@ from scenes import Scene
 from scenes.scene import ConstantSpeed
 
 from ..engines.axis import axis, turns_fully
-from .draft import Draft
 from .extremes import CURVE, extremes
+from .figure import Figure
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe and Ito, for any colour vision
 GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
@@ -37,7 +37,7 @@ def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:
 
 
 def draw(
-    figure: Draft,
+    figure: Figure,
     name: str,
     x: Any,
     y: Any,
@@ -71,20 +71,26 @@ def draw(
     figure.add(trace | style, row, column)
 
 
-def stacked(*heights: float) -> Draft:
+def stacked(*heights: float) -> Figure:
     """Return empty panels one above the other over one axis, by their relative heights; a single one by default."""
-    return Draft(len(heights) or 1, 1, shared_xaxes=True, row_heights=heights or None, vertical_spacing=0.06)
+    figure, last = Figure(heights or [1.0], gaps=(0.0, 0.06)), len(heights) or 1
+    for row in range(1, last):
+        figure.update_xaxes(matches=f"x{last}", showticklabels=False, row=row)
+    return figure
 
 
-def side_by_side(titles: Sequence[str]) -> Draft:
+def side_by_side(titles: Sequence[str]) -> Figure:
     """Return an empty panel per title, all in one row with one vertical axis."""
-    return Draft(1, len(titles), titles, shared_yaxes=True, horizontal_spacing=0.03)
+    figure = Figure([1.0], len(titles), titles, gaps=(0.03, 0.0))
+    for column in range(2, len(titles) + 1):
+        figure.update_yaxes(matches="y", showticklabels=False, col=column)
+    return figure
 
 
-def grid(titles: Sequence[str], columns: int) -> Draft:
+def grid(titles: Sequence[str], columns: int) -> Figure:
     """Return an empty panel per title, row by row, each with axes of its own; see `cell`."""
     rows = max(-(-len(titles) // columns), 1)
-    return Draft(rows, columns, titles, horizontal_spacing=0.18 / columns, vertical_spacing=0.3 / rows)
+    return Figure([1.0] * rows, columns, titles, gaps=(0.18 / columns, 0.3 / rows))
 
 
 def cell(number: int, columns: int) -> tuple[int, int]:
@@ -93,13 +99,13 @@ def cell(number: int, columns: int) -> tuple[int, int]:
     return row + 1, column + 1
 
 
-def error_axes(figure: Draft, across: str, error: str = "relative error [-]") -> Draft:
+def error_axes(figure: Figure, across: str, error: str = "relative error [-]") -> Figure:
     """Make all axes of a figure logarithmic: `across` titles the horizontal ones, `error` the first vertical one."""
     figure.update_xaxes(LOG, title=across, nticks=6)
     return figure.update_yaxes(LOG, nticks=8).update_yaxes(title=error, col=1)
 
 
-def drive_axes(figure: Draft, scene: Scene, turns: int = 1, row: int | None = None) -> Draft:
+def drive_axes(figure: Figure, scene: Scene, turns: int = 1, row: int | None = None) -> Figure:
     """Let time run from left to right over the drive's position; of stacked panels, only `row` gets the title."""
     backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
     ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees

@@ -13,7 +13,7 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
-PATIENCE = 4.0  # s of processor time, for the least rounds; those of the shipped scenes take half of it
+PATIENCE = 2.0  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
 
 
@@ -71,9 +71,10 @@ def take_turns(
 ) -> list[Times]:
     """Return the times of every setting, given the engine of each.
 
-    One round goes over all settings, so that a slow spell of the machine falls on all of them. After the least number
-    of rounds only those take part that are in doubt, given the fastest solve of every setting, s, and whose fastest
-    time is not known yet. A stop leaves the times that are known.
+    One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
+    least number of rounds as far as its share of the patience lasts. After these only those take part that are in
+    doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
+    that are known.
 
     Args:
         engines: of every setting; the settings of one are neighbours.
@@ -85,12 +86,13 @@ def take_turns(
     times = [Times() for _ in engines]
 
     def batches() -> Iterator[Sequence[int]]:
-        spent = 0.0
+        share = max(PATIENCE, budget.seconds) / (len(times) or 1)
+        able = [*range(len(times))]
         for done in range(LEAST_ROUNDS):
-            if spent + spent / max(done, 1) <= max(PATIENCE, budget.seconds):  # with one more like those before
-                progress(f"timing {len(times)} settings, round {done + 1}")
-                yield from _by_engine(range(len(times)), engines)
-                spent = sum(record.spent for record in times)
+            able = [n for n in able if (done + 1) * times[n].spent <= max(done, 1) * share]  # with one more like those
+            progress(f"timing {len(able)} settings, round {done + 1}")
+            yield from _by_engine(able, engines)
+        spent = sum(record.spent for record in times)
         for done in range(LEAST_ROUNDS, budget.rounds):
             doubtful = [n for n in in_doubt([min(record.solve) for record in times]) if not times[n].known]
             for batch in _by_engine(doubtful, engines):

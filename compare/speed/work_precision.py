@@ -93,38 +93,37 @@ def choices(speed: pd.DataFrame) -> pd.DataFrame:
     without a note, of any engine. `standing` is among the engines besides the reference, of settings without a note:
     cheapest, level, or dearer.
     """
-    points = solved(speed)
-    errors = [f"{group}_max" for group in groups(speed)]
-    points = points[["engine", "note", "setting", "solve_min_s", "steps_made", *errors]] if len(points) else points
-    standings, fastest = {}, {}
-    for error, name in product(errors, LEVELS):
-        standings[error, name] = standing(points, error, LEVELS[name])
-        able = (points["note"] == "") & (points[error] <= LEVELS[name])
-        fastest[error, name] = points["solve_min_s"][able].min()
-    rows = []
-    for error, (engine, note, settings), name in product(errors, list(contenders(points)), LEVELS):
-        found = as_fast(settings, error, LEVELS[name])
-        best, *others = found["setting"] if len(found) else [""]
-        row = {"group": error.removesuffix("_max"), "level": name, "engine": engine, "note": note, "setting": best}
-        if best:
-            time = found["solve_min_s"].iloc[0]
-            row |= {
-                "level_with": "; ".join(sorted(others)),
-                "solve_s": time,
-                "error": found[error].iloc[0],
-                "ratio": time / fastest[error, name],
-                "standing": standings[error, name].get(engine, "") if not note else "",
-            }
-        rows.append(row)
-    return pd.DataFrame(rows)
+    points = solved(speed).reset_index(drop=True)
+    sets = [(engine, note, rows.index.to_numpy()) for engine, note, rows in contenders(points)]
+    found, names = [], points["setting"].tolist() if len(points) else []
+    for group in groups(speed) if len(points) else ():
+        times, errors, steps = _numbers(points, f"{group}_max")
+        standings = {name: standing(points, f"{group}_max", limit) for name, limit in LEVELS.items()}
+        plain = np.where(points["note"] == "", errors, np.inf)
+        for (engine, note, places), (name, limit) in product(sets, LEVELS.items()):
+            level = places[_as_fast(times[places], errors[places], steps[places], limit, TIE)]
+            settings = [names[place] for place in level]
+            row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note}
+            found.append(row | {"setting": settings[0] if settings else ""})
+            if settings:
+                fastest, time = times[plain <= limit], times[level[0]]
+                found[-1] |= {
+                    "level_with": "; ".join(sorted(settings[1:])),
+                    "solve_s": time,
+                    "error": errors[level[0]],
+                    "ratio": time / fastest.min() if fastest.size else np.nan,
+                    "standing": standings[name].get(engine, "") if not note else "",
+                }
+    return pd.DataFrame(found)
 
 
 def standing(points: pd.DataFrame, error: str, limit: float) -> dict[str, str]:
     """Return by engine how its fastest setting without a note stands, among the engines besides the reference."""
-    able = points[(points["note"] == "") & (points["engine"] != REFERENCE) & (points[error] <= limit)]
     fastest: dict[str, float] = {}
-    for engine, time in zip(able["engine"], able["solve_min_s"], strict=True):
-        fastest[engine] = min(time, fastest.get(engine, np.inf))
+    columns = "engine", "note", "solve_min_s", error
+    for engine, note, time, off in zip(*(points[name].tolist() for name in columns), strict=True):
+        if not note and engine != REFERENCE and off <= limit:
+            fastest[engine] = min(time, fastest.get(engine, np.inf))
     near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
@@ -139,11 +138,9 @@ def contests(speed: pd.DataFrame) -> list[NDArray[np.intp]]:
     if points.empty:
         return []
     plain = points[(points["note"] == "") & (points["engine"] != REFERENCE)]
-    sets = [rows for _, _, rows in contenders(points)] + [plain]
-    found = (
-        tuple(rows.index[rows[f"{group}_max"] <= limit])
-        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
-    )
+    sets = [*(rows for _, _, rows in contenders(points)), plain]
+    errors = [[(rows.index.to_numpy(), rows[f"{group}_max"].to_numpy()) for rows in sets] for group in groups(speed)]
+    found = (tuple(places[error <= limit]) for of, limit in product(errors, LEVELS.values()) for places, error in of)
     return [np.array(places) for places in dict.fromkeys(found) if len(places) > 1]
 
 
@@ -183,7 +180,8 @@ def families(speed: pd.DataFrame, steps: str) -> Iterator[tuple[dict[str, object
     if len(points):
         for (engine, family), rows in points[points["family"] != ""].groupby(["engine", "family"], sort=False):
             named = {"engine": engine, "family": family, "expected_order": rows["expected_order"].iloc[0]}
-            yield named, rows[rows[steps].notna()].drop_duplicates(steps).sort_values(steps)
+            counts, first = np.unique(rows[steps].to_numpy(float), return_index=True)
+            yield named, rows.take(first[~np.isnan(counts)])
 
 
 def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:

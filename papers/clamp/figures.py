@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
-import plotly.graph_objects as go
 
+from compare.report.figure import Figure
 from compare.report.style import colour, draw, layout, marker, stacked
 
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
@@ -12,7 +12,7 @@ from .printed import TABLE_1
 from .tables import SPEED
 
 
-def figures() -> Iterator[tuple[str, str, go.Figure]]:
+def figures() -> Iterator[tuple[str, str, Figure]]:
     """Yield title, note and figure of every picture."""
     ratios, accelerations = stacked(), stacked()
     for number, (name, d) in enumerate(PUBLISHED.items()):
@@ -31,10 +31,10 @@ def figures() -> Iterator[tuple[str, str, go.Figure]]:
     yield (
         "Clamp: velocity ratio over the stroke",
         "From open to locked. Circles: the printed peaks and startup values, where the computed ones are.",
-        ratios.update_yaxes(title="R_V = v_m / v_o [-]", rangemode="tozero").finished(layout(480)),
+        ratios.update_yaxes(title="R_V = v_m / v_o [-]", rangemode="tozero").update_layout(layout(480)),
     )
     yield (
         "Clamp: acceleration of the platen over the stroke",
         f"At an assumed {SPEED:g} mm/s of the crosshead. Solid: the corrected formula; dotted: as printed.",
-        accelerations.update_yaxes(title="a_m [mm/s²]").finished(layout(480)),
+        accelerations.update_yaxes(title="a_m [mm/s²]").update_layout(layout(480)),
     )

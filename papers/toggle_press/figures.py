@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from math import degrees
 
 import numpy as np
-import plotly.graph_objects as go
 
+from compare.report.figure import Figure
 from compare.report.style import DASHES, GREY, LEGEND_BESIDE, colour, draw, layout, marker, stacked
 from scenes.motion import Samples
 
@@ -15,7 +15,7 @@ from .table_1 import HEIGHT, MOST, speed
 STRIDE = 10  # of the presses' samples: a degree of the crank
 
 
-def figures() -> Iterator[tuple[str, str, go.Figure]]:
+def figures() -> Iterator[tuple[str, str, Figure]]:
     """Yield title, note and figure of every picture."""
     yield (
         "Toggle press against crank press: the slider over a turn",
@@ -29,7 +29,7 @@ def figures() -> Iterator[tuple[str, str, go.Figure]]:
     )
 
 
-def _presses() -> go.Figure:
+def _presses() -> Figure:
     toggle, crank = press("toggle_press"), press("crank_press")
     sides = {
         "toggle press, clockwise": (toggle.after, toggle.before),
@@ -49,7 +49,7 @@ def _presses() -> go.Figure:
     figure.update_yaxes(title="speed [mm/s]", row=2, col=1)
     figure.update_xaxes(dtick=60)
     figure.update_xaxes(title="crank angle from the lowest point [deg]", row=2, col=1)
-    return figure.finished(layout(560))
+    return figure.update_layout(layout(560))
 
 
 def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
@@ -59,7 +59,7 @@ def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
     yield speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]])
 
 
-def _family() -> go.Figure:
+def _family() -> Figure:
     figure = stacked()
 
     def add(name: str, of: Press, line: dict[str, object]) -> None:
@@ -71,4 +71,4 @@ def _family() -> go.Figure:
         add(name, member, {"color": colour(number // 2), "dash": DASHES[1 - number % 2]})
     figure.update_yaxes(title="height [mm]")
     figure.update_xaxes(title="crank angle from the lowest point, counter-clockwise [deg]", dtick=60)
-    return figure.finished(layout(560) | {"legend": LEGEND_BESIDE})
+    return figure.update_layout(layout(560) | {"legend": LEGEND_BESIDE})

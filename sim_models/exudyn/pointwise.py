@@ -6,16 +6,15 @@ from scenes.engine import equal_steps
 from .loads import add_loads
 from .poses import Configuration, PoseSolver
 from .simulation import ExudynSimulation, wants_accelerations
-from .start import start
-from .stroke import press_switches
+from .start import begun
 from .system import Array
 
 
 def build(scene: Scene, request: Request) -> "PointwiseSimulation":
     """Assemble the linkage at the drive's start, see `engine.build`."""
+    at_start, switches = begun(scene)
     poses = PoseSolver(scene)
-    at_start = start(poses)
-    add_loads(poses.system, press_switches(poses, at_start))
+    add_loads(poses.system, switches)
     return PointwiseSimulation(request, poses, at_start)
 
 

@@ -109,11 +109,11 @@ WORK_PRECISION: tuple[ExudynSettings, ...] = (
     *_single("generalised-alpha 0.5", 72, 360),
     *_single("generalised-alpha 0.5, reduced", 72, 360, **REDUCED),
     *_single("trapezoidal", 72, 360, **TRAPEZOIDAL),
-    *_pairs("generalised-alpha 0.5", 3, 72, 360),
+    *_pairs("generalised-alpha 0.5", 3, 72, 144),
     DEFAULT,
     *_pairs("trapezoidal", 4, 144, **TIGHT),
     EXACT,
-    *_textbook(72, 360),
+    *_textbook(72),
 )
 
 LONG_WORK_PRECISION: tuple[ExudynSettings, ...] = (
@@ -125,11 +125,11 @@ LONG_WORK_PRECISION: tuple[ExudynSettings, ...] = (
     *_single("generalised-alpha 0.5, full Newton", 72, 360, 1440, newton=Newton.FULL),
     *_single("generalised-alpha 0.5, modified Newton", 72, 360, 1440, newton=Newton.MODIFIED),
     *_single("trapezoidal", 144, 1440, 2880, 7200, **TRAPEZOIDAL),
-    *_pairs("generalised-alpha 0.5", 3, 144, 1440, 2880),
+    *_pairs("generalised-alpha 0.5", 3, 360, 1440, 2880),
     *_pairs("generalised-alpha 0.5, reduced", 3, 72, 360, 720, **REDUCED),
     *_pairs("generalised-alpha 0.8", 4, 72, 144, 360, 720, **LITTLE_DAMPED),
     *_pairs("trapezoidal", 4, 288, 432, 576, **TIGHT),
-    *_textbook(1440, 2880, 7200, 14400),
+    *_textbook(360, 1440, 2880, 7200, 14400),
 )
 
 _once = replace(DEFAULT, richardson=False, family="", order=2)

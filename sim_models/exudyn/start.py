@@ -1,17 +1,33 @@
 """Where a system starts: assembled from the scene's sketch, on the branch that the sketch shows."""
 
 from cmath import phase
+from functools import lru_cache
 from math import pi, remainder, tau
 
 import numpy as np
 
-from scenes import Failure, Status
+from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
 from .misfit import misfit
 from .poses import Configuration, PoseSolver
+from .stroke import Switches, press_switches
 from .system import Array, ExudynSystem, engine
+
+SCENES = 4  # whose starts are kept; one that is run has up to two
+
+
+@lru_cache(SCENES)
+def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, Switches]:
+    """Return the state at the drive's start, and when the press loads switch; both once a scene and system of units.
+
+    Raises:
+        Failure: as `start` and `press_switches`.
+    """
+    poses = PoseSolver(scene, si=si)
+    at_start = start(poses)
+    return at_start, press_switches(poses, at_start)
 
 
 def start(poses: PoseSolver) -> Configuration:

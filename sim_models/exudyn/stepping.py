@@ -24,8 +24,7 @@ from .reduced import ReducedSystem
 from .settings import Extra, Newton, TextbookTimeStepping, TimeStepping
 from .simulation import ExudynSimulation, failure
 from .spatial import SpatialSystem
-from .start import start
-from .stroke import press_switches
+from .start import begun
 from .system import Array, ExudynSystem, engine
 
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
@@ -49,9 +48,8 @@ class Stretch(NamedTuple):
 def build(scene: Scene, settings: TimeStepping, request: Request) -> "TimeSteppedSimulation":
     """Assemble the linkage and set up its integration from before zero, see `engine.build`."""
     sampling, si = equal_steps(request), isinstance(settings, TextbookTimeStepping)
+    at_start, switches = begun(scene, si=si)
     poses = PoseSolver(scene, si=si)
-    at_start = start(poses)
-    switches = press_switches(poses, at_start)
     add_loads(poses.system, switches)
     stretches = _stretches(poses, at_start, settings, sampling)
     kind = ReducedSystem if settings.reduced else SpatialSystem if settings.extra is Extra.SPATIAL else ExudynSystem

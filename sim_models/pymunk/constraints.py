@@ -27,6 +27,8 @@ Poses: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, acceler
 Complex: TypeAlias = NDArray[np.complex128]
 Plane: TypeAlias = Any  # a complex number, or an array of them of shape (n,)
 
+Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
+
 BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
@@ -54,7 +56,7 @@ class LinkageConstraints:
             not close, or the sketch shows three of its points in line.
     """
 
-    def __init__(self, scene: Scene, masses: Callable[[Scene, Mapping[str, PymunkBody]], Inertias]) -> None:
+    def __init__(self, scene: Scene, masses: Masses) -> None:
         self.scene = scene
         rigids = {body.name: rigid(scene, body) for body in scene.bodies.values()}
         inertias = masses(scene, rigids)

@@ -110,7 +110,6 @@ WORK_PRECISION: tuple[AnySettings, ...] = (
     _run(144, 2, 150),
     *(_run(steps, 3, 300) for steps in (72, 144)),
     DEFAULT,
-    _default_correction(720),
     *(_textbook(steps) for steps in (60, 2304)),
 )
 LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
@@ -124,7 +123,7 @@ LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_run(steps, 4, 300) for steps in (72, 144)),
     EXACT,
     *(_run(steps, 1, 100, ", 50% correction", correction=0.5, order=2) for steps in (144, 360, 720)),
-    *(_default_correction(steps) for steps in (1440, 2880, 5760)),
+    *(_default_correction(steps) for steps in (720, 1440, 2880, 5760)),
     *(_textbook(steps) for steps in (576, 1152, 4608, 9216, 18432, 36864)),
 )
 # A motor converges badly: fewer sweeps flip the toggle press.

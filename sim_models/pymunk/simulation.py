@@ -16,12 +16,12 @@ from scenes.scene import MotionLaw
 from . import stepping
 from .channels import found_channels, joint_forces, reaction_channels
 from .checks import check_finite, check_impulses, check_path
-from .constraints import LinkageConstraints, Poses, branch, planes, with_ground
+from .constraints import LinkageConstraints, Masses, Poses, branch, planes, with_ground
 from .drive import with_rates_of_law
 from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
 from .settings import SECONDS, PymunkSettings
-from .start import assembles, check_way, start
+from .start import assembles, begun, check_way
 from .stepping import Integration
 from .stroke import stroke_ends
 
@@ -41,14 +41,10 @@ def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
     return request.wants_forces(scene) and not settings.fictitious
 
 
-def linkage_of(scene: Scene, settings: PymunkSettings, request: Request) -> LinkageConstraints:
-    """Return the linkage with the masses that these settings give it.
-
-    Raises:
-        Failure: unsupported, cannot_assemble; see `LinkageConstraints`.
-    """
+def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masses:
+    """Return the masses that these settings give the linkage."""
     masses = ballasted_masses if loaded(scene, settings, request) else fictitious_masses
-    return LinkageConstraints(scene, own_masses if settings.extra == "motor" else masses)
+    return own_masses if settings.extra == "motor" else masses
 
 
 def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSimulation":
@@ -57,11 +53,10 @@ def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSi
     Where no forces are requested, they have fictitious masses and fewer sweeps.
     """
     sampling, with_forces = equal_steps(request), loaded(scene, settings, request)
-    linkage = linkage_of(scene, settings, request)
+    linkage, pose = begun(scene, masses_of(scene, settings, request))
     if not (with_forces or settings.fictitious or settings.extra == "motor"):
         settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
-    pose = start(linkage)
-    ends = stroke_ends(linkage, pose)
+    ends = stroke_ends(scene)
     strides = [ceil(settings.steps / sampling.samples) * 2**level for level in range(settings.levels)]
     runs = [stepping.build(linkage, pose, ends, sampling, n, settings, loaded=with_forces) for n in strides]
     return PymunkSimulation(sampling, linkage, runs, ends, pose)

@@ -5,16 +5,17 @@ in small steps, each corrected by Newton's method; no step may change the branch
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
 from math import pi, radians, remainder
 from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Failure, ProcessorBudget, Status
+from scenes import Failure, ProcessorBudget, Scene, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import LinkageConstraints, Poses, branch
+from .constraints import LinkageConstraints, Masses, Poses, branch
 from .misfit import misfit
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
@@ -26,8 +27,20 @@ PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 10.0  # of processor time on one path, half of what an engine's process has; the shipped scenes take 0.03
 TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
+SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
+
+
+@lru_cache(SCENES)
+def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, Poses]:
+    """Return the linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene.
+
+    Raises:
+        Failure: as `LinkageConstraints`, and as `start`.
+    """
+    linkage = LinkageConstraints(scene, masses)
+    return linkage, start(linkage)
 
 
 def start(linkage: LinkageConstraints) -> Poses:

@@ -1,26 +1,31 @@
 """The ends of the closing strokes, within which the press forces act."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 
+from scenes import Scene
 from scenes.scene import PressForce
 
 from .constraints import LinkageConstraints, Poses, planes
-from .start import Place, move, rates, way
+from .masses import fictitious_masses
+from .start import SCENES, Place, begun, move, rates, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 
 
-def stroke_ends(linkage: LinkageConstraints, q: Poses) -> list[float]:
-    """Return where the closing strokes of the press forces end, m; for them the pose q moves through the drive's range.
+@lru_cache(SCENES)
+def stroke_ends(scene: Scene) -> Sequence[float]:
+    """Return where the closing strokes of the press forces end, m; once a scene, since its whole way is searched.
 
     Raises:
         Failure: cannot_assemble somewhere on the way, with the drive's position.
     """
-    drive = linkage.scene.drive
-    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
+    drive = scene.drive
+    presses = [load for load in scene.loads if isinstance(load, PressForce)]
     if not presses:
         return []
+    linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
     return [load.closing * max(_furthest(linkage, load, path) for path in paths) for load in presses]
 

@@ -19,9 +19,9 @@ from scenes import Sampling, Scene
 
 from .constraints import LinkageConstraints, Poses
 from .settings import Extra, PymunkSettings
-from .simulation import linkage_of
+from .simulation import masses_of
 from .space import Model, pair
-from .start import start, way
+from .start import begun, way
 
 if TYPE_CHECKING:
     import pymunk
@@ -35,8 +35,8 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     Raises:
         Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
     """
-    linkage = linkage_of(scene, settings, Sampling())
-    rho = max(rho for _, rho in contractions(linkage, start(linkage)))
+    linkage, pose = begun(scene, masses_of(scene, settings, Sampling()))
+    rho = max(rho for _, rho in contractions(linkage, pose))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
 
 

@@ -23,7 +23,7 @@ from .masses import own_masses
 from .recorders import PropertyRecorder
 from .settings import ERROR_BIAS, SECONDS, TextbookSettings
 from .space import Model, pair
-from .start import move, rates, start
+from .start import begun, move, rates
 from .stepping import Steps
 
 PRE_ROLL = 1 / 8  # of a cycle before t = 0, in which the cached impulses, zero at first, settle
@@ -40,11 +40,10 @@ def build(scene: Scene, settings: TextbookSettings, request: Request) -> "Textbo
         raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
     if any(name in scene.turning for name, body in scene.bodies.items() if body.slide is not None):
         raise Failure(Status.unsupported, "the textbook set-up has guides on the ground only")
-    sampling, linkage = equal_steps(request), LinkageConstraints(scene, own_masses)
+    sampling, (linkage, pose) = equal_steps(request), begun(scene, own_masses)
     stride = ceil(settings.steps / sampling.samples)
     dt = float(sampling.times(scene)[1]) / stride
     steps = Steps(dt, stride, ceil(PRE_ROLL * stride * sampling.samples), stride * (sampling.count - 1))
-    pose = start(linkage)
     first = scene.drive.at(-steps.pre_roll * dt)
     begin = move(linkage, pose, scene.drive.start, float(first.position))
     model = Model(linkage, begin, rates(linkage, begin, float(first.rate)), ERROR_BIAS, "motor")

@@ -132,9 +132,10 @@ def test_speed_file(results: Path) -> None:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
-    round_s = (speed["build_s"] + speed["solve_median_s"] + speed["read_s"]).sum()
-    least = LEAST_ROUNDS if 1.3 * LEAST_ROUNDS * round_s <= PATIENCE else 1  # the rounds are not all alike
-    assert (speed["timed_runs"] >= least).all(), "fewer on a slow machine alone"
+    run_s = speed["build_s"] + speed["solve_median_s"] + speed["read_s"]
+    cheap = 2 * LEAST_ROUNDS * run_s <= PATIENCE / len(speed)  # the rounds are not all alike
+    assert cheap[speed["engine"] == "analytic"].all()
+    assert (speed["timed_runs"] >= cheap.map({True: LEAST_ROUNDS, False: 1})).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]

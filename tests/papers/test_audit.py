@@ -11,6 +11,7 @@ import pytest
 from papers.audit import audit, main, write
 from papers.claims import Claim, Verdict
 from papers.page import overview
+from tests.pages import check_figures
 
 Audited = tuple[dict[str, list[Claim]], list[str]]
 
@@ -34,6 +35,7 @@ def test_the_files(audited: Audited, tmp_path: Path) -> None:
 def test_the_page(audited: Audited, tmp_path: Path) -> None:
     claims, notes = audited
     page = (write(claims, notes, tmp_path) / "audit.html").read_text(encoding="utf-8")
+    check_figures(page)
     assert page.partition('class="text audit"')[2].count('<span class="') == sum(map(len, claims.values()))
     assert not re.search(r'<(script|link|img)[^>]*(src|href)="http', page)  # it opens with no network
     assert 'class="misprint">misprint' in page

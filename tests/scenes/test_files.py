@@ -7,10 +7,11 @@ from math import pi
 from pathlib import Path
 from time import process_time
 
+import pint
 import pytest
 
 import scenes
-from scenes import InputError
+from scenes import InputError, units
 from scenes.limits import FILE_BYTES
 from tests import scene_files
 
@@ -206,3 +207,9 @@ def test_units_of_length(unit: str, metres: float) -> None:
     scene = scenes.load("toggle_press", {"units.length": unit, "units.angle": "°", "drive.start": 90})
     assert scene.ground["P1"][0] == pytest.approx(404.709 * metres, rel=1e-15)
     assert scene.drive.start == pytest.approx(pi / 2, rel=1e-15)
+
+
+def test_the_usual_units_are_what_pint_takes_them_for() -> None:
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry()
+    for (unit, si), factor in units._FACTORS.items():
+        assert factor == pytest.approx(registry.Quantity(1.0, unit).to(si).magnitude, rel=1e-15)  # of an ulp of pint's

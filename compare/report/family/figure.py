@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from math import ceil
 
 import numpy as np
-import plotly.graph_objects as go
 from plotly.colors import sample_colorscale
 
 from scenes import Scene
@@ -12,6 +11,7 @@ from scenes import Scene
 from ...engines.axis import axis, prefixed
 from ...family.cycle import Cycle
 from ...family.family import Family, Member
+from ..figure import Figure
 from ..style import DASHES, LEGEND_BESIDE, cell, draw, drive_axes, grid, layout
 from .tables import label
 
@@ -21,7 +21,7 @@ CURVES = {"displacement": "m", "x": "m", "y": "m", "velocity": "m/s", "accelerat
 EFFORTS = {"torque": "N m", "force": "N"}  # of the drive
 
 
-def curves(family: Family) -> go.Figure:
+def curves(family: Family) -> Figure:
     """Draw the output's displacement, velocity and acceleration, and the drive's effort, over the drive's position."""
     shown = list(drawn(family))
     units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in shown[0][1].curves}
@@ -36,7 +36,8 @@ def curves(family: Family) -> go.Figure:
             draw(figure, label(family, member), x, y, row, column, line=_line(family, member))
         figure.update_yaxes(title=f"{name} [{unit}]", row=row, col=column)
     drive_axes(figure, family.scene)
-    return figure.finished(layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE, "hovermode": "closest"})
+    arranged = layout(60 + 380 * ceil(len(units) / 2)) | {"legend": LEGEND_BESIDE}
+    return figure.update_layout(arranged, hovermode="closest")
 
 
 def drawn(family: Family) -> Iterator[tuple[Member, Cycle]]:

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pandas as pd
-import plotly.graph_objects as go
 
 from ...hard.case import Outcome
 from ...judge.errors import SHOWN_GROUPS
 from ...judge.round_off import EPS
+from ..figure import Figure
 from ..style import BOUND, colour, draw, error_axes, layout, side_by_side
 
 SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
 
 
-def over_condition(cases: pd.DataFrame) -> go.Figure | None:
+def over_condition(cases: pd.DataFrame) -> Figure | None:
     """Draw the errors of every attempt over the condition of its Jacobian, by outcome; None where there are none."""
     groups = [group for group in SHOWN_GROUPS if f"{group}_max" in cases and group not in ("torque", "force")]
     if not groups:
@@ -30,4 +30,4 @@ def over_condition(cases: pd.DataFrame) -> go.Figure | None:
             draw(figure, str(engine), *at, mode="markers", marker=mark, text=text, hovertemplate=hover)
         draw(figure, "κ ε", span, EPS * span, 1, column, line=BOUND)
     error_axes(figure, "condition κ [-]", "largest relative error [-]")
-    return figure.finished(layout(420, titled=True))
+    return figure.update_layout(layout(420, titled=True))

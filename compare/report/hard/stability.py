@@ -6,10 +6,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import pandas as pd
-import plotly.graph_objects as go
 
 from scenes import Status
 
+from ..figure import Figure
 from ..style import colour, layout, side_by_side
 
 LETTERS: Mapping[Status, str] = {
@@ -43,7 +43,7 @@ Cell: TypeAlias = dict[Hashable, Any]
 GREYED: Trace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
 
 
-def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
+def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
     """Yield title and figure of every map in the table, its engines side by side."""
     for kind, cells in table.groupby("map", sort=False) if len(table) else ():
         title, across = TITLES[str(kind)]
@@ -58,7 +58,7 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, go.Figure]]:
         figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_yaxes(title="steps per cycle", col=1)
         figure.note(_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper")
         figure.update_layout(layout(190 + 42 * len(steps), titled=True))
-        yield title, figure.finished({"coloraxis": SCALE, "margin": {"b": 100}})
+        yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})
 
 
 def _steps(cells: pd.DataFrame) -> list[int]:

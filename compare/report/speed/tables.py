@@ -9,8 +9,6 @@ import pandas as pd
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
 from ...engines.settings import ABLATION
-from ...judge.errors import group_floors
-from ...speed import work_precision
 from ...speed.work_precision import LEVELS, as_fast, contenders, groups, solved, standing
 from ...study import Study
 
@@ -63,7 +61,7 @@ def notes(study: Study) -> list[str]:
 def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
     """Return the cheapest setting by channel group: a column per level of the largest error, a row per contender."""
     tables: dict[str, dict[str, dict[str, str]]] = {}  # by group, name of the engine with its note, level
-    for row in work_precision.choices(study.speed).to_dict("records"):
+    for row in study.cheapest.to_dict("records"):
         rows = tables.setdefault(row["group"], {})
         rows.setdefault(contender(row["engine"], row["note"]), {}).setdefault(row["level"], _choice(row))
     return {
@@ -84,7 +82,7 @@ def _choice(row: Mapping[Hashable, Any]) -> str:
 def orders(study: Study) -> pd.DataFrame:
     """Return the orders of convergence, a column per channel group, a row per family that has three good settings."""
     rows: dict[tuple[str, str], dict[str, str]] = {}
-    for row in work_precision.orders(study.speed, group_floors(study.reference)).to_dict("records"):
+    for row in study.orders.to_dict("records"):
         family = {"engine": row["engine"], "family": row["family"], "expected": _expected(row["expected_order"])}
         local = ", ".join(f"{order:.2f}" for order in row["local_orders"])
         fit = f"{row['order']:.2f}" if row["order"] == row["order"] else "not settled"
@@ -100,7 +98,7 @@ def _expected(order: float) -> str:
 
 def step_costs(study: Study) -> pd.DataFrame:
     """Return the cost of a step in every family of settings, and the fixed cost of a run."""
-    found = work_precision.step_costs(study.speed)
+    found = study.step_costs
     if found.empty:
         return found
     costs = {"per step [µs]": 1e6 * found["step_s"], "fixed [ms]": 1e3 * found["fixed_s"]}

@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 
-from compare.report.draft import Draft
-from compare.report.style import BOUND, DASHES, MARGIN, colour, draw, layout, marker, stacked
+from compare.report.figure import Figure
+from compare.report.style import BOUND, DASHES, colour, draw, layout, marker, stacked
 
 from ..formulas import DEGREE, PUBLISHED, Design, acceleration, at, velocity_ratio
 from ..measures import measure
@@ -19,7 +18,7 @@ AXES = ("R_S", "M_P", "L_sum")
 MARKS = ("circle", "diamond", "star", "star-square")
 
 
-def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> go.Figure:
+def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure:
     """Draw M_P and L_sum over R_S, with the published designs and those ahead of them."""
     figure = stacked(0.6, 0.4)
     names = [name for name in ASSUMPTIONS if name != LITERALLY]  # which is far below the others
@@ -39,9 +38,11 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> go.Fig
     figure.update_yaxes(title="M_P at α = 2.5° [-]", row=1, col=1)
     figure.update_yaxes(title="L_sum [mm]", row=2, col=1)
     figure.update_xaxes(title="R_S [-]", row=2, col=1)
-    drawn = figure.finished(layout(760) | {"margin": MARGIN | {"t": 110}})
-    label = {"annotation_text": "largest M_P in print", "annotation_position": "top"}
-    return drawn.add_hline(y=float(LARGEST_FORCE_RATIO), line=BOUND, **label, row=1, col=1)
+    printed = {"yref": "y", "y0": float(LARGEST_FORCE_RATIO), "y1": float(LARGEST_FORCE_RATIO)}
+    across = {"type": "line", "line": BOUND, "xref": "x domain", "x0": 0, "x1": 1}
+    place = {"xref": "x domain", "x": 0.5, "xanchor": "center", "y": printed["y0"], "yanchor": "bottom"}
+    figure.note("largest M_P in print", yref="y", **place)
+    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[across | printed])
 
 
 def _of(points: Sequence[Point], name: str) -> Mapping[str, Sequence[float]]:
@@ -49,12 +50,12 @@ def _of(points: Sequence[Point], name: str) -> Mapping[str, Sequence[float]]:
     return {axis: [measure(axis, point.optimum.design) for point in of(points, name)] for axis in AXES}
 
 
-def _draw(figure: Draft, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
+def _draw(figure: Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
     for row, axis in ((1, "M_P"), (2, "L_sum")):
         draw(figure, name, values["R_S"], values[axis], row, **style)
 
 
-def over_stroke(designs: Mapping[str, Design]) -> go.Figure:
+def over_stroke(designs: Mapping[str, Design]) -> Figure:
     """Draw R_V and a_m over the stroke, from open to locked."""
     figure = stacked(1, 1)
     for number, (name, d) in enumerate(designs.items()):
@@ -64,4 +65,4 @@ def over_stroke(designs: Mapping[str, Design]) -> go.Figure:
     figure.update_yaxes(title="R_V [-]", row=1, col=1)
     figure.update_yaxes(title="a_m / v_o² [1/m]", row=2, col=1)
     figure.update_xaxes(title="α [deg]", autorange="reversed", row=2, col=1)
-    return figure.finished(layout(560))
+    return figure.update_layout(layout(560))

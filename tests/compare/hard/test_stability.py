@@ -137,11 +137,12 @@ def test_a_stop_keeps_what_is_done(press: Scene) -> None:
     assert len(table) == 2
     assert said[0] == "stability of pymunk: 2 sweeps, 24 steps"
     (_, figure), *_ = stability_maps(table)
-    assert figure.data[1].z.shape == (1, 2)
+    assert figure.traces[1]["z"].shape == (1, 2)
 
 
 def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
-    ((title, figure),) = stability_maps(sweeps)
+    ((title, drawn),) = stability_maps(sweeps)
+    figure = drawn.checked()
     assert "sweeps" in title
     solved, failed, theory = figure.data
     for cell in sweeps.to_dict("records"):

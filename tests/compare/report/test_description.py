@@ -15,6 +15,6 @@ def test_extremes_with_their_places_and_curves() -> None:
     draw(figure, "d", x, np.full(3, np.nan), 2)
     figure.update_yaxes(title="speed [mm/s]", row=1).update_yaxes(title="error [-]", row=2)
     figure.update_xaxes(title="crank angle [deg]", row=2)
-    assert described("P5", figure.finished(layout(400))) == (
+    assert described("P5", figure.update_layout(layout(400))) == (
         "P5, over crank angle [deg]. speed [mm/s]: from −2 (a) at 20 to 5 (b) at 10. error [-]: no values."
     )

@@ -17,6 +17,7 @@ from scenes import Motion, load
 from scenes.motion import Samples, channels
 from tests import scene_files
 from tests.comparisons import SLOW, Studies, studied
+from tests.pages import check_figures
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +63,7 @@ def test_curves_are_in_the_units_of_their_axes(result: Study) -> None:
 
 
 def test_the_error_below_is_the_engines(result: Study) -> None:
-    figure = over_angle(result, panel_of(result, "Pin P3"))
+    figure = over_angle(result, panel_of(result, "Pin P3")).checked()
     drawn = next(trace for trace in figure.data if trace.name == "pymunk error")
     motion, true = result.motions["pymunk"], result.motion  # whose drive is where it was asked to be, to rounding
     off = np.hypot(*(motion[f"P3.{axis}"] - true[f"P3.{axis}"] for axis in ("fx", "fy")))
@@ -109,15 +110,19 @@ def test_curves_run_over_the_drive(
     result = studies(name)
     for panel in panels(result.reference, result.sampling):
         figure = over_angle(result, panel)
-        assert figure.layout.xaxis2.title.text == title
-        assert figure.layout.xaxis2.autorange == autorange
-        assert figure.data[0].x[[0, -1]] == pytest.approx([first, last])
+        axis = figure.layout["xaxis2"]
+        assert (axis["title"], axis["autorange"]) == ({"text": title}, autorange)
+        assert figure.traces[0]["x"][[0, -1]] == pytest.approx([first, last])
     assert said in tables.setup(result)
     unit = title.partition(" [")[2]
     assert f"max_at [{unit}" in tables.by_group(result).columns
     assert f"max_at [{unit}" in tables.checks(result).columns
     a_cycle = "ms per turn" if name == "shaper" else "ms per cycle"
-    assert work_precision(result).layout.xaxis.title.text == a_cycle
+    assert work_precision(result).layout["xaxis"]["title"] == {"text": a_cycle}
+
+
+def test_plotly_takes_every_figure_of_a_report_as_it_is(result: Study) -> None:
+    check_figures(page(result))
 
 
 def test_a_driven_sliders_effort_is_a_force(studies: Studies) -> None:
@@ -138,11 +143,11 @@ def test_assur_groups(studies: Studies) -> None:
     result = studies("driven_toggle")
     figure = assur_groups(result)
     assert figure is not None
-    angle, to_lock = (next(t for t in figure.data if t.name == "C" and t.yaxis == axis) for axis in ("y", "y2"))
-    assert np.allclose(angle.y, np.degrees(result.motion["C.transmission"]))
-    assert np.allclose(to_lock.y, 1e3 * result.motion["C.to_lock"])
-    assert figure.layout.yaxis2.title.text == "to lock [mm]"
-    assert figure.layout.yaxis2.type == "log"
+    angle, to_lock = (next(t for t in figure.traces if t["name"] == "C" and t["yaxis"] == axis) for axis in ("y", "y2"))
+    assert np.allclose(angle["y"], np.degrees(result.motion["C.transmission"]))
+    assert np.allclose(to_lock["y"], 1e3 * result.motion["C.to_lock"])
+    axis = figure.layout["yaxis2"]
+    assert (axis["title"], axis["type"]) == ({"text": "to lock [mm]"}, "log")
     assert "only the analytic core knows Assur groups" in page(result)
     without = Motion({channel: result.motion[channel] for channel in channels(result.scene)})
     assert assur_groups(replace(result, motion=without)) is None

@@ -73,23 +73,23 @@ def test_a_lucky_time_has_to_come_again() -> None:
     assert len(times.solve) == 8
 
 
-@pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 3.5), 5), (Budget(5, inf), 5)])
+@pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 0.35), 5), (Budget(5, inf), 5)])
 def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
-    """Solves of 0.5, 1, 1.5 ... seconds are never known; three of them are taken in any case."""
-    (times,), _ = turns([Job("a", [n / 2 for n in range(1, 99)])], budget, all_of)
+    """Solves of 0.05, 0.1, 0.15 ... seconds are never known; three of them are taken in any case."""
+    (times,), _ = turns([Job("a", [n / 20 for n in range(1, 99)])], budget, all_of)
     assert len(times.solve) == runs
 
 
 def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
-    """Of two settings of 2 s a second round would go beyond the patience, a third one beyond 9 s."""
-    for budget, rounds in ((Budget(20, 1.0), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
-        times, _ = turns([Job("a", [2.0]), Job("b", [2.0])], budget, lambda _: ())
-        assert [len(of.solve) for of in times] == [rounds, rounds]
+    """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for."""
+    for budget, rounds in ((Budget(20, 0.5), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
+        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda _: ())
+        assert [len(of.solve) for of in times] == [3, rounds]
 
 
 def test_a_batch_ends_with_the_budget() -> None:
     """Two of three settings, of 0.1 s each, begin within 0.15 s."""
-    jobs = [Job("a", [0.3, 0.2, 0.1]) for _ in range(3)]
+    jobs = [Job("a", [0.2, 0.15, 0.1]) for _ in range(3)]
     times, ran = turns(jobs, Budget(99, 0.15), all_of)
     assert [len(of.solve) for of in times] == [4, 4, 3]
     assert ran == "aaa|aaa|aaa|aa|"

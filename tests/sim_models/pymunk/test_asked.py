@@ -1,14 +1,20 @@
 """Only what is asked for: pymunk spares what a scene that asks for less does not need."""
 
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
 
 import scenes
 from scenes import Sampling
-from scenes.scene import PressForce
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import simulation as pymunk_simulation
-from sim_models.pymunk.engine import DEFAULT, FAST
+from sim_models.pymunk import start
+from sim_models.pymunk import stroke as pymunk_stroke
+from sim_models.pymunk.constraints import LinkageConstraints
+from sim_models.pymunk.engine import DEFAULT, EXACT, FAST
 from sim_models.pymunk.settings import AnySettings, TextbookSettings
+from sim_models.pymunk.start import Place
 
 from .runs import off, solve
 
@@ -45,18 +51,21 @@ def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> N
     assert simulation.counters["constraint_iterations"] == whole["constraint_iterations"] / 10
 
 
-def test_a_build_looks_for_ends_of_strokes_only_for_press_forces(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unwanted(*_: object) -> None:
-        raise AssertionError("the drive's whole range is walked")
+def test_ends_of_strokes_are_looked_for_once_a_scene_and_only_for_press_forces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    walked = []
 
-    monkeypatch.setattr("sim_models.pymunk.stroke.way", unwanted)
-    for name in ("toggle_press", "crank_press"):
-        scene = scenes.load(name)
-        if any(isinstance(load, PressForce) for load in scene.loads):
-            with pytest.raises(AssertionError):
-                pymunk_model.build(scene, FAST, SAMPLING)
-        else:
-            pymunk_model.build(scene, FAST, SAMPLING)
+    def way(linkage: LinkageConstraints, *where: Any) -> Iterator[Place]:
+        walked.append(linkage.scene.name)
+        return start.way(linkage, *where)
+
+    monkeypatch.setattr("sim_models.pymunk.stroke.way", way)
+    pymunk_stroke.stroke_ends.cache_clear()
+    for settings in (FAST, DEFAULT, EXACT):
+        for name in ("toggle_press", "crank_press"):
+            pymunk_model.build(scenes.load(name), settings, SAMPLING)
+    assert walked == ["crank_press"] * 2  # to either end of the drive's range
 
 
 @pytest.mark.parametrize("settings", [FAST, TextbookSettings("", 4608)])

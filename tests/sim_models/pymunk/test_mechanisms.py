@@ -7,11 +7,8 @@ from numpy.typing import NDArray
 from scenes import Sampling, Scene
 from scenes.motion import channels
 from scenes.scene import MotionLaw
-from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT
-from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.settings import PymunkSettings
-from sim_models.pymunk.start import start
 from sim_models.pymunk.stroke import stroke_ends
 from tests import scene_files
 from tests.absolute_coordinates import Absolute
@@ -60,9 +57,8 @@ def test_mechanisms_are_second_order(name: str) -> None:
 @pytest.mark.parametrize("name", ["shaper", "swinging_law", "driven_carrier"])
 def test_stroke_ends_at_the_dead_point(name: str) -> None:
     scene = scene_files.load(name)
-    linkage = LinkageConstraints(scene, ballasted_masses)
     # Both end their Newton steps at rounding.
-    assert stroke_ends(linkage, start(linkage)) == pytest.approx([*Absolute(scene).stroke_ends.values()], rel=1e-9)
+    assert stroke_ends(scene) == pytest.approx([*Absolute(scene).stroke_ends.values()], rel=1e-9)
 
 
 def test_press_force_is_whole_or_absent_at_its_switch() -> None:

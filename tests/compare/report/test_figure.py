@@ -1,0 +1,55 @@
+"""Figures as plain data: what plotly itself would make of them."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import plotly.graph_objects as go
+import pytest
+from plotly.subplots import make_subplots
+
+from compare.report.figure import Figure
+from compare.report.style import draw, grid, side_by_side, stacked
+
+TITLES = ("a", "b", "c")
+
+
+@pytest.mark.parametrize(
+    ("figure", "same"),
+    [
+        (stacked(), make_subplots(1, 1)),
+        (stacked(0.6, 0.4), make_subplots(2, 1, row_heights=[0.6, 0.4], vertical_spacing=0.06, shared_xaxes=True)),
+        (
+            side_by_side(TITLES),
+            make_subplots(1, 3, subplot_titles=TITLES, horizontal_spacing=0.03, shared_yaxes=True),
+        ),
+        (grid(TITLES, 2), make_subplots(2, 2, subplot_titles=TITLES, horizontal_spacing=0.09, vertical_spacing=0.15)),
+    ],
+    ids=["one", "stacked", "side by side", "grid"],
+)
+def test_panels_are_where_plotly_places_them(figure: Figure, same: go.Figure) -> None:
+    expected = same.to_plotly_json()["layout"]
+    notes = expected.pop("annotations", []), figure.layout.pop("annotations", [])
+    expected.pop("template")
+    assert figure.layout.keys() == expected.keys()
+    for axis, placed in figure.layout.items():
+        assert placed["domain"] == pytest.approx(expected[axis].pop("domain"), abs=1e-12)  # round-off
+        assert {name: value for name, value in placed.items() if name != "domain"} == expected[axis]
+    for theirs, ours in zip(*notes, strict=True):
+        assert [ours.pop(name) for name in "xy"] == pytest.approx([theirs.pop(name) for name in "xy"], abs=1e-12)
+        assert ours == theirs
+
+
+def test_arrays_are_packed_and_what_is_not_finite_is_null() -> None:
+    figure = stacked()
+    draw(figure, "list", [0.0, 1.0], [np.nan, 2.0], text=["a", np.float64(np.inf)])
+    draw(figure, "series", pd.Series([0.0, 1.0]), np.array([[1, 2], [3, 4]], np.int16), text=np.array(["b", None]))
+    one, other = json.loads(figure.json())["data"]
+    assert (one["x"], one["y"], one["text"]) == ([0, 1], [None, 2], ["a", None])
+    assert (other["x"], other["text"]) == ({"dtype": "f8", "bdata": "AAAAAAAAAAAAAAAAAADwPw=="}, ["b", None])
+    assert other["y"] == {"dtype": "i2", "bdata": "AQACAAMABAA=", "shape": "2, 2"}
+
+
+def test_a_wrong_attribute_is_found() -> None:
+    with pytest.raises(ValueError, match="colour"):
+        stacked().update_xaxes(colour="red").checked()
