@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
-from .geometry import RigidBody, sketched, sketched_attitude
-from .group_equations import Group, GroupEquations, Placed, Pose, coordinates, equations_of
+from .geometry import RigidBody
+from .group_equations import Group, GroupEquations, Placed, Pose, coordinates, equations_of, sketched_coordinates
 from .misfit import of_group
 from .newton_group import ROUGHLY, assemble, rates, refine
-from .numbers import Number
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 STRIDE = 16  # steps: so far apart poses are at first
@@ -158,7 +157,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     if first.machines:
         return _together(first, (min(least, start), max(most, start)), placed)
     if not first.known.all():
-        at_sketch = _sketched(scene, group, bodies), placed(first.position).pose
+        at_sketch = sketched_coordinates(scene, group, bodies), placed(first.position).pose
         open_by = of_group(scene, group, first.equations, *at_sketch)
         why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
         raise Failure(Status.cannot_assemble, why)
@@ -212,7 +211,7 @@ def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     turn = 2 * pi if scene.driven_slide is None else inf
     least, most = _extent(scene)
     step = (2 * pi if scene.driven_slide is None else most - least) / STEPS
-    q = _sketched(scene, group, bodies)
+    q = sketched_coordinates(scene, group, bodies)
     shape = np.broadcast_shapes(placed(position).v.shape[:-1], q.shape[:-1], equations.machines)
     hung = placed(np.broadcast_to(position, shape))
     q = assemble(equations, np.broadcast_to(q, (*shape, q.shape[-1])), hung.pose)
@@ -291,18 +290,3 @@ def _joined(poses: Sequence[Track]) -> Track:
         np.concatenate(column, axis=axis) for column, axis in zip(columns, (0, -2, -2, -2), strict=True)
     )
     return replace(poses[0], position=position, q=q, dq=dq, ddq=ddq)
-
-
-def _sketched(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Samples:
-    """Return the coordinates, shape (1, m), that lay each body on its sketched points with the least squares."""
-    at = sketched(scene)
-    q: list[Number] = []
-    for name in group.bodies:
-        local = bodies[name].local
-        shown = [point for point in local if point in at]
-        u = sketched_attitude(scene, name, bodies)
-        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
-        feet = feet or list(at.values())  # of a body on a guide nothing need be shown
-        foot = sum(feet) / len(feet)
-        q += [foot.real, foot.imag, np.angle(u)]
-    return np.stack(np.broadcast_arrays(*map(np.atleast_1d, q)), axis=-1)

@@ -20,7 +20,7 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .geometry import RigidBody, as_complex
+from .geometry import RigidBody, as_complex, sketched, sketched_attitude
 from .numbers import Number, Vector, chosen, largest
 
 Complex: TypeAlias = NDArray[np.complex128]
@@ -205,6 +205,21 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
     return GroupEquations(
         len(group.bodies), S, _filled(S.shape, R), T, _filled(T.shape, E), on, _filled(on.shape, along), size
     )
+
+
+def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Samples:
+    """Return the coordinates, shape (1, m), that lay each body on its sketched points with the least squares."""
+    at = sketched(scene)
+    q: list[Number] = []
+    for name in group.bodies:
+        local = bodies[name].local
+        shown = [point for point in local if point in at]
+        u = sketched_attitude(scene, name, bodies)
+        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
+        feet = feet or list(at.values())  # of a body on a guide nothing need be shown
+        foot = sum(feet) / len(feet)
+        q += [foot.real, foot.imag, np.angle(u)]
+    return np.stack(np.broadcast_arrays(*map(np.atleast_1d, q)), axis=-1)
 
 
 def in_plane(q: Samples) -> tuple[Complex, Samples]:

@@ -5,6 +5,7 @@ import pytest
 
 import analytic
 import scenes
+from analytic import continuation
 from analytic.decomposition import decompose
 from analytic.kinematics import followed
 from analytic.motion_range import motion_range
@@ -97,6 +98,15 @@ def test_larger_groups_that_fail_spoil_no_other() -> None:
     (interval,) = motion_range(alone[1], followed(alone[1], decompose(alone[1])))
     turned = interval.start + np.remainder(position - interval.start, 2 * np.pi)
     assert np.array_equal(reached, turned <= interval.end)
+
+
+def test_machines_that_need_two_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a turn that is taken to end in another pose, as `test_class_iii` has it."""
+    monkeypatch.setattr(continuation, "SAME", -1.0)
+    bar = scenes.numbers_in("class_iii", (SHORT,))[0]
+    many = analytic.solve_many(scenes.load("class_iii"), {SHORT: [bar, 1.001 * bar]}, [1.0])
+    assert all(status is Status.unsupported for status in many.status)
+    assert all(reason.startswith("after one turn of the crank coupler") for reason in many.reason)
 
 
 def test_positions_of_each_machine_and_channels_asked_for() -> None:
