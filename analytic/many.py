@@ -18,7 +18,7 @@ from scenes.motion import Samples
 from .decomposition import Decomposition, decompose, inner_joint
 from .group_equations import Group
 from .kinematics import kinematics
-from .kinetostatics import Reactions
+from .kinetostatics import Reactions, StrokeEnds
 from .motion_range import in_line
 from .numbers import of_machines
 from .placing import Kinematics
@@ -170,6 +170,15 @@ class ManySolver:
                         beyond = endings.reached(rows, part, k, np.broadcast_to(here.position, _shape(rows, columns)))
                         yield Block(rows, columns, k, part.reactions(k), here.position, beyond)
 
+    @property
+    def stroke_ends(self) -> StrokeEnds:
+        """Return each press force's end of the stroke, of all machines."""
+        _, first = self.parts[0]
+        return {
+            number: np.concatenate([np.reshape(part.stroke_ends[number], (-1, 1)) for _, part in self.parts])
+            for number in first.stroke_ends
+        }
+
     def parts_and_ones(self, endings: "Endings") -> Iterator[tuple[slice, Solver]]:
         """Yield some machines after others, then those of which a larger group is to be followed alone."""
         yield from self.parts
@@ -198,7 +207,7 @@ class Endings:
             if (reach < 0).any():
                 short = np.broadcast_to(reach < 0, position.shape)
                 new = short if beyond is None else short & ~beyond
-                beyond = short if beyond is None else beyond | short
+                beyond = short.copy() if beyond is None else beyond | short
                 group = next(group for group in part.linkage.groups if inner_joint(group) == joint)
                 company = isinstance(group, Group) and part.linkage.tracks[group].machines
                 for row in np.flatnonzero(new.any(axis=1)).tolist():
@@ -207,6 +216,7 @@ class Endings:
                         continue
                     if company:
                         self.alone.add(machine)
+                        beyond[row] = True
                         continue
                     one, linkage = of_machines((part.scene, part.linkage))((row, 0))
                     why = where_open(one, linkage, joint, float(position[row, new[row].argmax()]))
