@@ -78,10 +78,7 @@ def _to_lock(linkage: Linkage, k: Kinematics, way: Samples) -> dict[Dyad | Group
     distances: dict[Dyad | Group, Samples] = {}
     for group in linkage.groups:
         if isinstance(group, Group):
-            J = k.jacobian[group.P]
-            reached = np.flatnonzero(~np.isnan(J).any(axis=(1, 2)))
-            distances[group] = np.full(way.shape, np.nan)
-            distances[group][reached] = to_lock(linkage.tracks[group].equations, J[reached])
+            distances[group] = to_lock(*k.jacobian[group.P])
         else:
             distances[group] = np.broadcast_to(k.to_lock[inner_joint(group)], way.shape)
     return distances

@@ -39,7 +39,7 @@ def scalar_channels(scene: Scene, linkage: Linkage) -> Iterator[Channels]:
             yield from _of_slider(body)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
     for group in linkage.groups:
-        yield from _of_group(linkage, group)
+        yield from _of_group(group)
 
 
 def _of_point(p: str) -> Iterator[Channels]:
@@ -63,14 +63,11 @@ def _of_slider(body: str) -> Iterator[Channels]:
     yield (f"{body}.guide_moment",), lambda _, on: on.guide[body][1]
 
 
-def _of_group(linkage: Linkage, group: Dyad | Group) -> Iterator[Channels]:
+def _of_group(group: Dyad | Group) -> Iterator[Channels]:
     """Yield how far a group is from a singular configuration."""
     joint = inner_joint(group)
     if isinstance(group, Group):
-        yield (
-            (f"{joint}.to_lock",),
-            lambda k, _: to_lock(linkage.tracks[group].equations, k.jacobian[joint]).reshape(k.reach[joint].shape),
-        )
+        yield (f"{joint}.to_lock",), lambda k, _: to_lock(*k.jacobian[joint])
         return
     yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
     yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]

@@ -85,7 +85,7 @@ class FastSolver:
         instants, driven = driven_at(differ, position, time)
         names, kernel, program = self._with(frozenset(at_path(scene, path, self._numbers) for path in changes))
         given = {path: value for path, (value, _) in numbers_of(differ).items()}
-        given |= {stroke_end(number): end for number, end in prepared.solver.stroke_ends.items()}
+        given |= {stroke_end(number): end for number, end in prepared.stroke_ends.items()}
         numbers = np.empty((prepared.count, len(names)))
         for column, name in enumerate(names):
             numbers[:, column] = np.ravel(given[name])
@@ -96,7 +96,7 @@ class FastSolver:
         samples |= dict(zip(program.channels, rows, strict=False))
         status, reason = [Status.ok] * prepared.count, [""] * prepared.count
         fine = (rows[-1] >= 0).all(axis=1) & np.isfinite(rows[:-1].sum(axis=(0, 2)))
-        fine[list(prepared.refused)] = False
+        fine[list(prepared.failed)] = False
         self._left_to_the_core(np.flatnonzero(~fine), changes, position, time, samples, status, reason)
         return Machines(samples, tuple(status), tuple(reason))
 

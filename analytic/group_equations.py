@@ -8,7 +8,7 @@ group hangs on is placed and moves as the drive has it. The joints' constraints,
 m of them too: Nikravesh, "Computer-Aided Analysis of Mechanical Systems" (1988), chapter 3.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -20,7 +20,8 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .geometry import RigidBody, as_complex
+from .geometry import RigidBody, as_complex, sketched, sketched_attitude
+from .numbers import Number, Vector, chosen, largest
 
 Complex: TypeAlias = NDArray[np.complex128]
 
@@ -60,7 +61,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Pose:
-    """Where frames are: their first points, m, and their angles, rad, each of shape (n, frames)."""
+    """Where frames are: their first points, m, and their angles, rad, each of shape (..., frames)."""
 
     z: Complex
     angle: Samples
@@ -74,19 +75,13 @@ class Pose:
 
 @dataclass(frozen=True)
 class Placed:
-    """What a group hangs on: frames, and how they move, each of shape (n, frames)."""
+    """What a group hangs on: frames, and how they move, each of shape (..., frames)."""
 
     pose: Pose
     v: Complex
     omega: Samples
     a: Complex
     alpha: Samples
-
-    @classmethod
-    def at_rest(cls, n: int, frames: int) -> "Placed":
-        """Return frames in the origin."""
-        plane, turn = np.zeros((3, n, frames), complex), np.zeros((3, n, frames))
-        return cls(Pose(plane[0], turn[0]), plane[1], turn[1], plane[2], turn[2])
 
 
 @dataclass(frozen=True)
@@ -95,7 +90,7 @@ class GroupEquations:
 
     S and T mark the frames that a joint is between: -1 the one that a pin hangs on or that a slider slides on, 1 the
     other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and of
-    the guide's.
+    the guide's. Where machines differ, R, E and along begin with the axes (m, 1), size has no others.
     """
 
     bodies: int  # b
@@ -105,15 +100,15 @@ class GroupEquations:
     E: Complex  # (s, frames), m
     on: NDArray[np.intp]  # (s,), the frame that the guide is in
     along: Complex  # (s,), unit, in that frame
-    size: float  # m, the longest arm
+    size: Number  # m, the longest arm
 
     def pose(self, q: Samples, placed: Pose) -> Pose:
-        """Return all frames, those of the group at the coordinates q, shape (n, m)."""
+        """Return all frames, those of the group at the coordinates q, shape (..., m)."""
         z, angle = in_plane(q)
-        return Pose(np.concatenate([z, placed.z], axis=1), np.concatenate([angle, placed.angle], axis=1))
+        return Pose(np.concatenate([z, placed.z], axis=-1), np.concatenate([angle, placed.angle], axis=-1))
 
     def open(self, pose: Pose) -> Samples:
-        """Return C, shape (n, m): of each pin the gap, x and y; of each slide the offset and the difference of angles.
+        """Return C, shape (..., m): of each pin the gap, x and y; of each slide the offset, the difference of angles.
 
         The offset is w x D, w the guide's direction and D from the guide's point to the slider's.
         """
@@ -123,24 +118,28 @@ class GroupEquations:
             w, D = self._guides(pose)
             turned = np.remainder(_joined(self.T, pose.angle) + np.pi, 2 * np.pi) - np.pi
             rows += [(w.conj() * D).imag, turned]
-        return np.concatenate(rows, axis=1)
+        return np.concatenate(rows, axis=-1)
 
     def jacobian(self, pose: Pose) -> Samples:
-        """Return dC by the coordinates of all frames, shape (n, m, 3 frames)."""
-        pins = _gradients(self.S, self.R, pose.u)
-        rows = [pins.real, pins.imag]
-        if len(self.T):
+        """Return dC by the coordinates of all frames, shape (..., m, 3 frames)."""
+        (p, frames), s = self.S.shape, len(self.T)
+        jacobian = np.zeros((*pose.z.shape[:-1], 2 * (p + s), frames, 3))
+        x, y = jacobian[..., :p, :, :], jacobian[..., p : 2 * p, :, :]
+        turning = 1j * self.R * pose.u[..., None, :]
+        x[..., 0], y[..., 1] = self.S, self.S
+        x[..., 2], y[..., 2] = turning.real, turning.imag
+        if s:
+            offset, turned = jacobian[..., 2 * p : 2 * p + s, :, :], jacobian[..., 2 * p + s :, :, :]
             w, D = self._guides(pose)
-            offset = (w.conj()[:, :, None, None] * _gradients(self.T, self.E, pose.u)).imag
-            offset[:, np.arange(len(self.on)), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
-            turned = np.zeros(offset.shape)
+            gradients = self.T, 1j * self.T, 1j * self.E * pose.u[..., None, :]
+            for column, gradient in enumerate(gradients):
+                offset[..., column] = (w.conj()[..., None] * gradient).imag
+            offset[..., np.arange(s), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
             turned[..., 2] = self.T
-            rows += [offset, turned]
-        jacobian = np.concatenate(rows, axis=1)
-        return jacobian.reshape(*jacobian.shape[:2], 3 * jacobian.shape[2])
+        return jacobian.reshape(*jacobian.shape[:-2], 3 * frames)
 
     def quadratic(self, pose: Pose, v: Complex, omega: Samples) -> Samples:
-        """Return what C'' has besides J q'' of all frames, closed, shape (n, m).
+        """Return what C'' has besides J q'' of all frames, closed, shape (..., m).
 
         A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
         term has no imaginary part.
@@ -150,73 +149,108 @@ class GroupEquations:
         rows = [pins.real, pins.imag]
         if len(self.T):
             w, _ = self._guides(pose)
-            turning = omega[:, self.on]
+            turning = omega[..., self.on]
             dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
             ddD = _joined(self.E, inward)
             offset = (w.conj() * (ddD - 2j * turning * dD)).imag
             rows += [offset, np.zeros(offset.shape)]
-        return np.concatenate(rows, axis=1)
+        return np.concatenate(rows, axis=-1)
 
     def length(self, correction: Samples) -> Samples:
-        """Return the largest move of a correction, shape (n,), m."""
-        length: Samples = np.abs(correction * self._arms).max(axis=1)
+        """Return the largest move of a correction, shape (...), m."""
+        length: Samples = np.abs(correction * self.arms).max(axis=-1)
         return length
 
+    @property
+    def machines(self) -> tuple[int, ...]:
+        """Return the axes of machines that differ, (m, 1), or none."""
+        shapes = self.R.shape[:-2], self.E.shape[:-2], self.along.shape[:-1], np.shape(self.size)
+        return np.broadcast_shapes(*shapes)
+
     @cached_property
-    def _arms(self) -> Samples:
-        """Return what a correction of each coordinate moves by, shape (m,), m."""
-        return np.tile([1.0, 1.0, self.size], self.bodies)
+    def arms(self) -> Samples:
+        """Return what a correction of each coordinate moves by, shape (m,), or that of each machine, m."""
+        return np.where(np.arange(3 * self.bodies) % 3 == 2, np.asarray(self.size)[..., None], 1.0)
 
     def _guides(self, pose: Pose) -> tuple[Complex, Complex]:
-        """Return w and D of each slide, shape (n, s)."""
-        return self.along * pose.u[:, self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
+        """Return w and D of each slide, shape (..., s)."""
+        return self.along * pose.u[..., self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
 
 
 def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> GroupEquations:
     """Return the joints of a group; the foot of each body is its first point."""
     index = {name: number for number, name in enumerate((*group.bodies, *group.hangs_on))}
 
-    def arm(body: str, local: complex) -> complex:
+    def arm(body: str, local: Vector) -> Vector:
         return local if body == GROUND else local - bodies[body].first
 
-    S, R = np.zeros((len(group.pins), len(index))), np.zeros((len(group.pins), len(index)), complex)
+    R: dict[tuple[int, ...], Vector] = {}
+    E: dict[tuple[int, ...], Vector] = {}
+    along: dict[tuple[int, ...], Vector] = {}
+    S, T = (np.zeros((len(joints), len(index))) for joints in (group.pins, group.slides))
     for number, pin in enumerate(group.pins):
         for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
             S[number, index[name]] = sign
             R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
-    T, E = np.zeros((len(group.slides), len(index))), np.zeros((len(group.slides), len(index)), complex)
-    along = []
     for number, joint in enumerate(group.slides):
         slide = scene.bodies[joint.slider].slide
         assert slide is not None
         T[number, index[joint.slider]], T[number, index[joint.on]] = 1, -1
         E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
-        along.append(as_complex(slide.along))
+        along[(number,)] = as_complex(slide.along)
     locals_ = [bodies[name].local.values() for name in group.bodies]
-    size = max(abs(a - b) for local in locals_ for a in local for b in local) or 1.0  # bodies of one point have no arm
+    longest = largest(*(abs(a - b) for local in locals_ for a in local for b in local))
+    size = chosen(longest > 0, longest, 1.0)  # bodies of one point have no arm
     on = np.array([index[joint.on] for joint in group.slides], np.intp)
-    return GroupEquations(len(group.bodies), S, R, T, E, on, np.array(along, complex), size)
+    return GroupEquations(
+        len(group.bodies), S, _filled(S.shape, R), T, _filled(T.shape, E), on, _filled(on.shape, along), size
+    )
+
+
+def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> Samples:
+    """Return the coordinates, shape (1, m), that lay each body on its sketched points with the least squares."""
+    at = sketched(scene)
+    q: list[Number] = []
+    for name in group.bodies:
+        local = bodies[name].local
+        shown = [point for point in local if point in at]
+        u = sketched_attitude(scene, name, bodies)
+        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
+        feet = feet or list(at.values())  # of a body on a guide nothing need be shown
+        foot = sum(feet) / len(feet)
+        q += [foot.real, foot.imag, np.angle(u)]
+    return np.stack(np.broadcast_arrays(*map(np.atleast_1d, q)), axis=-1)
 
 
 def in_plane(q: Samples) -> tuple[Complex, Samples]:
-    """Return points and angles, each of shape (n, b), from coordinates of shape (n, 3 b), or their rates."""
-    bodies = q.reshape(len(q), q.shape[1] // 3, 3)
+    """Return points and angles, each of shape (..., b), from coordinates of shape (..., 3 b), or their rates."""
+    bodies = q.reshape(*q.shape[:-1], q.shape[-1] // 3, 3)
     return bodies[..., 0] + 1j * bodies[..., 1], bodies[..., 2]
 
 
 def coordinates(plane: Complex, turn: Samples) -> Samples:
-    """Return x, y and angle of frame after frame, shape (n, 3 frames)."""
-    return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(len(plane), 3 * plane.shape[1])
+    """Return x, y and angle of frame after frame, shape (..., 3 frames)."""
+    return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(*plane.shape[:-1], 3 * plane.shape[-1])
+
+
+def stacked(shape: tuple[int, ...], *frames: Sequence[NDArray[Any]]) -> Iterator[NDArray[Any]]:
+    """Yield samples of one frame after the other with the frames as last axis, of one shape, the given one or more."""
+    shape = np.broadcast_shapes(shape, *(samples.shape for columns in frames for samples in columns))
+    for columns in frames:
+        together = np.empty((*shape, len(columns)), complex if np.iscomplexobj(columns[0]) else float)
+        for column, samples in enumerate(columns):
+            together[..., column] = samples
+        yield together
 
 
 def _joined(signed: Samples | Complex, x: Samples | Complex) -> Any:
-    """Return sums over the frames of each joint, shape (n, joints); not a matrix product, whose rows depend on n."""
-    return np.einsum("jf,nf->nj", signed, x)
+    """Return sums over the frames of each joint, shape (..., joints), row by row unlike a matrix product."""
+    return np.einsum("...jf,...f->...j", signed, x)
 
 
-def _gradients(incidence: Samples, arms: Complex, u: Complex) -> Complex:
-    """Return the derivatives by x, y and the angle of each frame, shape (n, joints, frames, 3)."""
-    gradients = np.empty((len(u), *incidence.shape, 3), complex)
-    gradients[..., 0], gradients[..., 1] = incidence, 1j * incidence
-    np.multiply(1j * arms, u[:, None, :], out=gradients[..., 2])
-    return gradients
+def _filled(shape: tuple[int, ...], entries: Mapping[tuple[int, ...], Vector]) -> Complex:
+    """Return an array of a shape, of each machine where an entry has the shape (m, 1), zero where there is none."""
+    filled: Any = np.zeros((*np.broadcast_shapes(*map(np.shape, entries.values())), *shape), complex)
+    for place, value in entries.items():
+        filled[..., *place] = value
+    return np.asarray(filled)

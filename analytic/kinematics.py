@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,7 +16,7 @@ from scenes.scene import GROUND
 from .continuation import Track, follow
 from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
-from .group_equations import Group, Placed, in_plane
+from .group_equations import Group, Placed, Pose, in_plane, stacked
 from .newton_group import rates
 from .numbers import samples
 from .placing import Closure, Kinematics, Placing
@@ -45,6 +44,8 @@ def kinematics(
 def followed(scene: Scene, whole: Decomposition) -> Linkage:
     """Return the linkage with the branch of every larger group, each followed once over the drive's way.
 
+    Machines that differ are followed together, see `continuation.follow`.
+
     Raises:
         Failure: a larger group has no branch to follow, see `continuation.follow`.
     """
@@ -59,7 +60,10 @@ def followed(scene: Scene, whole: Decomposition) -> Linkage:
 
 
 def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
-    """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then."""
+    """Return what a group hangs on at positions of a drive with rate one, `before` being all that is placed by then.
+
+    Of each machine, where one's differs from another's.
+    """
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
     return Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
 
@@ -221,16 +225,16 @@ class Pass(Placing):
     def larger(self, group: Group, position: Samples) -> None:
         """Place a larger group by Newton's method from the nearest pose of its branch."""
         k, track = self.k, self.tracks[group]
-        placed = self.hung(group, position.shape)
-        pose, J = track.at(position.ravel(), placed.pose)
+        placed = self.hung(group, np.broadcast_shapes(position.shape, track.machines))
+        pose, J = track.at(position, placed.pose)
         own: list[NDArray[Any]] = [pose.z, pose.u]
         if self.rates:
-            (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, placed))
+            (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, J, placed))
             own += [v, a, omega, alpha]
-        k.jacobian[group.P] = J
-        k.reach[group.P] = np.where(np.isnan(J[:, 0, 0]), -1.0, 1.0).reshape(position.shape)
+        k.jacobian[group.P] = track.equations, J[..., : 3 * len(group.bodies)]
+        k.reach[group.P] = np.where(np.isnan(J[..., 0, 0]), -1.0, 1.0)
         for b, body in enumerate(group.bodies):
-            z, u, *moving = (values[:, b].reshape(position.shape) for values in own)
+            z, u, *moving = (values[..., b] for values in own)
             foot = self.scene.bodies[body].points[0]
             if foot not in k.z:
                 k.z[foot] = z
@@ -239,22 +243,18 @@ class Pass(Placing):
             self.place(body, foot, u, (moving[2], moving[3]) if self.rates else None)
 
     def hung(self, group: Group, shape: tuple[int, ...]) -> Placed:
-        """Return the frames of what the group hangs on, at one position after the other; a point's do not turn."""
-        k, placed = self.k, Placed.at_rest(prod(shape), len(group.hangs_on))
-
-        def row(values: NDArray[Any]) -> NDArray[Any]:
-            return np.broadcast_to(values, shape).ravel()
-
+        """Return the frames of what the group hangs on, of a shape or more; a point's and the ground's do not turn."""
+        k, columns = self.k, len(group.hangs_on)
+        z, v, a = ([self.still] * columns for _ in range(3))
+        angle, omega, alpha = ([self.still.real] * columns for _ in range(3))
         for column, name in enumerate(group.hangs_on):
             if name in self.scene.bodies:
-                z, v, a = self.fixed(name, self.linkage.bodies[name].first)
-                placed.pose.angle[:, column] = row(np.angle(k.u[name]))
+                z[column], v[column], a[column] = self.fixed(name, self.linkage.bodies[name].first)
+                angle[column] = np.angle(k.u[name])
                 if self.rates:
-                    placed.omega[:, column], placed.alpha[:, column] = row(k.omega[name]), row(k.alpha[name])
+                    omega[column], alpha[column] = k.omega[name], k.alpha[name]
             elif name != GROUND:
                 point = name.removeprefix(".")
-                z, v, a = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
-            else:
-                continue
-            placed.pose.z[:, column], placed.v[:, column], placed.a[:, column] = map(row, (z, v, a))
-        return placed
+                z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
+        pose = Pose(*stacked(shape, z, angle))
+        return Placed(pose, *stacked(pose.z.shape[:-1], v, omega, a, alpha))

@@ -19,7 +19,7 @@ from .dead_points import guide_of
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex
-from .group_equations import Group
+from .group_equations import Group, stacked
 from .kinematics import Linkage
 from .newton_group import joint_forces
 from .numbers import Number, samples
@@ -154,14 +154,10 @@ class Balance:
 
     def larger(self, group: Group) -> None:
         """Balance a larger group, by the transpose of its Jacobian."""
-        equations, J = self.linkage.tracks[group].equations, self.k.jacobian[group.P]
-        shape = self.k.reach[group.P].shape
-        force, moment = np.zeros((len(J), len(group.bodies)), complex), np.zeros((len(J), len(group.bodies)))
-        for b, body in enumerate(group.bodies):
-            applied = self.applied(body, self.scene.bodies[body].points[0])
-            force[:, b], moment[:, b] = (np.broadcast_to(x, shape).ravel() for x in applied)
-        found = joint_forces(equations, J, force, moment)
-        self.spread(group, *(multipliers.T.reshape(-1, *shape) for multipliers in found))
+        equations, J = self.k.jacobian[group.P]
+        applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
+        force, moment = stacked(J.shape[:-2], *zip(*applied, strict=True))
+        self.spread(group, *(np.moveaxis(found, -1, 0) for found in joint_forces(equations, J, force, moment)))
 
     def spread(self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any) -> None:
         """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider."""

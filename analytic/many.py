@@ -6,26 +6,28 @@ What does not differ stays a plain number, or samples of shape (n,), and is foun
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Motion, Scene, Status
+from scenes import Failure, Motion, Scene, Status
 from scenes.machines import machines, refused
 from scenes.motion import Samples
 
-from .decomposition import decompose, inner_joint
+from .decomposition import Decomposition, decompose, inner_joint
 from .group_equations import Group
 from .kinematics import kinematics
-from .kinetostatics import Reactions
-from .misfit import of_dyad
+from .kinetostatics import Reactions, StrokeEnds
 from .motion_range import in_line
 from .numbers import of_machines
 from .placing import Kinematics
-from .solve import BLOCK, Answer, Solver, driven_at, prepared
+from .solve import BLOCK, Answer, Solver, driven_at, prepared, where_open
 
+TOGETHER = 64  # machines whose larger groups are followed together
 NOWHERE = complex(np.nan, np.nan)
+
+Ending: TypeAlias = tuple[Status, str]  # and why, empty where it is ok
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,19 @@ def many_solver(
     count = len(np.ravel(next(iter(changes.values())))) if changes else 1
     many = machines(scene, changes)
     with np.errstate(all="ignore"):  # machines that no file could describe are named
-        return ManySolver(prepared(many, decompose(many), channels, count), count, refused(many))
+        whole = decompose(many)
+        failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
+        for group in whole.groups:
+            for machine in np.flatnonzero(np.isnan(1 if isinstance(group, Group) else group.branch)).tolist():
+                why = f"the sketch leaves the assembly branch open: {in_line(group)}"
+                failed.setdefault(machine, (Status.unsupported, why))
+        together = TOGETHER if any(isinstance(group, Group) for group in whole.groups) else count
+        parts, each = [], of_machines((many, whole))
+        for first in range(0, max(count, 1), max(together, 1)):
+            rows = slice(first, min(first + together, count))
+            some, groups = each(rows)
+            parts.append((rows, prepared(some, groups, channels, rows.stop - first)))
+    return ManySolver(many, whole, failed, parts, count)
 
 
 @dataclass(frozen=True)
@@ -112,17 +126,19 @@ class Block:
 class ManySolver:
     """The machines of one topology, prepared for many calls."""
 
-    solver: Solver  # with numbers of shape (m, 1)
+    scene: Scene  # with numbers of shape (m, 1)
+    whole: Decomposition  # with the same
+    failed: Mapping[int, Ending]  # machines that are solved at no position
+    parts: Sequence[tuple[slice, Solver]]  # some machines after others
     count: int  # m
-    refused: Mapping[int, str]  # by machine: which number no file may have
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        scene, linkage = self.solver.scene, self.solver.linkage
         position = np.asarray(position, np.float64)
         shape = (self.count, position.shape[-1])
-        answer = Answer(scene, linkage, self.solver.request, shape, np.float64)
-        endings = Endings(self)
+        _, first = self.parts[0]
+        answer = Answer(self.scene, first.linkage, first.request, shape, np.float64)
+        endings = Endings(self.count, self.failed)
         for block in self.blocks(position, time, endings):
             finite: NDArray[np.bool_] = np.array(True)
             for row, values in answer.taken(block.k, block.on):
@@ -131,7 +147,7 @@ class ManySolver:
                 if block.unreached is not None:
                     row[block.rows, block.columns][block.unreached] = NOWHERE if np.iscomplexobj(row) else np.nan
             endings.check(block.rows, finite)
-        instants, _ = driven_at(scene, position, time)
+        instants, _ = driven_at(self.scene, position, time)
         samples = answer.samples(*(np.broadcast_to(x, shape) for x in (instants, position)))
         return Machines(samples, *endings.told())
 
@@ -139,32 +155,50 @@ class ManySolver:
         """Yield what is known of blocks of machines and positions, whose temporaries stay in cache."""
         n = position.shape[-1]
         height = max(1, BLOCK // n)
-        some = of_machines(self.solver)
         with np.errstate(all="ignore"):  # what is not finite gets a status
-            for first in range(0, self.count, height):
-                rows = slice(first, min(first + height, self.count))
-                part = some(rows)
-                for start in range(0, n, BLOCK):
-                    columns = slice(start, min(start + BLOCK, n))
-                    at = _part(position, rows, columns)
-                    when = None if time is None else _part(np.asarray(time, np.float64), rows, columns)
-                    _, here = driven_at(part.scene, at, when)
-                    k = kinematics(part.scene, part.linkage, here, rates=part.rates)
-                    unreached = endings.reached(rows, part, k, np.broadcast_to(here.position, _shape(rows, columns)))
-                    yield Block(rows, columns, k, part.reactions(k), here.position, unreached)
+            for whole, solver in self.parts_and_ones(endings):
+                some = of_machines(solver)
+                for first in range(whole.start, whole.stop, height):
+                    rows = slice(first, min(first + height, whole.stop))
+                    part = some(slice(rows.start - whole.start, rows.stop - whole.start))
+                    for start in range(0, n, BLOCK):
+                        columns = slice(start, min(start + BLOCK, n))
+                        at = _part(position, rows, columns)
+                        when = None if time is None else _part(np.asarray(time, np.float64), rows, columns)
+                        _, here = driven_at(part.scene, at, when)
+                        k = kinematics(part.scene, part.linkage, here, rates=part.rates)
+                        beyond = endings.reached(rows, part, k, np.broadcast_to(here.position, _shape(rows, columns)))
+                        yield Block(rows, columns, k, part.reactions(k), here.position, beyond)
+
+    @property
+    def stroke_ends(self) -> StrokeEnds:
+        """Return each press force's end of the stroke, of all machines."""
+        _, first = self.parts[0]
+        return {
+            number: np.concatenate([np.reshape(part.stroke_ends[number], (-1, 1)) for _, part in self.parts])
+            for number in first.stroke_ends
+        }
+
+    def parts_and_ones(self, endings: "Endings") -> Iterator[tuple[slice, Solver]]:
+        """Yield some machines after others, then those of which a larger group is to be followed alone."""
+        yield from self.parts
+        _, some = self.parts[0]
+        each = of_machines((self.scene, self.whole))
+        for machine in sorted(endings.alone):
+            endings.alone.remove(machine)
+            try:
+                one, groups = each((machine, 0))
+                yield slice(machine, machine + 1), prepared(one, groups, some.request.channels)
+            except Failure as failure:
+                endings.failed[machine] = failure.status, failure.reason
 
 
 class Endings:
     """How each machine ends: the first thing that stops it."""
 
-    def __init__(self, many: ManySolver) -> None:
-        self.many = many
-        self.failed = {machine: (Status.cannot_assemble, why) for machine, why in many.refused.items()}
-        for group in many.solver.linkage.groups:
-            branch = 1 if isinstance(group, Group) else group.branch
-            for machine in np.flatnonzero(np.isnan(branch)).tolist():
-                why = f"the sketch leaves the assembly branch open: {in_line(group)}"
-                self.failed.setdefault(machine, (Status.unsupported, why))
+    def __init__(self, count: int, failed: Mapping[int, Ending]) -> None:
+        self.count, self.failed = count, dict(failed)
+        self.alone: set[int] = set()  # machines that are to be solved alone, for a larger group's sake
 
     def reached(self, rows: slice, part: Solver, k: Kinematics, position: Samples) -> NDArray[np.bool_] | None:
         """Note where a group of a machine does not reach first; return all such places, None for none."""
@@ -172,25 +206,33 @@ class Endings:
         for joint, reach in k.reach.items():
             if (reach < 0).any():
                 short = np.broadcast_to(reach < 0, position.shape)
-                to_lock = np.broadcast_to(k.to_lock.get(joint, np.array(np.nan)), position.shape)
+                new = short if beyond is None else short & ~beyond
+                beyond = short.copy() if beyond is None else beyond | short
                 group = next(group for group in part.linkage.groups if inner_joint(group) == joint)
-                for row in np.flatnonzero(short.any(axis=1)).tolist():
-                    at = int(short[row].argmax())
-                    where, open_by = part.scene.where(float(position[row, at])), float(to_lock[row, at])
-                    apart = "" if isinstance(group, Group) else of_dyad(part.scene, group, open_by)
-                    why = f"{joint} cannot be reached at {where}{apart}; {in_line(group)}"
-                    self.failed.setdefault(rows.start + row, (Status.cannot_assemble, why))
-                beyond = short if beyond is None else beyond | short
+                company = isinstance(group, Group) and part.linkage.tracks[group].machines
+                for row in np.flatnonzero(new.any(axis=1)).tolist():
+                    machine = rows.start + row
+                    if machine in self.failed or machine in self.alone:
+                        continue
+                    if company:
+                        self.alone.add(machine)
+                        beyond[row] = True
+                        continue
+                    one, linkage = of_machines((part.scene, part.linkage))((row, 0))
+                    why = where_open(one, linkage, joint, float(position[row, new[row].argmax()]))
+                    self.failed[machine] = Status.cannot_assemble, f"{why}; {in_line(group)}"
         return beyond
 
     def check(self, rows: slice, finite: NDArray[np.bool_]) -> None:
         """Note machines of which a sample is not finite, shape (rows,)."""
+        why = "a channel holds values that are not finite"
         for row in np.flatnonzero(~np.broadcast_to(finite, rows.stop - rows.start)).tolist():
-            self.failed.setdefault(rows.start + row, (Status.nonfinite, "a channel holds values that are not finite"))
+            if (machine := rows.start + row) not in self.alone:
+                self.failed.setdefault(machine, (Status.nonfinite, why))
 
     def told(self) -> tuple[tuple[Status, ...], tuple[str, ...]]:
         """Return each machine's status, and why it is not ok."""
-        endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.many.count)]
+        endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.count)]
         return tuple(status for status, _ in endings), tuple(why for _, why in endings)
 
 

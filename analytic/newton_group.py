@@ -18,84 +18,89 @@ ITERATIONS = 200  # from the sketch
 
 
 def assemble(equations: GroupEquations, q: Samples, placed: Pose) -> Samples:
-    """Return the coordinates near a rough guess q, shape (1, m), where the joints close, if there are any."""
+    """Return the coordinates near rough guesses q, shape (..., m), where the joints close, if there are any."""
+    apart = np.ones(q.shape[:-1], np.bool_)
     for _ in range(ITERATIONS):
         correction = _correction(equations, q, placed)
         length = equations.length(correction)
-        q = q - correction / np.maximum(1, length / (LONGEST * equations.size))[:, None]
-        if not length >= ROUGHLY * equations.size:
+        shorter = q - correction / np.maximum(1, length / (LONGEST * equations.size))[..., None]
+        q = np.where(apart[..., None], shorter, q)
+        apart &= length >= ROUGHLY * equations.size
+        if not apart.any():
             break
     return q
 
 
 def refine(equations: GroupEquations, q: Samples, placed: Pose) -> tuple[Samples, NDArray[np.bool_]]:
-    """Return the coordinates where the joints close, from a near guess q, shape (n, m), and whether they were found.
+    """Return the coordinates where the joints close, from near guesses q, shape (..., m), and whether they were found.
 
     Each position is on its own: it is corrected as long as the corrections at least halve, which ends in their
     roundings, or until the next one, about the square of the last, is sure to be below them.
     """
-    last = np.full(len(q), np.inf)
-    while True:
+    last, open_yet = np.full(q.shape[:-1], np.inf), np.ones(q.shape[:-1], np.bool_)
+    while open_yet.any():
         correction = _correction(equations, q, placed)
         length = equations.length(correction)
-        halved = (length < last / 2) & (last > CLOSED * equations.size)
-        if not halved.any():
-            return q, last < ROUGHLY * equations.size
-        q = np.where(halved[:, None], q - correction, q)
-        last = np.where(halved, length, last)
+        open_yet &= length < last / 2
+        q = np.where(open_yet[..., None], q - correction, q)
+        last = np.where(open_yet, length, last)
+        open_yet &= last > CLOSED * equations.size
+    return q, last < ROUGHLY * equations.size
 
 
-def rates(equations: GroupEquations, pose: Pose, placed: Placed) -> tuple[Samples, Samples]:
-    """Return q' and q'', shape (n, m)."""
+def rates(equations: GroupEquations, pose: Pose, everywhere: Samples, placed: Placed) -> tuple[Samples, Samples]:
+    """Return q' and q'', shape (..., m), by the Jacobian of all frames."""
     b = equations.bodies
-    everywhere = equations.jacobian(pose)
-    J, J_placed = everywhere[:, :, : 3 * b], everywhere[:, :, 3 * b :]
-    dq = solved(J, -np.einsum("nij,nj->ni", J_placed, coordinates(placed.v, placed.omega)))
-    v, omega = (np.concatenate(pair, axis=1) for pair in zip(in_plane(dq), (placed.v, placed.omega), strict=True))
-    driving = np.einsum("nij,nj->ni", J_placed, coordinates(placed.a, placed.alpha))
+    J, J_placed = everywhere[..., : 3 * b], everywhere[..., 3 * b :]
+    dq = solved(J, -np.einsum("...ij,...j->...i", J_placed, coordinates(placed.v, placed.omega)))
+    v, omega = (np.concatenate(pair, axis=-1) for pair in zip(in_plane(dq), (placed.v, placed.omega), strict=True))
+    driving = np.einsum("...ij,...j->...i", J_placed, coordinates(placed.a, placed.alpha))
     return dq, solved(J, -driving - equations.quadratic(pose, v, omega))
 
 
 def own_jacobian(equations: GroupEquations, pose: Pose) -> Samples:
-    """Return dC / dq, shape (n, m, m)."""
-    return equations.jacobian(pose)[:, :, : 3 * equations.bodies]
+    """Return dC / dq, shape (..., m, m)."""
+    return equations.jacobian(pose)[..., : 3 * equations.bodies]
 
 
 def joint_forces(
     equations: GroupEquations, J: Samples, force: Complex, moment: Samples
 ) -> tuple[Complex, Samples, Samples]:
-    """Return what each pin does on the body pinned, N, shape (n, p), each guide on the slider, N and N m, shape (n, s).
+    """Return what each pin does on the body pinned, N, shape (..., p), each guide on the slider, N and N m.
 
-    By J^T forces + Q = 0 (virtual work); `force` and `moment` about the first point, shape (n, b), are what the bodies
-    carry without these joints, inertia included.
+    By J^T forces + Q = 0 (virtual work); `force` and `moment` about the first point, shape (..., b), are what the
+    bodies carry without these joints, inertia included.
     """
-    multipliers = solved(J.transpose(0, 2, 1), -coordinates(force, moment))
+    multipliers = solved(np.swapaxes(J, -1, -2), -coordinates(force, moment))
     p, s = len(equations.S), len(equations.T)
-    x, y, guide_force, guide_moment = np.split(multipliers, [p, 2 * p, 2 * p + s], axis=1)
+    x, y, guide_force, guide_moment = np.split(multipliers, [p, 2 * p, 2 * p + s], axis=-1)
     return x + 1j * y, guide_force, guide_moment
 
 
 def to_lock(equations: GroupEquations, J: Samples) -> Samples:
-    """Return how much arms would have to be off for J to be singular, shape (n,), m: its least singular value.
+    """Return how much arms would have to be off for J to be singular, shape (...), m: its least singular value.
 
     So it is by Eckart and Young's theorem when all its entries are arms: moves and differences of angles count as those
     of the group's longest arm.
     """
     p, s = len(equations.S), len(equations.T)
-    rows = np.repeat([1.0, equations.size], [2 * p + s, s])
-    arms = J * rows[:, None] * np.tile([equations.size, equations.size, 1], equations.bodies)
-    least: Samples = np.linalg.svd(arms, compute_uv=False)[:, -1]
+    size = np.asarray(equations.size)[..., None]
+    rows = np.where(np.arange(2 * (p + s)) < 2 * p + s, 1.0, size)
+    columns = np.where(np.arange(3 * equations.bodies) % 3 == 2, 1.0, size)
+    arms = J * rows[..., None] * columns[..., None, :]
+    least = np.full(arms.shape[:-2], np.nan)
+    reached = ~np.isnan(arms[..., 0, 0])
+    least[reached] = np.linalg.svd(arms[reached], compute_uv=False)[:, -1]
     return least
 
 
 def solved(A: Samples, b: Samples) -> Samples:
-    """Return x of A x = b, shape (n, m), NaN where A is singular."""
-    x = np.empty_like(b)
+    """Return x of A x = b, shape (..., m), NaN where A is singular."""
     try:
-        x[:] = np.linalg.solve(A, b[:, :, None])[:, :, 0]
+        x: Samples = np.linalg.solve(A, b[..., None])[..., 0].astype(np.float64, copy=False)
     except np.linalg.LinAlgError:  # of one, for all
         singular = np.linalg.slogdet(A)[0] == 0
-        x[:] = solved(np.where(singular[:, None, None], np.nan, A), b)
+        x = solved(np.where(singular[..., None, None], np.nan, A), b)
     return x
 
 

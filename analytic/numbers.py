@@ -45,7 +45,7 @@ def samples(number: Any) -> NDArray[Any]:
 
 
 def of_machines(whole: Any) -> Callable[[Any], Any]:
-    """Return the function of rows that takes what holds numbers of shape (m, 1) to the same of some machines.
+    """Return the function of rows that takes what holds numbers of shape (m, 1, ...) to the same of some machines.
 
     What those numbers are not in is looked at only once, and stays as it is.
     """
@@ -55,7 +55,7 @@ def of_machines(whole: Any) -> Callable[[Any], Any]:
 
 def _parts(whole: Any) -> Callable[[Any], Any] | None:
     if isinstance(whole, np.ndarray):
-        return whole.__getitem__ if whole.ndim == 2 and whole.shape[1] == 1 else None
+        return whole.__getitem__ if whole.ndim > 1 and whole.shape[1] == 1 else None
     if isinstance(whole, tuple):
         found = _differing(enumerate(whole))
         return (lambda rows: tuple(_changed(dict(enumerate(whole)), found, rows).values())) if found else None

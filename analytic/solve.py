@@ -204,12 +204,17 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
         if (reach < 0).any():
             row = int(np.argmax(np.broadcast_to(reach, position.shape) < 0))
             first = float(position[row])
-            group = next(group for group in linkage.groups if inner_joint(group) == joint)
-            if isinstance(group, Group):
-                track, frames = linkage.tracks[group], placed(scene, linkage, group, position[row : row + 1])
-                near = track.q[track.nearest(position[row : row + 1])]
-                open_by = of_group(scene, group, track.equations, near, frames.pose)
-            else:
-                open_by = of_dyad(scene, group, float(np.broadcast_to(k.to_lock[joint], position.shape)[row]))
-            why = f"{joint} cannot be reached at {scene.where(first)}{open_by}; {describe(scene, linkage, first)}"
+            why = f"{where_open(scene, linkage, joint, first)}; {describe(scene, linkage, first)}"
             raise Failure(Status.cannot_assemble, why)
+
+
+def where_open(scene: Scene, linkage: Linkage, joint: str, position: float) -> str:
+    """Return where a group, known by its inner joint, does not reach, and which joint stays open by how much."""
+    group, at = next(group for group in linkage.groups if inner_joint(group) == joint), np.array([position])
+    if isinstance(group, Group):
+        track, frames = linkage.tracks[group], placed(scene, linkage, group, at)
+        open_by = of_group(scene, group, track.equations, track.q[track.nearest(at)], frames.pose)
+    else:
+        to_lock = kinematics(scene, linkage, Driven(at, np.ones(1), np.zeros(1)), rates=False).to_lock[joint]
+        open_by = of_dyad(scene, group, float(np.ravel(to_lock)[0]))
+    return f"{joint} cannot be reached at {scene.where(position)}{open_by}"

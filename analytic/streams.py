@@ -117,10 +117,11 @@ def reduce_many(
     """
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
     positions = position if isinstance(position, Grid) else np.asarray(position, np.float64)
-    endings, done = Endings(many), 0
+    endings, done = Endings(many.count, many.failed), 0
+    _, first = many.parts[0]
     for block in many.blocks(positions, None, endings):
         shape = (block.rows.stop - block.rows.start, block.columns.stop - block.columns.start)
-        answer = Answer(many.solver.scene, many.solver.linkage, many.solver.request, shape, np.float64)
+        answer = Answer(many.scene, first.linkage, first.request, shape, np.float64)
         samples = answer.filled(block.k, block.on, block.position)
         for reduction in reductions:
             values = samples[reduction.channel]

@@ -5,16 +5,15 @@ import pytest
 
 import analytic
 import scenes
+from analytic import continuation
 from analytic.decomposition import decompose
-from analytic.group_equations import Group
-from scenes import InputError, Scene, Status
+from analytic.kinematics import followed
+from analytic.motion_range import motion_range
+from scenes import Failure, InputError, Scene, Status
 from scenes.machines import numbers_of
+from tests import scene_files
 
-CLOSED_FORM = [
-    name
-    for name in scenes.shipped()
-    if not any(isinstance(group, Group) for group in decompose(scenes.load(name)).groups)
-]
+GROUPS = ("class_iii_among_dyads", "slotted_class_iii")  # of class III as the shipped one; the last one locks
 COUNT = 5
 CLOSE = 1e-10  # of a channel's peak: roundings, times what a scene's conditioning makes of them
 
@@ -23,23 +22,23 @@ def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     """Return other numbers at all paths, off by a share, or by it of a unit where they are zero."""
     draw = np.random.default_rng(seed)
     written = [path for path in numbers_of(scene) if path != "drive.start"]  # which some files leave out
-    nominal = np.array(scenes.numbers_in(scene.name, written))
+    nominal = np.array(scenes.numbers_in(scene_files.path(scene.name), written))
     size = np.where(nominal == 0, 1.0, nominal)
     others = nominal + size * share * draw.uniform(-1, 1, (COUNT, len(nominal)))
     return dict(zip(written, others.T, strict=True))
 
 
-@pytest.mark.parametrize("name", CLOSED_FORM)
+@pytest.mark.parametrize("name", [*scenes.shipped(), *GROUPS])
 def test_each_machine_is_as_one_of_a_file(name: str) -> None:
     """Every number of the file differs, and the drive's way, in another form of the arithmetic, is the same."""
-    scene = scenes.load(name)
+    scene = scene_files.load(name)
     time = np.linspace(0, scene.drive.cycle, 37)
     position = scene.drive.at(time).position
     changes = varied(scene, 1e-4)
     many = analytic.solve_many(scene, changes, position, time)
     for machine in range(COUNT):
         numbers = {path: float(values[machine]) for path, values in changes.items()}
-        one = analytic.solve(scenes.load(name, numbers), position, time)
+        one = analytic.solve(scenes.load(scene_files.path(name), numbers), position, time)
         assert many.status[machine] is Status.ok, many.reason[machine]
         for channel, samples in one.samples.items():
             off = np.abs(many[channel][machine] - samples).max()
@@ -68,6 +67,46 @@ def test_a_machine_that_fails_spoils_no_other() -> None:
     reached = np.isfinite(many["P5.y"][1])
     assert 0 < reached.sum() < len(position)
     assert not reached[np.isnan(many["drive.torque"][1])].any()
+
+
+LONG, SHORT = "bodies.crank.lengths.O-A", "bodies.lower.lengths.D-F"
+
+
+def test_larger_groups_that_fail_spoil_no_other() -> None:
+    """A crank that locks, a bar that is too short: each with the status, place and open joint of a single run."""
+    crank, bar = scenes.numbers_in("class_iii", (LONG, SHORT))
+    position = np.linspace(0, 2 * np.pi, 73)
+    changes = {LONG: [crank, 200, crank, 1.01 * crank], SHORT: [bar, bar, 23, bar]}
+    many = analytic.solve_many(scenes.load("class_iii"), changes, position)
+    alone = [
+        scenes.load("class_iii", {LONG: length, SHORT: short}) for length, short in zip(*changes.values(), strict=True)
+    ]
+    for machine in (1, 2):
+        with pytest.raises(Failure) as caught:
+            analytic.solve(alone[machine], position)
+        assert many.status[machine] is caught.value.status
+        assert many.reason[machine].startswith(caught.value.reason.partition("; the crank")[0])
+    for machine in (0, 3):
+        assert many.status[machine] is Status.ok, many.reason[machine]
+        for channel, samples in analytic.solve(alone[machine], position).samples.items():
+            assert np.abs(many[channel][machine] - samples).max() <= CLOSE * np.abs(samples).max(), channel
+    assert np.isnan(many["D.y"][2]).all()
+    reached = np.isfinite(many["D.y"][1])
+    inside = analytic.solve(alone[1], position[reached])
+    assert 0 < reached.sum() < len(position)
+    assert np.abs(many["D.y"][1, reached] - inside["D.y"]).max() <= 1e-12  # m, roundings
+    (interval,) = motion_range(alone[1], followed(alone[1], decompose(alone[1])))
+    turned = interval.start + np.remainder(position - interval.start, 2 * np.pi)
+    assert np.array_equal(reached, turned <= interval.end)
+
+
+def test_machines_that_need_two_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a turn that is taken to end in another pose, as `test_class_iii` has it."""
+    monkeypatch.setattr(continuation, "SAME", -1.0)
+    bar = scenes.numbers_in("class_iii", (SHORT,))[0]
+    many = analytic.solve_many(scenes.load("class_iii"), {SHORT: [bar, 1.001 * bar]}, [1.0])
+    assert all(status is Status.unsupported for status in many.status)
+    assert all(reason.startswith("after one turn of the crank coupler") for reason in many.reason)
 
 
 def test_positions_of_each_machine_and_channels_asked_for() -> None:
