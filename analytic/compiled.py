@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from hashlib import sha256
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
@@ -37,6 +37,7 @@ CHUNK = 64  # positions: their results stay in the first cache, and a loop of fi
 COMPILES = find_spec("numba") is not None
 
 Kernel: TypeAlias = Callable[..., None]
+Route: TypeAlias = tuple[list[str], Kernel, Program]
 
 
 def fast_solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "FastSolver":
@@ -64,6 +65,7 @@ class FastSolver:
     scene: Scene
     channels: frozenset[str] | None
     core: Solver
+    routes: dict[AbstractSet[str], Route] = field(default_factory=dict)  # by the numbers that differ
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises."""
@@ -83,7 +85,7 @@ class FastSolver:
         differ = machines(scene, changes)
         prepared = many_solver(scene, changes, self.channels)
         instants, driven = driven_at(differ, position, time)
-        names, kernel, program = self._with(frozenset(at_path(scene, path, self._numbers) for path in changes))
+        names, kernel, program = self._route(frozenset(at_path(scene, path, self._numbers) for path in changes))
         given = {path: value for path, (value, _) in numbers_of(differ).items()}
         given |= {stroke_end(number): end for number, end in prepared.stroke_ends.items()}
         numbers = np.empty((prepared.count, len(names)))
@@ -144,22 +146,25 @@ class FastSolver:
             program = recorded(self.scene, frozenset(), self.channels)
             line = StraightLine([*program.channels.values(), program.reach])
             return tuple(program.channels), lambda driven: line(ends, driven._asdict())
-        names, kernel, program = self._with(frozenset())
+        names, kernel, program = self._route(frozenset())
         numbers = np.array([[{**self._numbers, **ends}[name] for name in names]])
         return tuple(program.channels), lambda driven: self._filled(
             kernel, program, numbers, driven, len(driven.position)
         )[:, 0]
 
-    def _with(self, open_too: AbstractSet[str]) -> tuple[list[str], Kernel, Program]:
+    def _route(self, open_too: AbstractSet[str]) -> Route:
         """Return the names of the kernel's numbers, the kernel, and what it computes.
 
         Of numbers that are 0, 1 or -1 and do not differ, which many a frame has, there is nothing to compute.
         """
         opened = {path for path, value in self._numbers.items() if value not in (0.0, 1.0, -1.0)} | open_too
+        if open_too in self.routes:
+            return self.routes[open_too]
         program = recorded(self.scene, opened, self.channels)
         order = needed([*program.channels.values(), program.reach])
         names = [made.of[0] for made in order if made.operation == "input" and not made.sampled]
-        return names, kernel_of("\n".join(code([*program.channels.values(), program.reach], names))), program
+        kernel = kernel_of("\n".join(code([*program.channels.values(), program.reach], names)))
+        return self.routes.setdefault(open_too, (names, kernel, program))
 
 
 @cache

@@ -7,9 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Scene, Status
+from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
+from .decomposition import decompose
+from .group_equations import Group
 from .many import Endings, many_solver
 from .solve import Answer
 
@@ -111,10 +113,12 @@ def reduce_many(
         The status of each machine, and the first thing that stops it, as of `solve_many`.
 
     Raises:
-        Failure: as of `solve_many`.
+        Failure: as of `solve_many`; `unsupported` for a linkage with a larger group.
         InputError: as of `solve_many`.
         ValueError: as of `solve_many`.
     """
+    if any(isinstance(group, Group) for group in decompose(scene).groups):  # some machines of which are solved anew
+        raise Failure(Status.unsupported, "a linkage with a group that is solved by Newton's method has no streams")
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
     positions = position if isinstance(position, Grid) else np.asarray(position, np.float64)
     endings, done = Endings(many.count, many.failed), 0

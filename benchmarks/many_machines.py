@@ -8,6 +8,7 @@ import argparse
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import inf, pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,14 +26,16 @@ from tests.chain import chain
 
 ROUNDS = 5
 STREAM = """
-import resource, sys
+import sys
 from math import pi
+from pathlib import Path
 from time import process_time
 import analytic, scenes
 scene, began = scenes.load("toggle_press"), process_time()
 taken = [analytic.Extremes("drive.torque"), analytic.Integral("drive.torque")]
 analytic.reduce_many(scene, {}, analytic.Grid(0, 2 * pi, int(sys.argv[1])), taken)
-print(process_time() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+status = dict(line.split(":") for line in Path("/proc/self/status").read_text().splitlines())
+print(process_time() - began, int(status["VmHWM"].split()[0]) / 1024)
 """
 
 
@@ -118,7 +121,10 @@ def every_channel() -> list[tuple[str, str, str, str]]:
 def few_positions() -> list[tuple[str, str, str, str]]:
     """Time a prepared solver of the toggle press at one position and at 72."""
     scene, again = scenes.load("toggle_press"), 200
-    solvers = {"the core": analytic.solver(scene), "machine code": analytic.fast_solver(scene)}
+    solvers: dict[str, Callable[[np.ndarray], object]] = {
+        "the core": analytic.solver(scene),
+        "machine code": analytic.fast_solver(scene),
+    }
     with_compiler, analytic.compiled.COMPILES = analytic.compiled.COMPILES, False
     solvers["NumPy in a straight line"] = analytic.fast_solver(scene)
     solvers["NumPy in a straight line"](np.zeros(1))
@@ -126,16 +132,20 @@ def few_positions() -> list[tuple[str, str, str, str]]:
     rows = []
     for count in (1, 72):
         angles = np.linspace(0, 6, count)
-        jobs = {name: (lambda solve=solve: [solve(angles) for _ in range(again)]) for name, solve in solvers.items()}
+        jobs = {name: partial(repeated, solve, angles, again) for name, solve in solvers.items()}
         for job in jobs.values():
             job()
         took = {name: time / again for name, time in seconds(jobs).items()}
         core = took.pop("the core")
-        rows += [
-            (f"{count} position{'s' * (count > 1)}, {name}", *share(time, core, "the core"))
-            for name, time in took.items()
-        ]
+        some = "one position" if count == 1 else f"{count} positions"
+        rows += [(f"{some}, {name}", *share(time, core, "the core")) for name, time in took.items()]
     return rows
+
+
+def repeated(solve: Callable[[np.ndarray], object], angles: np.ndarray, times: int) -> None:
+    """Solve again and again."""
+    for _ in range(times):
+        solve(angles)
 
 
 def streams() -> list[tuple[str, str, str, str]]:
@@ -145,11 +155,8 @@ def streams() -> list[tuple[str, str, str, str]]:
         run = subprocess.run([sys.executable, "-c", STREAM, str(count)], check=True, capture_output=True, text=True)
         found[count] = [float(number) for number in run.stdout.split()]
     (million, _), (all_, megabytes) = found.values()
-    what, *rest = (
-        "1e8 positions, extremes and integral of the torque",
-        *share(all_ / 1e8, million / 1e6, "1e6 positions"),
-    )
-    return [(f"{what}: {megabytes:.0f} MB", *rest)]
+    what = f"1e8 positions, extremes and integral of the torque, {megabytes:.0f} MB: a position"
+    return [(what, *share(all_ / 1e8, million / 1e6, "of 1e6 positions"))]
 
 
 def derivatives() -> list[tuple[str, str, str, str]]:
