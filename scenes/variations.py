@@ -8,7 +8,7 @@ from typing import Any, Literal
 from .changes import numbers
 from .errors import InputError, nearest
 
-VARIED = ("ground", "bodies", "drive", "loads", "springs", "gravity")  # tables with numbers of the linkage itself
+VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "gravity")  # what machines of one drive may differ in
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,9 @@ def check_variations(tables: Mapping[str, Any], variations: Sequence[Variation])
     """
     paths = [variation.path for variation in variations]
     for number, path in enumerate(paths):
-        root = path.partition(".")[0]
         try:
-            if root not in VARIED:
-                raise InputError(f"{path}: expected a number of the linkage{nearest(root, VARIED)}")
+            if not path.startswith(VARIED):
+                raise InputError(f"{path}: expected a number of the linkage{nearest(path, VARIED)}")
             numbers(tables, paths[: number + 1])
         except InputError as error:
             raise InputError(f"variations.{number}.path: {error}") from None

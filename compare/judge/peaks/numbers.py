@@ -5,27 +5,17 @@ Samples have the shape (..., n): those of one linkage (n,), of m machines (m, n)
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import nan
-from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.motion import Samples
-from scenes.scene import Force, PressForce
 
 from ...engines.axis import cycle_name
-from ...engines.press_switches import quintic
 from .curves import LEAST, Curve
+from .stroke import NEAR, Rows, Stroke, at
 
-Rows: TypeAlias = NDArray[np.intp]
-
-NEAR = 0.01  # of the stroke: so near to its closed end the output dwells
-REST = 1e-9  # of the peak speed: so slow the output stands still
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
-NEWTON = 4  # steps to a quintic's zero from that of its chord: each doubles the digits
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
 LARGEST = {
     "velocity": "peak speed",
@@ -47,11 +37,6 @@ class Number:
     unit: str
     size: Samples  # what a difference of it is divided by
     row: Rows | None = None  # -1 where the number is rounding
-
-
-def at(values: NDArray[Any], row: Rows) -> NDArray[Any]:
-    """Return the samples at these rows, shape (...)."""
-    return np.take_along_axis(values, np.asarray(row)[..., np.newaxis], -1)[..., 0]
 
 
 def numbers(scene: Scene, found: Sequence[Curve], motion: Motion, *, exact: bool = False) -> Iterator[Number]:
@@ -113,72 +98,16 @@ def _sum(name: str, curve: Curve, values: Samples, over: Samples, unit: str, siz
     return Number(name, curve, value, unit, size)
 
 
-# --- a slider's stroke -----------------------------------------------------------------------------------------------
-
-
 def _of_slider(scene: Scene, by_kind: Mapping[str, Curve], motion: Motion, *, exact: bool) -> Iterator[Number]:
-    """Yield the stroke, its ends, for how long the slider is `NEAR` the closed one, and the quick return."""
-    curve, time = by_kind["displacement"], motion["time"]
-    place, closing = curve.values(motion), _closing(scene)
-    closed, opened = (closing * place).argmax(axis=-1), (closing * place).argmin(axis=-1)
-    stroke = np.abs(at(place, closed) - at(place, opened))
-    yield Number("stroke", curve, stroke, "m", stroke)
+    """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
+    curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact)
+    yield Number("stroke", curve, way.length, "m", way.length)
     end = "dead point" if scene.drive.repeats else "end"
-    yield Number(f"closed {end}", curve, at(place, closed), "m", stroke, closed)
-    yield Number(f"open {end}", curve, at(place, opened), "m", stroke, opened)
-    away = np.abs(place - at(place, closed)[..., np.newaxis]) - NEAR * stroke[..., np.newaxis]
-    rates = [by_kind[kind] for kind in ("velocity", "acceleration") if exact and kind in by_kind]
-    dwell = _time_below_zero(time, away, [-closing * rate.values(motion) for rate in rates])
-    yield Number(f"dwell within {NEAR:.0%} of the stroke".replace("%", " %"), curve, dwell, "s", dwell, closed)
+    yield Number(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed)
+    yield Number(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened)
+    dwell = way.dwell
+    yield Number(f"dwell within {NEAR:.0%} of the stroke".replace("%", " %"), curve, dwell, "s", dwell, way.closed)
     if scene.drive.repeats and "velocity" in by_kind:
-        velocity = by_kind["velocity"]
-        ratio = _quick_return(time, velocity.values(motion), closing)
+        ratio = way.quick_return
         if not np.isnan(ratio).all():
-            yield Number("quick return", velocity, ratio, "", ratio)
-
-
-def _closing(scene: Scene) -> int:
-    """Return the sign of the slider's velocity while it closes: against its first load, or else downwards."""
-    guided = scene.guided(scene.output)
-    assert guided is not None
-    name, slide = guided
-    for load in scene.loads:
-        if load.body != name:
-            continue
-        if isinstance(load, PressForce):
-            return load.closing
-        push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
-        if push != 0:
-            return -1 if push > 0 else 1
-    return -1 if slide.along[1] >= 0 else 1
-
-
-def _time_below_zero(time: Samples, values: Samples, rates: Sequence[Samples]) -> Samples:
-    """Return for how long a curve is below zero, shape (...): of quintics by both rates, or of straight lines."""
-    steps, below = np.diff(time), values <= 0
-    share = np.where(below[..., :-1] & below[..., 1:], 1.0, 0.0)
-    crossed = np.nonzero(below[..., :-1] != below[..., 1:])
-    x, *derivatives = [(v[..., :-1][crossed], v[..., 1:][crossed]) for v in (values, *rates)]
-    zero = x[0] / (x[0] - x[1])
-    if len(derivatives) == 2:
-        path = quintic(steps[crossed], x, *derivatives)
-        slope = np.arange(1, len(path))[:, np.newaxis] * path[1:]
-        for _ in range(NEWTON):
-            zero = np.clip(zero - polyval(zero, path, tensor=False) / polyval(zero, slope, tensor=False), 0, 1)
-    share[crossed] = np.where(below[..., :-1][crossed], zero, 1 - zero)
-    return np.asarray(np.sum(steps * share, axis=-1))
-
-
-def _quick_return(time: Samples, velocity: Samples, closing: int) -> Samples:
-    """Return the time of the closing stroke over the other's, shape (...); NaN unless a cycle has one of each."""
-    outwards = velocity > REST * np.abs(velocity).max(axis=-1, keepdims=True)
-    turns = outwards[..., :-1] != outwards[..., 1:]
-    rows = turns.argmax(axis=-1), turns.shape[-1] - 1 - turns[..., ::-1].argmax(axis=-1)
-    instants = []
-    for row in rows:
-        (before, after), (begin, end) = ((at(v, row), at(v, row + 1)) for v in (velocity, time))
-        instants.append(begin + (end - begin) * before / (before - after))
-    inner = instants[1] - instants[0]  # the stroke between the turns
-    outer = time[..., -1] - time[..., 0] - inner  # and the one around them
-    ratio = np.where(at(outwards, rows[1]) == (closing > 0), inner / outer, outer / inner)
-    return np.where(turns.sum(axis=-1) == 2, ratio, nan)
+            yield Number("quick return", by_kind["velocity"], ratio, "", ratio)

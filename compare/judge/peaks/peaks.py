@@ -78,7 +78,7 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
     ]
 
 
-def _switches(reference: Reference, motion: Motion, step: float) -> Samples:
+def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:
     """Return the instants on either side of which a press force comes or goes, of samples close together."""
     close = np.diff(motion["time"]) < 1.5 * step
     changes = [np.flatnonzero(close & (act[0, 1:] != act[0, :-1])) for act in reference.acts(motion)]

@@ -14,14 +14,14 @@ from scenes import Failure, Motion
 from scenes.motion import Samples
 
 from .curves import LEAST, Curve
-from .numbers import at
+from .stroke import at
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: to 1e-3 of the cycle's own steps
 NEAR = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
 MotionAt: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
-Switches: TypeAlias = Callable[[Motion, float], Samples]
+Switches: TypeAlias = Callable[[Motion, Samples], Samples]
 
 
 def refined(
@@ -34,8 +34,8 @@ def refined(
         cycle: samples of shape (..., n) at equal steps of the time, from zero, both ends included.
         solve: the motion at other instants of the cycle.
         repeats: whether another cycle follows, so that an extreme may be on both sides of the end.
-        switches: the instants near which press forces come or go, of a motion of shape (n,) in the order of the time,
-            where its samples are not further apart than a step, s; None without such forces.
+        switches: the instants near which press forces come or go, of a motion in the order of the time, where its
+            samples are not further apart than a step, s; None without such forces.
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if switches else 1  # samples on either side of a place
@@ -44,7 +44,7 @@ def refined(
     motion, parts = cycle, [cycle]
     for _ in range(ROUNDS):
         if switches:
-            near = np.append(near, switches(in_order([motion]), float(step[0])))
+            near = np.concatenate([near, switches(in_order([motion]), step)], axis=-1)
         step = step / FINE
         near = near if repeats else np.clip(near, side * step, end - side * step)
         around = near[..., np.newaxis] + step[..., np.newaxis] * np.arange(-side, side + 1)
