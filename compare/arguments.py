@@ -17,11 +17,13 @@ from .family.grid import variation
 
 USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
-    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...] [--full] [--check]"
-    " [--open] [--list] [--new NAME]"
+    " [--channels LIST] [--accuracy A] [--vary PATH=FROM:TO:COUNT ...]"
+    " [--monte-carlo N] [--seed K] [--full] [--check] [--open] [--list] [--new NAME]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
+
+MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
 
 
 def parser() -> argparse.ArgumentParser:
@@ -50,6 +52,13 @@ def parser() -> argparse.ArgumentParser:
         metavar="PATH=FROM:TO:COUNT",
         help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
     )
+    parser.add_argument(
+        "--monte-carlo",
+        type=_count(2, MOST_MACHINES),
+        metavar="N",
+        help="draw so many machines from the scene's [[variations]] instead, and report what the tolerances do",
+    )
+    parser.add_argument("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")

@@ -11,7 +11,7 @@ from scenes.motion import Samples
 from ..judge.peaks.numbers import Number
 
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
-LINEAR = 0.01  # of the variance: up to this much that the linear model leaves unexplained
+LINEAR = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
 
 
 @dataclass(frozen=True)
