@@ -17,6 +17,7 @@ from ..engines.reference import Reference
 from ..judge.peaks.curves import Curve, Values, curves
 from ..judge.peaks.numbers import Number
 from ..judge.peaks.stroke import NEAR, Stroke
+from .guide import by_guide
 from .machines import SPEED, Machines
 
 
@@ -41,8 +42,13 @@ def gradients(reference: Reference, nominal: Machines, paths: Sequence[str]) -> 
     terms = [[*_terms(reference, number, motion, {curve.kind: curve for curve in found})] for number in nominal.numbers]
     time = np.unique([term.time for own in terms for term in own])
     wanted = frozenset(channel for curve in found for channel in curve.channels)
-    by = registry.derivatives(scene, paths, scene.drive.at(time).position, time, wanted)
-    by_curve = {term.curve: _change(term.curve, by) for own in terms for term in own}
+    position = scene.drive.at(time).position
+    by = registry.derivatives(scene, paths, position, time, wanted)
+    there = registry.reference(scene)(position, time)
+    by_curve = {
+        curve: _change(curve, by) + np.array([by_guide(scene, path, curve, there) for path in paths])
+        for curve in {term.curve for own in terms for term in own}
+    }
     result = np.zeros((len(paths), len(terms)))
     for number, own in enumerate(terms):
         for curve, instant, weight in own:

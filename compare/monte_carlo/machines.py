@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenes import Motion, Scene, Status
 from scenes.drive import ConstantSpeed, Drive
@@ -14,10 +15,11 @@ from scenes.motion import Samples
 from ..engines import registry
 from ..engines.press_switches import press_forces
 from ..engines.reference import Reference
-from ..judge.peaks.curves import curves
+from ..judge.peaks.curves import Curve, curves
 from ..judge.peaks.numbers import Number, numbers
 from ..judge.peaks.refined import refined
 from ..judge.peaks.stroke import Rows
+from .guide import with_guide
 
 SAMPLES = 360  # of a cycle, before extremes are refined: enough to know which of several peaks is the highest
 SPEED = "drive.speed"
@@ -46,13 +48,16 @@ def machines(reference: Reference, changes: Mapping[str, Samples]) -> Machines:
         changes: by path the numbers of m machines, each of shape (m,), in the units of the file.
     """
     scene = reference.scene
-    found = curves(scene, reference.scale, reference.cycle)
-    wanted = frozenset(channel for curve in found for channel in curve.channels)
+
+    def found(rows: Rows) -> list[Curve]:
+        return curves(with_guide(scene, _rows(changes, rows)), reference.scale, reference.cycle)
+
     count = len(next(iter(changes.values())))
+    wanted = frozenset(channel for curve in found(np.arange(count)) for channel in curve.channels)
     ended = Machines([Status.ok] * count, [""] * count, Motion({}), ())
 
     def solved(rows: Rows, time: Samples) -> Motion:
-        own = {path: values[rows] for path, values in changes.items()}
+        own = _rows(changes, rows)
         many = registry.solve_many(scene, own, _drive(scene, own).at(time).position, time, wanted)
         for row, status, reason in zip(rows, many.status, many.reason, strict=True):
             ended.status[row], ended.reason[row] = status, reason
@@ -65,9 +70,10 @@ def machines(reference: Reference, changes: Mapping[str, Samples]) -> Machines:
         return ended
     switches = _no_switches if press_forces(scene) else None
     repeats = scene.drive.repeats
-    motion = refined(found, _of(cycle, rows), partial(solved, rows), repeats=repeats, switches=switches)
-    motion = _of(motion, np.flatnonzero(np.isin(rows, ended.running)))  # one may lock between two samples
-    taken = [number for number in numbers(scene, found, motion, exact=True) if placed(number)]
+    first = Motion(_rows(cycle.samples, rows))
+    motion = refined(found(rows), first, partial(solved, rows), repeats=repeats, switches=switches)
+    motion = Motion(_rows(motion.samples, np.isin(rows, ended.running)))  # one may lock between two samples
+    taken = [number for number in numbers(scene, found(ended.running), motion, exact=True) if placed(number)]
     return replace(ended, motion=motion, numbers=taken)
 
 
@@ -76,8 +82,8 @@ def placed(number: Number) -> bool:
     return number.row is not None or number.name == "stroke"
 
 
-def _of(motion: Motion, rows: Rows) -> Motion:
-    return Motion({name: values[rows] for name, values in motion.samples.items()})
+def _rows(values: Mapping[str, Samples], rows: NDArray[Any]) -> dict[str, Samples]:
+    return {name: samples[rows] for name, samples in values.items()}
 
 
 def _drive(scene: Scene, changes: Mapping[str, Samples]) -> Drive:

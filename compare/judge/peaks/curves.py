@@ -62,9 +62,10 @@ def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[Curve]:
             yield Curve(kind if q else "path", point, both, scale, _vector(x, y))
             continue
         slide = guided[1]
-        parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if part != 0}
-        origin = 0.0 if q else float(np.dot(slide.along, slide.through))
-        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), complex(*slide.along) if q else None)
+        parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if np.any(part != 0)}
+        origin = 0.0 if q else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
+        along = slide.along[0] + 1j * slide.along[1]
+        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
 
 
 def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
@@ -78,7 +79,7 @@ def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
             turning = (f"{body.slide.on}.angle",) if body.slide.on in scene.turning else ()
-            across = _across(scene, force, body.slide.on, 1j * complex(*body.slide.along))
+            across = _across(scene, force, body.slide.on, 1j * body.slide.along[0] - body.slide.along[1])
             yield Curve("guide_force", body.name, (force, *turning), scale[force], across)
             yield Curve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
 
