@@ -7,7 +7,9 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene, Status
+import numpy as np
+
+from scenes import Engine, InputError, Motion, Scene, Status, numbers_in
 from scenes.errors import nearest
 from scenes.motion import Samples
 
@@ -15,7 +17,7 @@ Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the driv
 
 
 class Many(Protocol):
-    """The motions of m machines."""
+    """The motions of m machines, as the analytic core returns them."""
 
     @property
     def samples(self) -> Mapping[str, Samples]:
@@ -28,6 +30,9 @@ class Many(Protocol):
     @property
     def reason(self) -> Sequence[str]:
         """Why it is not ok, in a sentence; empty where it is."""
+
+
+SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
 
 
 @dataclass(frozen=True)
@@ -107,19 +112,15 @@ def checked_reference(scene: Scene) -> Solve:
     return solve
 
 
-def solve_many(
-    scene: Scene, changes: Mapping[str, Samples], position: Samples, time: Samples, channels: frozenset[str]
-) -> Many:
-    """Return the motions of m machines by the analytic core.
+def many(scene: Scene, changes: Mapping[str, Samples], channels: frozenset[str]) -> SolveMany:
+    """Return the analytic core's solver of m machines that differ in some numbers, for some channels.
 
     Args:
         scene: whose machines they are.
         changes: by path their numbers, each of shape (m,), in the units of the file.
-        position: of the drive, rad or m, shape (m, n).
-        time: the instants, s, shape (m, n).
         channels: those wanted.
     """
-    return cast("Many", import_module("analytic").solve_many(scene, changes, position, time, channels))
+    return cast("SolveMany", import_module("analytic").many_solver(scene, changes, channels))
 
 
 def derivatives(
@@ -137,7 +138,23 @@ def derivatives(
     Returns:
         By channel, in SI per unit of the file of the number.
     """
-    return cast("Mapping[str, Samples]", import_module("analytic").derivatives(scene, paths, position, time, channels))
+    analytic = import_module("analytic")
+    if hasattr(analytic, "derivatives"):
+        return cast("Mapping[str, Samples]", analytic.derivatives(scene, paths, position, time, channels))
+    return _differences(scene, paths, position, time, channels)
+
+
+def _differences(  # TODO: stands in until the core has exact derivatives
+    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
+) -> Mapping[str, Samples]:
+    drawn = np.array(numbers_in(scene.file, paths))
+    steps = 1e-4 * np.where(drawn == 0, 1.0, np.abs(drawn))
+    offsets = np.array([-2.0, -1.0, 1.0, 2.0])
+    table = drawn[:, np.newaxis] + np.kron(np.diag(steps), offsets)
+    answer = many(scene, dict(zip(paths, table, strict=True)), channels)(position, time).samples
+    weights = np.array([1.0, -8.0, 8.0, -1.0])[:, np.newaxis] / 12
+    shape = len(paths), 4, -1
+    return {c: (values.reshape(shape) * weights).sum(axis=1) / steps[:, np.newaxis] for c, values in answer.items()}
 
 
 def route(scene: Scene) -> str:

@@ -9,16 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Motion, numbers_in
+from scenes import Motion, Scene, numbers_in
 from scenes.motion import Samples
 
 from ..engines import registry
-from ..engines.reference import Reference
+from ..engines.reference import SCALE_SAMPLES, Reference
 from ..judge.peaks.curves import Curve, Values, curves
 from ..judge.peaks.numbers import Number
 from ..judge.peaks.stroke import NEAR, Stroke
 from .guide import by_guide
-from .machines import SPEED, Machines
+from .machines import Machines, machines
+
+SPEED = "drive.speed"
 
 
 class Term(NamedTuple):
@@ -29,17 +31,23 @@ class Term(NamedTuple):
     weight: complex  # of a vector's change: the part along it
 
 
+def as_drawn(reference: Reference, paths: Sequence[str]) -> Machines:
+    """Return the linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
+    drawn = zip(paths, numbers_in(reference.scene.file, paths), strict=True)
+    return machines(reference, {path: np.array([number]) for path, number in drawn}, SCALE_SAMPLES)
+
+
 def gradients(reference: Reference, nominal: Machines, paths: Sequence[str]) -> Samples:
     """Return the derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file.
 
     Args:
         reference: of the linkage as drawn.
-        nominal: that linkage as the only one of its machines.
+        nominal: that linkage, see `as_drawn`.
         paths: of the numbers in the file.
     """
     scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
     found = curves(scene, reference.scale, motion)
-    terms = [[*_terms(reference, number, motion, {curve.kind: curve for curve in found})] for number in nominal.numbers]
+    terms = [[*_terms(scene, number, motion, found)] for number in nominal.numbers]
     time = np.unique([term.time for own in terms for term in own])
     wanted = frozenset(channel for curve in found for channel in curve.channels)
     position = scene.drive.at(time).position
@@ -68,15 +76,19 @@ def _change(curve: Curve, by: Mapping[str, Samples]) -> Values:
     return curve.values(Motion(by)) - curve.values(Motion(nothing))
 
 
-def _terms(reference: Reference, number: Number, motion: Motion, by_kind: Mapping[str, Curve]) -> Iterator[Term]:
-    curve, time = number.curve, motion["time"]
+def _terms(scene: Scene, number: Number, motion: Motion, found: Sequence[Curve]) -> Iterator[Term]:
+    """Yield the parts of a number of the linkage as drawn, which is the only one of its machines."""
+    time = motion["time"]
+    (curve,) = (curve for curve in found if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
     if curve.kind == "path":
         yield from _of_path(curve, motion)
     elif curve.kind == "displacement":
-        yield from _of_stroke(number, Stroke(reference.scene, motion, by_kind, exact=True), time)
+        way = Stroke(scene, motion, {curve.kind: curve for curve in found}, exact=True)
+        yield from _of_stroke(number.name, curve, way)
     else:
-        assert number.row is not None
-        row = int(number.row[0])
+        row = -1 if number.row is None else int(number.row[0])
+        if row < 0:
+            return  # it is rounding
         value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
         yield Term(curve, float(time[row]), value / (abs(value) or 1.0))
 
@@ -90,18 +102,26 @@ def _of_path(curve: Curve, motion: Motion) -> Iterator[Term]:
             yield Term(curve, float(time[row]), sign * direction * size / np.hypot(width, height))
 
 
-def _of_stroke(number: Number, way: Stroke, time: Samples) -> Iterator[Term]:
+def _of_stroke(name: str, curve: Curve, way: Stroke) -> Iterator[Term]:
     """Yield the parts of a slider's stroke, its ends and its dwell."""
-    curve, closing = number.curve, way.closing
-    closed, opened = float(time[way.closed]), float(time[way.opened])
-    if number.name == "stroke":
+    closing, time = way.closing, way.motion["time"]
+    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    if name == "stroke":
         yield Term(curve, closed, closing)
         yield Term(curve, opened, -closing)
-    elif not number.name.startswith("dwell"):
-        yield Term(curve, closed if number.name.startswith("closed") else opened, 1.0)
+    elif not name.startswith("dwell"):
+        yield Term(curve, closed if name.startswith("closed") else opened, 1.0)
     else:
         (step,), share, _, speeds = way.ends
         for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
             yield Term(curve, float(instant), closing / speed)
             yield Term(curve, closed, -closing * (1 - NEAR) / speed)
             yield Term(curve, opened, -closing * NEAR / speed)
+
+
+def _turn(way: Stroke, row: int) -> float:
+    """Return when the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
+    time = way.motion["time"]
+    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
+    turns = acceleration != 0 and (way.scene.drive.repeats or time[0] < time[row] < time[-1])
+    return float(time[row] - (velocity / acceleration if turns else 0.0))

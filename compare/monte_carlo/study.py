@@ -21,7 +21,7 @@ from ..judge.escalation import offers
 from ..judge.floor import establish
 from ..judge.judgement import Judgement, judgement
 from .draws import draws
-from .gradients import gradients
+from .gradients import as_drawn, gradients
 from .machines import Machines, machines
 from .spread import Spread, spread
 
@@ -159,8 +159,7 @@ def begun(
         judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
     progress("derivatives")
     paths = [variation.path for variation in scene.variations]
-    drawn = dict(zip(paths, np.array(numbers_in(scene.file, paths))[:, np.newaxis], strict=True))
-    machine = machines(reference, drawn)
+    machine = as_drawn(reference, paths)
     return MonteCarlo(count, seed, judged, Nominal(reference, machine, gradients(reference, machine, paths)))
 
 

@@ -53,7 +53,7 @@ def refined(
             motion = solve(time % end if repeats else np.clip(time, 0.0, end))
         except Failure:
             break
-        parts.append(motion)
+        parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
         own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(found, motion))]
         near = np.stack([_vertex(around[..., k, :], y) for k, y in enumerate(own)], axis=-1)
     return in_order(parts)
@@ -89,17 +89,17 @@ def _top(height: Samples, *, repeats: bool) -> Samples:
     high = height >= largest - NEAR * (largest - least)
     high[..., :-1] &= height[..., :-1] >= height[..., 1:]
     high[..., 1:] &= height[..., 1:] >= height[..., :-1]
-    *machine, row = np.nonzero(high)
+    machine, row = np.nonzero(high.reshape(-1, n))
+    samples = height.reshape(-1, n)
     middle = row % (n - 1) if repeats else np.clip(row, 1, n - 2)
     sides = ((middle - 1) % (n - 1), middle + 1) if repeats else (middle - 1, middle + 1)
-    before, here, after = (height[*machine, which] for which in (sides[0], middle, sides[1]))
+    before, here, after = (samples[machine, which] for which in (sides[0], middle, sides[1]))
     slope, bend = (after - before) / 2, after - 2 * here + before
     way = np.clip(-slope / np.where(bend < 0, bend, -np.inf), -1, 1)
-    tops = np.full(height.shape, -np.inf)
-    places = np.zeros(height.shape)
-    tops[*machine, row] = here + way * (slope + way / 2 * bend)
-    places[*machine, row] = middle + way
-    return np.asarray(at(places, tops.argmax(axis=-1)))
+    places = np.zeros(len(samples))
+    upwards = np.argsort(here + way * (slope + way / 2 * bend))  # so that the highest of a machine is the last
+    places[machine[upwards]] = (middle + way)[upwards]
+    return places.reshape(height.shape[:-1])
 
 
 def _vertex(time: Samples, height: Samples) -> Samples:
