@@ -93,10 +93,9 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
     if len(several) > 1:
         raise InputError("arguments: --vary: expected it without --monte-carlo, since each has linkages of its own")
     if options.monte_carlo:
-        from .monte_carlo.draws import check_ends
-
         for scene in scenes:
-            check_ends(scene)
+            if not scene.variations:
+                raise InputError(f"{scene.file}: variations: missing; --monte-carlo draws machines from them")
     elif options.seed is not None:
         raise InputError("arguments: --seed: expected it with --monte-carlo, whose draws it picks")
 

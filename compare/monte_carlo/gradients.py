@@ -1,7 +1,8 @@
 """How the designer's numbers change with the numbers of the scene, from the exact derivatives of the channels.
 
 Where a quantity is largest or least its place does not matter to the first order: the number changes as the quantity
-does there, at the same position of the drive. The ends of the dwell move as the equation that they solve asks.
+does there, at the same position of the drive. The ends of the dwell move as the equation that they solve asks. Where a
+press force comes or goes just there the place does matter, and the linear model is off, as the machines then show.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -10,7 +10,7 @@ from ...monte_carlo.study import MonteCarlo
 from ..style import DARK_GREY, LEGEND_BESIDE, cell, colour, draw, grid, layout
 from .tables import moving, named_units, names, title
 
-COLUMNS, BINS = 3, 60
+COLUMNS, BINS = 3, 60  # bins at most
 SPAN = 4.5  # standard deviations on either side of the drawing's number
 SHADES = 5  # colours before they are taken again, paler
 
@@ -25,7 +25,7 @@ def histograms(study: MonteCarlo) -> go.Figure:
         values = study.values[:, numbers.index(s.name)]
         values = values[~np.isnan(values)]
         factor, unit = named.get(s.unit) or prefixed(abs(s.nominal) or 1.0, s.unit)
-        density, edges = np.histogram(factor * values, BINS, density=True)
+        density, edges = np.histogram(factor * values, min(BINS, max(10, int(values.size**0.5))), density=True)
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         draw(figure, "machines", *steps, row, column, line={"color": colour(0)}, fill="tozeroy")
         if s.linear > 0:

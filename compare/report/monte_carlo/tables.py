@@ -8,6 +8,7 @@ import pandas as pd
 
 from scenes import numbers_in
 
+from ...engines.axis import prefixed
 from ...engines.registry import REFERENCE
 from ...monte_carlo.spread import Spread
 from ...monte_carlo.study import MonteCarlo
@@ -73,19 +74,29 @@ def title(number: Spread) -> str:
 def overview(study: MonteCarlo) -> pd.DataFrame:
     """Return one row per number: the drawing's, and how far the machines are off that."""
     named = named_units(study)
+
+    def off(number: Spread, value: float) -> str:
+        return _amount(value - number.nominal, number.unit, named, "+")
+
     return pd.DataFrame(
         {"number": title(s), "as drawn": written(s.nominal, s.unit, named)}
-        | {"standard deviation": written(s.deviation, s.unit, named), "linear": written(s.linear, s.unit, named)}
-        | {"the linear model is off by": percent(sqrt(s.unexplained)), "mean": _off(s, s.mean, named)}
-        | {f"{100 * float(share):g} %": _off(s, value, named) for share, value in s.quantiles.items()}
+        | {"standard deviation": _amount(s.deviation, s.unit, named), "linear": _amount(s.linear, s.unit, named)}
+        | {"the linear model is off by": percent(sqrt(s.unexplained)), "mean": off(s, s.mean)}
+        | {f"{100 * float(share):g} %": off(s, value) for share, value in s.quantiles.items()}
         for s in moving(study)
     )
 
 
-def _off(number: Spread, value: float, named: Units) -> str:
-    """Return how far a value is off that of the drawing, with its sign."""
-    off = written(value - number.nominal, number.unit, named)
-    return off if off.startswith("−") else f"+{off}"
+def _amount(value: float, unit: str, named: Units, sign: str = "") -> str:
+    """Return a quantity to three digits, with its sign where `sign` is "+"."""
+    if isnan(value):
+        return "–"
+    factor, name = named.get(unit) or prefixed(abs(value) or 1.0, unit)
+    return f"{factor * value:{sign}.3g} {name}".replace("-", "−").replace(" °", "°")
+
+
+def _share(share: float) -> str:
+    return "–" if isnan(share) else percent(share)
 
 
 def names(study: MonteCarlo) -> list[str]:
@@ -106,11 +117,9 @@ def against_engines(study: MonteCarlo) -> pd.DataFrame:
     """Return one row per number: by how much the engines differ on the linkage as drawn, and the machines do."""
     named = named_units(study)
     return pd.DataFrame(
-        {"number": title(s), "the machines' standard deviation": written(s.deviation, s.unit, named)}
-        | {
-            engine: "–" if isnan(off) else f"{written(off, s.unit, named)}, {percent(off / s.deviation)} of that"
-            for engine, off in differences(study, s).items()
-        }
+        {"number": title(s), "the machines' standard deviation": _amount(s.deviation, s.unit, named)}
+        | {f"{engine} differs by": _amount(off, s.unit, named) for engine, off in differences(study, s).items()}
+        | {f"{engine}, of the deviation": _share(off / s.deviation) for engine, off in differences(study, s).items()}
         for s in moving(study)
     )
 

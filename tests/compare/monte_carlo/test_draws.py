@@ -1,15 +1,12 @@
 """The machines drawn: distributed as the scene has it, the same whatever others are asked for."""
 
 from math import sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import scenes
-from compare.monte_carlo.draws import check_ends, draws
-from scenes import InputError
-from tests import scene_files
+from compare.monte_carlo.draws import draws
 
 ROCKER, MASS = "bodies.rocker.lengths.O-P3", "bodies.toggle.mass"
 
@@ -35,19 +32,3 @@ def test_a_machine_is_the_same_whatever_others_are_asked_for() -> None:
     for path, values in whole.items():
         assert (values[123:168] == part[path]).all()
         assert (values != other[path]).all()
-
-
-@pytest.mark.parametrize(
-    ("changes", "expected"),
-    [
-        ({"variations": None}, "toggle_press.toml: variations: missing"),
-        ({"variations.0.path": "bodies.rocker.mass", "variations.0.plus_minus": 21}, "greater than or equal to 0"),
-        ({"variations.4.plus_minus": 200}, "the triangle cannot close"),
-    ],
-)
-def test_what_no_workshop_makes_is_refused(changes: dict[str, object], expected: str, tmp_path: Path) -> None:
-    file = scene_files.write(tmp_path, "toggle_press", changes)
-    with pytest.raises(InputError) as caught:
-        check_ends(scenes.load(file))
-    assert expected in str(caught.value)
-    assert "\n" not in str(caught.value)
