@@ -7,9 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import Any, Protocol, TypeAlias, cast
 
-import numpy as np
-
-from scenes import Engine, InputError, Motion, Scene, Status, numbers_in
+from scenes import Engine, InputError, Motion, Scene, Status
 from scenes.errors import nearest
 from scenes.motion import Samples
 
@@ -138,23 +136,8 @@ def derivatives(
     Returns:
         By channel, in SI per unit of the file of the number.
     """
-    analytic = import_module("analytic")
-    if hasattr(analytic, "derivatives"):
-        return cast("Mapping[str, Samples]", analytic.derivatives(scene, paths, position, time, channels))
-    return _differences(scene, paths, position, time, channels)
-
-
-def _differences(  # TODO: stands in until the core has exact derivatives
-    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
-) -> Mapping[str, Samples]:
-    drawn = np.array(numbers_in(scene.file, paths))
-    steps = 1e-4 * np.where(drawn == 0, 1.0, np.abs(drawn))
-    offsets = np.array([-2.0, -1.0, 1.0, 2.0])
-    table = drawn[:, np.newaxis] + np.kron(np.diag(steps), offsets)
-    answer = many(scene, dict(zip(paths, table, strict=True)), channels)(position, time).samples
-    weights = np.array([1.0, -8.0, 8.0, -1.0])[:, np.newaxis] / 12
-    shape = len(paths), 4, -1
-    return {c: (values.reshape(shape) * weights).sum(axis=1) / steps[:, np.newaxis] for c, values in answer.items()}
+    found = import_module("analytic").derivatives(scene, paths, position, time, channels)
+    return cast("Mapping[str, Samples]", found)
 
 
 def route(scene: Scene) -> str:

@@ -24,7 +24,7 @@ def histograms(study: MonteCarlo) -> go.Figure:
         row, column = cell(number, COLUMNS)
         values = study.values[:, numbers.index(s.name)]
         values = values[~np.isnan(values)]
-        factor, unit = named.get(s.unit) or prefixed(abs(s.nominal) or 1.0, s.unit)
+        factor, unit = named.get(s.unit) or prefixed(abs(s.nominal) or 1.0, s.unit.replace("*", " "))
         density, edges = np.histogram(factor * values, min(BINS, max(10, int(values.size**0.5))), density=True)
         steps = np.repeat(edges, 2), np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         draw(figure, "machines", *steps, row, column, line={"color": colour(0)}, fill="tozeroy")

@@ -57,8 +57,9 @@ def summary(study: MonteCarlo) -> dict[str, object]:
 
 
 def named_units(study: MonteCarlo) -> Units:
-    """Return the units of the page."""
-    return units(study.nominal.reference)
+    """Return the units of the page, but for those of forces: each has the prefix that suits it."""
+    found = units(study.nominal.reference)
+    return {si: unit for si, unit in found.items() if si not in ("N", "N*m")}
 
 
 def moving(study: MonteCarlo) -> list[Spread]:
@@ -79,7 +80,7 @@ def overview(study: MonteCarlo) -> pd.DataFrame:
         return _amount(value - number.nominal, number.unit, named, "+")
 
     return pd.DataFrame(
-        {"number": title(s), "as drawn": written(s.nominal, s.unit, named)}
+        {"number": title(s), "as drawn": written(s.nominal, s.unit.replace("*", " "), named)}
         | {"standard deviation": _amount(s.deviation, s.unit, named), "linear": _amount(s.linear, s.unit, named)}
         | {"the linear model is off by": percent(sqrt(s.unexplained)), "mean": off(s, s.mean)}
         | {f"{100 * float(share):g} %": off(s, value) for share, value in s.quantiles.items()}
@@ -91,8 +92,8 @@ def _amount(value: float, unit: str, named: Units, sign: str = "") -> str:
     """Return a quantity to three digits, with its sign where `sign` is "+"."""
     if isnan(value):
         return "–"
-    factor, name = named.get(unit) or prefixed(abs(value) or 1.0, unit)
-    return f"{factor * value:{sign}.3g} {name}".replace("-", "−").replace(" °", "°")
+    factor, name = named.get(unit) or prefixed(abs(value) or 1.0, unit.replace("*", " "))
+    return f"{factor * value:{sign}.3g}\u00a0{name}".replace("-", "−").replace("\u00a0°", "°")
 
 
 def _share(share: float) -> str:
