@@ -23,7 +23,7 @@ SLIDER = {
 }
 PATH = {"bodies.crank.lengths.O-A": 1e-3, "ground.points.C.0": 1e-3}
 TURNING = {"bodies.rod.slides.through.1": 0.1, "bodies.block.com.1": 0.1, "springs.0.stiffness": 0.01}
-PLACED = 1e-5  # of a change: extremes are placed to 1e-6 rad or better
+PLACED = 1e-6  # of a change: extremes are placed to 1e-6 rad or better
 
 
 @pytest.mark.parametrize(
