@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Sampling, Scene, Status, numbers_in
+from scenes import Failure, InputError, Sampling, Scene, Status, numbers_in
 from scenes.motion import Samples
 
 from ..engines import registry
@@ -159,7 +159,10 @@ def begun(
         judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
     progress("derivatives")
     paths = [variation.path for variation in scene.variations]
-    machine = as_drawn(reference, paths)
+    try:
+        machine = as_drawn(reference, paths)
+    except Failure as failure:
+        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
     return MonteCarlo(count, seed, judged, Nominal(reference, machine, gradients(reference, machine, paths)))
 
 

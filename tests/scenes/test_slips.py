@@ -99,7 +99,7 @@ SLIPS = {
     "variation of the sketch": (
         'path = "ground.points.P1.0"',
         'path = "sketch.P2.0"',
-        ["variations.0.path: sketch.P2.0: expected a number of the linkage; one of bodies, drive,"],
+        ["variations.0.path: sketch.P2.0: expected a number of the linkage; one of bodies, drive.speed,"],
     ),
     "variation of one number twice": (
         'path = "ground.points.P1.1"',

@@ -16,7 +16,8 @@ from scenes.motion import Samples
 from .curves import LEAST, Curve
 from .stroke import at
 
-FINE, ROUNDS = 10, 3  # parts of a step, time and again: to 1e-3 of the cycle's own steps
+FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
+ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
 NEAR = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
@@ -42,7 +43,7 @@ def refined(
     rows = [_largest(height) if switches else _top(height, repeats=repeats) for height in heights(found, cycle)]
     near = np.stack(rows, axis=-1) * step
     motion, parts = cycle, [cycle]
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
         if switches:
             near = np.concatenate([near, switches(in_order([motion]), step)], axis=-1)
         step = step / FINE

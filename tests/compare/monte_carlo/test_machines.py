@@ -14,7 +14,7 @@ from scenes.motion import Samples
 from .machines_of import alone, many
 
 SAME = 1e-11  # of a number: extremes are found to 1e-5 of a step, the dwell by quintics over steps of 2 deg
-JUMP = 1e-4  # where a force comes or goes: that is found to a thousandth of a step, 4e-5 rad
+JUMP = 1e-6  # where a force comes or goes: that is found to 1e-5 of a step, 4e-7 rad
 
 
 @pytest.mark.parametrize(
