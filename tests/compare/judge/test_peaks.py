@@ -149,7 +149,7 @@ def test_a_guide_that_turns_pushes_across_itself() -> None:
 
 
 def test_work_against_the_forces_that_take_it() -> None:
-    jump = 1e-7  # where a force comes or goes, to 2e-8 rad, and what lines between the samples cut off
+    jump = 2e-6  # what lines between the samples cut off where a force comes or goes
     assert numbers("crank_press")["work a turn"].value == pytest.approx(1600e3 * 6e-3, rel=5 * jump)
     assert numbers("quick_return")["work a turn"].value == pytest.approx(6e3 * 0.4, rel=5 * jump)
     servo = numbers("servo_press")
