@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 
 import scenes
 from compare.engines.reference import Reference, found
@@ -18,10 +19,15 @@ def many(name: str, changes: Mapping[str, Samples]) -> Machines:
 
 @cache
 def reference(name: str) -> Reference:
-    return found(scene_files.load(name))
+    return found(scenes.load(file(name)))
+
+
+def file(name: str) -> Path:
+    """Return the file of a scene, given by its name or as a path."""
+    return Path(name) if name.endswith(".toml") else scene_files.path(name)
 
 
 def alone(name: str, changes: Mapping[str, Samples], machine: int) -> dict[str, Peak]:
     """Return the numbers of one machine by itself, from its own file."""
-    scene = scenes.load(scene_files.path(name), {path: float(values[machine]) for path, values in changes.items()})
+    scene = scenes.load(file(name), {path: float(values[machine]) for path, values in changes.items()})
     return {peak.name: peak for peak in peaks(found(scene), Sampling(72), [])}

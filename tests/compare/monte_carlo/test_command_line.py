@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from compare.engines.isolation import isolated
 from compare.monte_carlo import study as solving
+from compare.report.monte_carlo.tables import differences
 from compare.run import main
 from tests import scene_files
 from tests.pages import unpacked, without_scripts
@@ -63,6 +65,7 @@ def test_the_files_of_tolerances(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert stroke["share of bodies.crank.lengths.O-A"] == pytest.approx((1e-3 * by_crank * 0.1 / deviation) ** 2)
     assert stroke["mean"] == pytest.approx(stroke["nominal"], abs=0.05 * deviation)
     found = summary(folder)
+    assert all(number["unexplained"] < 1e-4 for number in found["numbers"] if number["deviation"] > 0)
     assert (found["machines"], found["running"], found["failures"], found["complete"]) == (200, 200, [], True)
     assert len(found["picked"]) == 20
     page = (folder / "monte_carlo.html").read_text(encoding="utf-8")
@@ -113,6 +116,18 @@ def test_a_stop_keeps_the_machines_that_are_done(
         number["standard deviation" if "standard deviation" in number else "deviation"]
         for number in found["numbers"][:3]
     )
+
+
+def test_the_engines_differences_are_in_si() -> None:
+    """Those of peaks are relative to what the number has as its size: of a dead point, the stroke."""
+    peak = SimpleNamespace(name="closed dead point", differs={"exudyn": 1e-6})
+    runs = [SimpleNamespace(run=SimpleNamespace(engine=engine)) for engine in ("analytic", "exudyn", "pymunk")]
+    study: Any = SimpleNamespace(judged=SimpleNamespace(measurements=runs, peaks=[peak]))
+    number: Any = SimpleNamespace(name="closed dead point", size=0.18)
+    found = differences(study, number)
+    assert found["exudyn"] == pytest.approx(1.8e-7)
+    assert np.isnan(found["pymunk"])
+    assert "analytic" not in found
 
 
 @pytest.mark.parametrize(

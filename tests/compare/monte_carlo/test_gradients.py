@@ -1,5 +1,7 @@
 """How the numbers change: against differences of the numbers of machines, and formulas."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from compare.monte_carlo.machines import Machines
 from scenes.motion import Samples
 from tests import scene_files
 
-from .machines_of import many, reference
+from .machines_of import file, many, reference
 
 # path -> a step that is small against how far it is to anything, in the unit of the file
 PRESS = {
@@ -49,8 +51,13 @@ def test_against_differences(name: str, steps: dict[str, float]) -> None:
         assert not off > PLACED * scale[column] + 1e-12 * number.size[0], number.name
 
 
+def test_a_point_beside_a_guide_that_tilts(tmp_path: Path) -> None:
+    changes = {"bodies.slider.points.T": [20, 30], "bodies.slider.slides.along": [2, 0.1]}
+    test_against_differences(str(scene_files.write(tmp_path, "offset_slider_crank", changes)), SLIDER)
+
+
 def differenced(name: str, path: str, step: float) -> Samples:
-    (drawn,) = scenes.numbers_in(scene_files.path(name), [path])
+    (drawn,) = scenes.numbers_in(file(name), [path])
     found = many(name, {path: drawn + step * np.array([-2.0, -1.0, 1.0, 2.0])})
     values = np.array([number.value for number in found.numbers])
     return np.asarray(values @ np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step))
