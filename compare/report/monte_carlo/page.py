@@ -1,6 +1,6 @@
 """The page of tolerances: what the workshop does to the designer's numbers, in tables and pictures."""
 
-from scenes import Sampling, load
+from scenes import Failure, Sampling, load
 
 from ...engines import registry
 from ...monte_carlo.study import MonteCarlo
@@ -31,9 +31,12 @@ def page(study: MonteCarlo) -> str:
 
 
 def _drawing(study: MonteCarlo) -> str:
-    """Return the worst machine moving, or nothing where all are alike."""
+    """Return the worst machine moving; nothing where all are alike, or it locks where nobody looked before."""
     if study.worst is None:
         return ""
     scene = load(study.scene.file, study.changes(study.worst[0]))
-    motion = registry.reference(scene)(DRAWN.commanded(scene), DRAWN.times(scene))
+    try:
+        motion = registry.reference(scene)(DRAWN.commanded(scene), DRAWN.times(scene))
+    except Failure:
+        return ""
     return by_itself(Drawing(scene, motion), FRAMES)
