@@ -152,10 +152,12 @@ def begun(
     """Cross-check the linkage as drawn, and return what its machines are held against; none is solved yet.
 
     Raises:
-        InputError: the reference cannot solve it.
+        InputError: the reference cannot solve it, or holds a group that is solved machine by machine.
     """
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
-        reference = establish(scene, runs=runs)
+        reference, way = establish(scene, runs=runs), registry.route(scene)
+        if not way.startswith("closed form"):
+            raise InputError(f"{scene.file}: bodies: expected dyads alone for --monte-carlo, found {way}")
         judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
     progress("derivatives")
     paths = [variation.path for variation in scene.variations]

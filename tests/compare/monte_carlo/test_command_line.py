@@ -130,6 +130,13 @@ def test_the_engines_differences_are_in_si() -> None:
     assert "analytic" not in found
 
 
+def test_a_group_that_is_no_dyad_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = "bodies.crank.lengths.O-A"
+    file = scene_files.write(tmp_path, "class_iii", {"variations": [{"path": path, "plus_minus": 0.1}]})
+    assert run(str(file), tmp_path / "out", "--monte-carlo", "10") == 2
+    assert "bodies: expected dyads alone for --monte-carlo, found crank, Newton on" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
