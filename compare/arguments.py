@@ -19,9 +19,12 @@ USAGE = (
     "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open] [--list] [--new NAME]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
+    " [--monte-carlo N [--seed K]]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
+
+MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
 
 
 def parser() -> argparse.ArgumentParser:
@@ -53,6 +56,13 @@ def parser() -> argparse.ArgumentParser:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
     where.add_argument("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
+    parser.add_argument(
+        "--monte-carlo",
+        type=_count(2, MOST_MACHINES),
+        metavar="N",
+        help="draw so many machines from the scene's [[variations]] instead, and report what the tolerances do",
+    )
+    parser.add_argument("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
     parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")

@@ -59,6 +59,8 @@ def _run(options: argparse.Namespace) -> int:
     from .report.placing import check_writable
 
     run, own = (_family, files.FAMILY) if options.vary else (_report, files.REPORT)
+    if options.monte_carlo:
+        run, own = _monte_carlo, files.MONTE_CARLO
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():
@@ -80,13 +82,22 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
             target = options.out / scene.name
             raise InputError(f"arguments: two scenes are named '{scene.name}', and both would write {target}")
         numbers_in(scene.file, [variation.path for variation in options.vary])
+    several = [name for name in ("--vary", "--monte-carlo") if getattr(options, name[2:].replace("-", "_"))]
     for name, why in (
-        ("full", "a family takes one setting of an engine"),
-        ("accuracy", "a family takes the engines' defaults"),
-        ("channels", "a family is about all of them"),
+        ("full", "many linkages take one setting of an engine"),
+        ("accuracy", "many linkages take the engines' defaults"),
+        ("channels", "the numbers are of all of them"),
     ):
-        if options.vary and getattr(options, name):
-            raise InputError(f"arguments: --{name}: expected it without --vary, since {why}")
+        if several and getattr(options, name):
+            raise InputError(f"arguments: --{name}: expected it without {several[0]}, since {why}")
+    if len(several) > 1:
+        raise InputError("arguments: --vary: expected it without --monte-carlo, since each has linkages of its own")
+    if options.monte_carlo:
+        for scene in scenes:
+            if not scene.variations:
+                raise InputError(f"{scene.file}: variations: missing; --monte-carlo draws machines from them")
+    elif options.seed is not None:
+        raise InputError("arguments: --seed: expected it with --monte-carlo, whose draws it picks")
     if _many(options):
         if not options.vary:
             raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
@@ -201,6 +212,39 @@ def _family(scene: Scene, request: Sampling, options: argparse.Namespace, show: 
 
 def _many(options: argparse.Namespace) -> bool:
     return bool(options.workers or options.scheduler)
+
+
+def _monte_carlo(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
+    """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was solved till then is written.
+    """
+    from .monte_carlo.study import begun, solved
+    from .report import files as output
+    from .report.monte_carlo.tables import ran, verdicts
+
+    def progress(doing: str) -> None:
+        show(f"{scene.name}: {doing}")
+
+    study = begun(scene, options.monte_carlo, options.seed or 0, options.engines, request, progress)
+    try:
+        for block in solved(study):
+            study.blocks.append(block)
+            progress(f"{study.count:,} of {study.asked:,} machines")
+    except KeyboardInterrupt:
+        if not study.blocks:
+            raise
+    progress("writing the report")
+    page = output.write_monte_carlo(study, options.out) / "monte_carlo.html"
+    for sentence in (ran(study), *verdicts(study)):
+        print(f"{scene.name}  {sentence}")
+    print(f"tolerances: {page}")
+    if not study.complete:
+        raise KeyboardInterrupt(f"stopped; {page} has the {study.count} of {study.asked} machines that were done")
+    if options.open:
+        _open(page)
+    return bool(options.check) and _stops(scene, {scene.name: study.judged})
 
 
 def _open(page: Path) -> None:

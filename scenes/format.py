@@ -141,6 +141,14 @@ class OutputTable(Table):
     point: Known | None = Field(None, description="Any other moving point.")
 
 
+class VariationTable(Table):
+    """What the workshop may deviate: a number of the file, and by how much, for `--monte-carlo`."""
+
+    path: str = Field(max_length=limits.PATH, description='Where the number is, as "bodies.rocker.lengths.O-P3".')
+    plus_minus: Positive = Field(description="In the number's unit: three standard deviations, or all of a uniform.")
+    distribution: Literal["normal", "uniform"] = Field("normal", description='"normal" where absent, or "uniform".')
+
+
 class TolerancesTable(Table):
     """The largest relative errors by channel group; `--check` fails where one is larger."""
 
@@ -170,6 +178,9 @@ class SceneFile(Table):
     drive: DriveTable = Field(description="The driven body, and how it moves.")
     loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces on bodies.")
     springs: list[SpringTable] = Field([], max_length=limits.LOADS, description="Linear springs between two points.")
+    variations: list[VariationTable] = Field(
+        [], max_length=limits.VARIATIONS, description="What the workshop may deviate, for `--monte-carlo`."
+    )
     sketch: SketchTable = Field(description="Rough positions, which show how the bodies are assembled.")
     output: OutputTable = Field(description="The point that the report is about.")
     tolerances: dict[Name, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")

@@ -13,3 +13,5 @@ BODIES = 100  # the models' time goes with their square or cube: 21 take a minut
 POINTS = 1000  # of all bodies and the ground, a pin's once for each: a run of 300 takes seven times as long as of 10
 LOADS = 200  # and as many springs, each evaluated at every step: a run of two hundred springs takes three times as long
 ROWS = 10_000  # of a force table, and of a motion law: a run takes three times as long as with one row
+VARIATIONS = 200  # numbers of a scene that vary at once, each a dimension of the draws and a derivative
+PATH = 300  # characters of the path of one: three names and what is between them

@@ -21,6 +21,7 @@ from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
 from .scene import GROUND, Body, Scene, Sketch, Slide
 from .toml_file import read_toml
 from .units import si_units
+from .variations import Variation, check_variations
 
 LIBRARY = Path(str(files("scenes"))) / "library"
 
@@ -50,11 +51,13 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
     file = label(found, changes)
     try:
         change(tables, changes)
-        return _scene(SceneFile.model_validate(tables), file)
+        scene = _scene(SceneFile.model_validate(tables), file)
+        check_variations(tables, scene.variations)
     except ValidationError as error:
         raise InputError(f"{one_line(file)}: {explain(error, SceneFile)}") from None
     except InputError as error:
         raise InputError(f"{one_line(file)}: {error}") from None
+    return scene
 
 
 def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
@@ -124,6 +127,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
             }
         ),
         units=MappingProxyType(units),
+        variations=tuple(Variation(v.path, v.plus_minus, v.distribution) for v in table.variations),
     )
     check(scene, output_slides=table.output.slider is not None)
     return scene

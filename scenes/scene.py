@@ -12,6 +12,7 @@ from math import pi
 
 from .drive import ConstantSpeed, Drive, MotionLaw
 from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
+from .variations import Variation
 
 __all__ = [
     "GROUND",
@@ -28,6 +29,7 @@ __all__ = [
     "Sketch",
     "Slide",
     "Spring",
+    "Variation",
     "Vector",
 ]
 
@@ -119,6 +121,7 @@ class Scene:
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
+    variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
 
     def __hash__(self) -> int:
         """Return the hash of its name: what an engine finds once a scene is known by the scene."""

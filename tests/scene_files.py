@@ -48,7 +48,7 @@ def without_masses(name: str) -> Changes:
     """Return what makes a scene a kinematic one."""
     tables, weights = _tables(name), ("mass", "com", "inertia")
     bodies = {n: {k: v for k, v in body.items() if k not in weights} for n, body in tables["bodies"].items()}
-    return {"bodies": bodies} | {forces: None for forces in ("loads", "springs") if forces in tables}
+    return {"bodies": bodies} | {name: None for name in ("loads", "springs", "variations") if name in tables}
 
 
 def write(folder: Path, name: str, changes: Changes = NONE) -> Path:

@@ -35,6 +35,7 @@ FORBIDDEN = {
     ("compare.speed.timing", "compare.hard.case"): "from ..hard import case",
     ("compare.hard.case", "compare.family.grid"): "from ..family import grid",
     ("compare.family.grid", "compare.speed.timing"): "from ..speed import timing",
+    ("compare.monte_carlo.draws", "compare.family.grid"): "from ..family import grid",
     ("compare.judge.checks", "compare.faults.canaries"): "from ..faults import canaries",
     ("compare.faults.canaries", "compare.speed.timing"): "from ..speed import timing",
     ("compare.hard.case", "compare.faults.canaries"): "from ..faults import canaries",

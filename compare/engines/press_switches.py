@@ -8,7 +8,7 @@ right on either side, as long as all its channels are on the same.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from .motion_vectors import MotionVectors
 HAIR = 1e-6  # of the slider's range and peak speed: far above all rounding, far below the way between two samples
 TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
 
+Pair: TypeAlias = Sequence[Any] | Samples  # of what is at the two ends of a step
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
 
 
@@ -41,13 +42,25 @@ def stroke_end(state: MotionVectors, load: PressForce) -> float:
 
 def _peak(h: float, x: Samples, v: Samples, a: Samples) -> float:
     """Return the largest value between two samples h apart, of the quintic with their values and derivatives."""
-    v, a = h * v, h**2 * a
-    d, e, f = x[1] - x[0] - v[0] - a[0] / 2, v[1] - v[0] - a[0], a[1] - a[0]
-    rest = (10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2)
-    path = np.polynomial.Polynomial([0.0, v[0], a[0] / 2, *rest])  # of what x gains, over the time from 0 to 1
+    path = np.polynomial.Polynomial(quintic(h, x, v, a))  # over the time from 0 to 1
     roots = path.deriv().roots()
     real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real < 1)]
-    return float(x[0] + path(real).max(initial=0.0))
+    return float(max(path(real), default=x[0]))
+
+
+def quintic(h: Any, x: Pair, v: Pair, a: Pair) -> Samples:
+    """Return the six coefficients, shape (6, ...), over steps from 0 to 1, h long, from values and derivatives at both.
+
+    Args:
+        h: the length of the step.
+        x: the values at its two ends, each of shape (...).
+        v: the first derivatives.
+        a: the second ones.
+    """
+    (x0, x1), (v0, v1), (a0, a1) = x, (h * v[0], h * v[1]), (h**2 * a[0], h**2 * a[1])
+    d, e, f = x1 - x0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
+    rest = 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2
+    return np.array([x0, v0, a0 / 2, *rest])
 
 
 def acts(state: MotionVectors, load: PressForce, end: float) -> Acts:

@@ -1,17 +1,36 @@
 """The one place that knows the engines' names. A module is imported when its engine runs, not before."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import Any, TypeAlias, cast
+from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene
+from scenes import Engine, InputError, Motion, Scene, Status
 from scenes.errors import nearest
 from scenes.motion import Samples
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
+
+
+class Many(Protocol):
+    """The motions of m machines, as the analytic core returns them."""
+
+    @property
+    def samples(self) -> Mapping[str, Samples]:
+        """By channel, shape (m, n), SI; NaN where a machine does not assemble."""
+
+    @property
+    def status(self) -> Sequence[Status]:
+        """How each machine ended."""
+
+    @property
+    def reason(self) -> Sequence[str]:
+        """Why it is not ok, in a sentence; empty where it is."""
+
+
+SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
 
 
 @dataclass(frozen=True)
@@ -89,6 +108,36 @@ def checked_reference(scene: Scene) -> Solve:
     solve = reference(scene)
     import_module("analytic").check_way(solve)
     return solve
+
+
+def many(scene: Scene, changes: Mapping[str, Samples], channels: frozenset[str]) -> SolveMany:
+    """Return the analytic core's solver of m machines that differ in some numbers, for some channels.
+
+    Args:
+        scene: whose machines they are.
+        changes: by path their numbers, each of shape (m,), in the units of the file.
+        channels: those wanted.
+    """
+    return cast("SolveMany", import_module("analytic").many_solver(scene, changes, channels))
+
+
+def derivatives(
+    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
+) -> Mapping[str, Samples]:
+    """Return the exact derivatives of channels by p numbers of the scene, each of shape (p, n), at fixed positions.
+
+    Args:
+        scene: the linkage.
+        paths: of the numbers in the scene file.
+        position: of the drive, rad or m, shape (n,).
+        time: the instants, s, shape (n,).
+        channels: those wanted.
+
+    Returns:
+        By channel, in SI per unit of the file of the number.
+    """
+    found = import_module("analytic").derivatives(scene, paths, position, time, channels)
+    return cast("Mapping[str, Samples]", found)
 
 
 def route(scene: Scene) -> str:

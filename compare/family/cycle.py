@@ -37,7 +37,7 @@ def cycle(judged: Judgement) -> Cycle:
     """Return the curves and numbers of a judged linkage."""
     motion = judged.reference.cycle
     drawn: dict[str, Samples] = {}
-    for curve in curves(judged.reference, motion):
+    for curve in curves(judged.scene, judged.reference.scale, motion):
         values = curve.values(motion)
         if curve.kind == "path":
             drawn |= {"x": values.real, "y": values.imag}

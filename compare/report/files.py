@@ -1,4 +1,4 @@
-"""The files of studies and families, and what becomes of those of a stopped run."""
+"""The files of studies, families and Monte Carlo runs, and what becomes of those of a stopped run."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -28,6 +28,7 @@ from .tables import peaks
 
 if TYPE_CHECKING:
     from ..family.family import Family
+    from ..monte_carlo.study import MonteCarlo
 
 PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
 REPORT = (
@@ -41,6 +42,7 @@ REPORT = (
     "hard.csv",
 )
 FAMILY = ("family.html", "family.json", "family.csv")
+MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
 BLOCK = 4096  # rows of a motion that are text at a time
 
 
@@ -88,6 +90,26 @@ def write_family(family: "Family", folder: Path) -> Path:
         }
         (aside / "family.json").write_text(json_text(summary), encoding="utf-8")
         (aside / "family.html").write_text(family_page(family), encoding="utf-8")
+    return place
+
+
+def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
+    """Write `monte_carlo.html`, `.json` and `.csv` into `folder/<scene>/` and return that folder.
+
+    One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    from .monte_carlo.page import page as monte_carlo_page  # late, as what is of families
+    from .monte_carlo.tables import in_si, summary
+
+    with _result(folder, study.scene.name, MONTE_CARLO, complete=study.complete) as (aside, place):
+        in_si(study).to_csv(aside / "monte_carlo.csv", index=False)
+        head = {"complete": study.complete, "made_from": origin(study.scene, place)}
+        text = json_text(head | summary(study) | {"environment": environment()})
+        (aside / "monte_carlo.json").write_text(text, encoding="utf-8")
+        (aside / "monte_carlo.html").write_text(monte_carlo_page(study), encoding="utf-8")
     return place
 
 

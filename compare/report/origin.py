@@ -7,7 +7,7 @@ from pathlib import Path
 
 from scenes import InputError, Scene, shipped
 
-SUMMARIES = ("summary.json", "family.json")
+SUMMARIES = ("summary.json", "family.json", "monte_carlo.json")
 
 
 def origin(scene: Scene, place: Path) -> str:

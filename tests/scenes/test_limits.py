@@ -74,6 +74,12 @@ def table(count: int) -> Tables:
     return tables
 
 
+def variations(count: int) -> Tables:
+    """Return a scene that varies the coordinates of the points of its crank."""
+    paths = [f"bodies.crank.points.P{i // 2}.{i % 2}" for i in range(count)]
+    return points(limits.POINTS) | {"variations": [{"path": path, "plus_minus": 0.01} for path in paths]}
+
+
 def name(count: int) -> Tables:
     return four_bars(1) | {"name": "x" * count}
 
@@ -93,6 +99,7 @@ LIMITS: dict[Callable[[int], Tables], tuple[str, int]] = {
     springs: ("springs", limits.LOADS),
     law: ("drive.law", limits.ROWS),
     table: ("loads.0.table", limits.ROWS),
+    variations: ("variations", limits.VARIATIONS),
     name: ("name", limits.NAME),
     title: ("title", limits.TITLE),
     source: ("source", limits.SOURCE),

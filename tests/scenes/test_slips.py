@@ -86,6 +86,37 @@ SLIPS = {
     "another format": ("format = 1", "format = 2", ["format", "1", "2"]),
     "a speed of nothing": ('speed = "rpm"', 'speed = "kg"', ["units.speed: 'kg' is not a unit of speed", "rpm"]),
     "tolerance of another drive": ("torque = 1e-6", "force = 1e-6", ["tolerances.exudyn.force: expected 'torque'"]),
+    "variation of no number": (
+        'P1.0"\nplus_minus',
+        'P1"\nplus_minus',
+        ["variations.0.path: ground.points.P1: expected the path of a number"],
+    ),
+    "variation of a misspelt number": (
+        'path = "bodies.rocker.lengths.O-P3"',
+        'path = "bodies.rocker.lengths.O-P"',
+        ["variations.3.path: bodies.rocker.lengths.O-P: the file has no 'O-P' there", "did you mean 'O-P3'?"],
+    ),
+    "variation of the sketch": (
+        'path = "ground.points.P1.0"',
+        'path = "sketch.P2.0"',
+        ["variations.0.path: sketch.P2.0: expected a number of the linkage; one of bodies, drive.speed,"],
+    ),
+    "variation of one number twice": (
+        'path = "ground.points.P1.1"',
+        'path = "ground.points.P1.0"',
+        ["variations.1.path: ground.points.P1.0: expected each number once"],
+    ),
+    "variation the other way round": (
+        'path = "bodies.toggle.lengths.P2-P3"',
+        'path = "bodies.rocker.lengths.P3-O"',
+        ["variations.4.path: bodies.rocker.lengths.P3-O: expected each number once"],
+    ),
+    "variation of nothing": ("plus_minus = 0.05", "plus_minus = 0", ["variations.0.plus_minus", "greater than 0"]),
+    "unknown distribution": (
+        'distribution = "uniform"',
+        'distribution = "gauss"',
+        ["variations.9.distribution: expected 'normal' or 'uniform', found 'gauss'"],
+    ),
     "unknown tolerance": ("torque = 1e-6", "torqe = 1e-6", ["tolerances.exudyn.torqe", "'torque'"]),
 }
 

@@ -1,6 +1,6 @@
 """Quantities followed over a cycle: the output's motion, the forces of joints, the drive's effort, singular poses."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -11,9 +11,8 @@ from scenes import Motion, Scene
 from scenes.motion import UNITS, quantity
 
 from ...engines.motion_vectors import MotionVectors
-from ...engines.reference import Reference
 
-Values: TypeAlias = NDArray[Any]  # shape (n,), complex for a vector
+Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
 LEAST = ("transmission", "to_lock")  # the kinds of which the least value matters
 
 
@@ -41,31 +40,36 @@ class Curve:
         return float(np.angle(value * (self.along or 1.0)))
 
 
-def curves(reference: Reference, motion: Motion) -> list[Curve]:
-    """Return the quantities for which a motion has the channels."""
-    known = (*_output(reference), *_joints(reference), *_effort(reference), *_singular(reference.cycle))
+def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Curve]:
+    """Return the quantities for which a motion has the channels.
+
+    Args:
+        scene: the linkage.
+        scale: by channel, what errors are divided by.
+        motion: some of its channels.
+    """
+    known = (*_output(scene, scale), *_joints(scene, scale), *_effort(scene, scale), *_singular(motion))
     return [curve for curve in known if all(channel in motion for channel in curve.channels)]
 
 
-def _output(reference: Reference) -> Iterator[Curve]:
+def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[Curve]:
     """Yield the output's motion: numbers along its guide, vectors where it has none."""
-    scene, point = reference.scene, reference.scene.output
-    guided = scene.guided(point)
+    point, guided = scene.output, scene.guided(scene.output)
     for kind, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
         x, y = both = f"{point}.{q}x", f"{point}.{q}y"
-        scale = reference.scale[x]
+        scale = scales[x]
         if guided is None:
             yield Curve(kind if q else "path", point, both, scale, _vector(x, y))
             continue
         slide = guided[1]
-        parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if part != 0}
-        origin = 0.0 if q else float(np.dot(slide.along, slide.through))
-        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), complex(*slide.along) if q else None)
+        parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if np.any(part != 0)}
+        origin = 0.0 if q else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
+        along = slide.along[0] + 1j * slide.along[1]
+        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
 
 
-def _joints(reference: Reference) -> Iterator[Curve]:
+def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
     """Yield the forces of pins, of the first body on the second, and the force and moment of guides."""
-    scene, scale = reference.scene, reference.scale
     if not scene.has_masses:
         return
     for pin in scene.pins:
@@ -75,22 +79,21 @@ def _joints(reference: Reference) -> Iterator[Curve]:
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
             turning = (f"{body.slide.on}.angle",) if body.slide.on in scene.turning else ()
-            across = _across(scene, force, body.slide.on, 1j * complex(*body.slide.along))
+            across = _across(scene, force, body.slide.on, 1j * body.slide.along[0] - body.slide.along[1])
             yield Curve("guide_force", body.name, (force, *turning), scale[force], across)
             yield Curve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
 
 
-def _effort(reference: Reference) -> Iterator[Curve]:
-    scene = reference.scene
+def _effort(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
     channel = "drive.torque" if scene.driven_slide is None else "drive.force"
     along = None if scene.driven_slide is None else complex(*scene.driven_slide.along)
     if scene.has_masses:
-        yield Curve("effort", scene.drive.body, (channel,), reference.scale[channel], _along({channel: 1.0}), along)
+        yield Curve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
 
 
-def _singular(cycle: Motion) -> Iterator[Curve]:
+def _singular(motion: Motion) -> Iterator[Curve]:
     """Yield how far the groups of the analytic core are from a singular configuration."""
-    for channel in cycle.samples:
+    for channel in motion.samples:
         if quantity(channel) in LEAST:
             joint = channel.rpartition(".")[0]
             yield Curve(quantity(channel), joint, (channel,), 1.0, _along({channel: 1.0}))

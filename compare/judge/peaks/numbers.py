@@ -1,20 +1,20 @@
-"""A designer's numbers of one cycle, from its samples: of the reference with samples added, and of an engine alike."""
+"""A designer's numbers of one cycle, from its samples: of the reference with samples added, and of an engine alike.
 
-from collections.abc import Iterator, Sequence
+Samples have the shape (..., n): those of one linkage (n,), of m machines (m, n). All is by the last axis.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import nan
 
 import numpy as np
 
 from scenes import Motion, Scene
 from scenes.motion import Samples
-from scenes.scene import Force, PressForce
 
 from ...engines.axis import cycle_name
 from .curves import LEAST, Curve
+from .stroke import NEAR, Rows, Stroke, at
 
-NEAR = 0.01  # of the stroke: so near to its closed end the output dwells
-REST = 1e-9  # of the peak speed: so slow the output stands still
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
 LARGEST = {
@@ -29,30 +29,32 @@ SMALLEST = {"transmission": "least transmission angle", "to_lock": "distance to 
 
 @dataclass(frozen=True)
 class Number:
-    """One number of a cycle, and the sample where it is found, if it has one place."""
+    """One number of a cycle, and the sample where it is found, if it has one place; all of shape (...)."""
 
     name: str
     curve: Curve
-    value: float
+    value: Samples
     unit: str
-    size: float  # what a difference of it is divided by
-    row: int | None = None
+    size: Samples  # what a difference of it is divided by
+    row: Rows | None = None  # -1 where the number is rounding
 
 
-def numbers(scene: Scene, found: Sequence[Curve], motion: Motion) -> Iterator[Number]:
+def numbers(scene: Scene, found: Sequence[Curve], motion: Motion, *, exact: bool = False) -> Iterator[Number]:
     """Yield the numbers of one cycle, in the order of the tables.
 
     Args:
         scene: the linkage.
         found: the quantities to take them from.
-        motion: samples in the order of the time, from one end of the cycle to the other.
+        motion: samples of shape (..., n) in the order of the time, from one end of the cycle to the other.
+        exact: whether the rates are those of the positions, so that these are known between the samples too; without,
+            an engine's wrong rate is in no number of its positions.
     """
     by_kind = {curve.kind: curve for curve in found}
     if "displacement" in by_kind:
-        yield from _of_slider(scene, by_kind["displacement"], by_kind.get("velocity"), motion)
+        yield from _of_slider(scene, by_kind, motion, exact=exact)
     if "path" in by_kind:
         place = by_kind["path"].values(motion)
-        stroke = float(np.hypot(np.ptp(place.real), np.ptp(place.imag)))
+        stroke = np.hypot(np.ptp(place.real, axis=-1), np.ptp(place.imag, axis=-1))
         yield Number("stroke", by_kind["path"], stroke, "m", stroke)
     for curve in found:
         if curve.kind in LARGEST:
@@ -62,17 +64,20 @@ def numbers(scene: Scene, found: Sequence[Curve], motion: Motion) -> Iterator[Nu
     for kind in LEAST:
         least = {curve: curve.values(motion) for curve in found if curve.kind == kind}
         if least:
-            curve = min(least, key=lambda curve: float(least[curve].min()))
-            value, row = float(least[curve].min()), int(least[curve].argmin())
-            yield Number(SMALLEST[kind], curve, value, curve.unit, max(value, NOTHING * curve.scale), row)
+            curve = min(least, key=lambda curve: float(least[curve].min()))  # of all machines
+            value, row = (
+                np.min([values.min(axis=-1) for values in least.values()], axis=0),
+                least[curve].argmin(axis=-1),
+            )
+            yield Number(SMALLEST[kind], curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), row)
 
 
 def _largest(name: str, curve: Curve, motion: Motion) -> Number:
     sizes = np.abs(curve.values(motion))
-    row = int(sizes.argmax())
-    value = float(sizes[row])
-    there = row if value > ROUNDING * curve.scale else None
-    return Number(name, curve, value, curve.unit, max(value, NOTHING * curve.scale), there)
+    row = sizes.argmax(axis=-1)
+    value = at(sizes, row)
+    there = np.where(value > ROUNDING * curve.scale, row, -1)
+    return Number(name, curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), there)
 
 
 def _of_drive(scene: Scene, curve: Curve, motion: Motion) -> Iterator[Number]:
@@ -81,70 +86,28 @@ def _of_drive(scene: Scene, curve: Curve, motion: Motion) -> Iterator[Number]:
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
     peak = _largest(f"peak drive {effort}", curve, motion)
     yield peak
-    cycle = float(time[-1] - time[0])
+    cycle = time[..., -1:] - time[..., :1]
     yield _sum(f"mean drive {effort}", curve, values / cycle, time, curve.unit, peak.size)
-    way = float(np.abs(np.diff(position)).sum())
+    way = np.abs(np.diff(position)).sum(axis=-1)
     yield _sum(f"work a {cycle_name(scene)}", curve, values, position, "J", peak.size * way)
 
 
-def _sum(name: str, curve: Curve, values: Samples, over: Samples, unit: str, size: float) -> Number:
+def _sum(name: str, curve: Curve, values: Samples, over: Samples, unit: str, size: Samples) -> Number:
     """Return an integral, by the trapezoidal rule."""
-    value = float(np.sum((values[:-1] + values[1:]) / 2 * np.diff(over)))
+    value = np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(over), axis=-1)
     return Number(name, curve, value, unit, size)
 
 
-# --- a slider's stroke -----------------------------------------------------------------------------------------------
-
-
-def _of_slider(scene: Scene, curve: Curve, velocity: Curve | None, motion: Motion) -> Iterator[Number]:
-    """Yield the stroke, its ends, for how long the slider is `NEAR` the closed one, and the quick return."""
-    time, place = motion["time"], curve.values(motion)
-    closing = _closing(scene)
-    closed, opened = int((closing * place).argmax()), int((closing * place).argmin())
-    stroke = abs(float(place[closed] - place[opened]))
-    yield Number("stroke", curve, stroke, "m", stroke)
+def _of_slider(scene: Scene, by_kind: Mapping[str, Curve], motion: Motion, *, exact: bool) -> Iterator[Number]:
+    """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
+    curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact)
+    yield Number("stroke", curve, way.length, "m", way.length)
     end = "dead point" if scene.drive.repeats else "end"
-    yield Number(f"closed {end}", curve, float(place[closed]), "m", stroke, closed)
-    yield Number(f"open {end}", curve, float(place[opened]), "m", stroke, opened)
-    dwell = _time_below_zero(time, np.abs(place - place[closed]) - NEAR * stroke)
-    yield Number(f"dwell within {NEAR:.0%} of the stroke".replace("%", " %"), curve, dwell, "s", dwell, closed)
-    if scene.drive.repeats and velocity is not None:
-        ratio = _quick_return(time, velocity.values(motion), closing)
-        if ratio == ratio:
-            yield Number("quick return", velocity, ratio, "", ratio)
-
-
-def _closing(scene: Scene) -> int:
-    """Return the sign of the slider's velocity while it closes: against its first load, or else downwards."""
-    guided = scene.guided(scene.output)
-    assert guided is not None
-    name, slide = guided
-    for load in scene.loads:
-        if load.body != name:
-            continue
-        if isinstance(load, PressForce):
-            return load.closing
-        push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
-        if push != 0:
-            return -1 if push > 0 else 1
-    return -1 if slide.along[1] >= 0 else 1
-
-
-def _time_below_zero(time: Samples, values: Samples) -> float:
-    """Return for how long a curve of straight lines through the samples is below zero."""
-    low, high = np.minimum(values[:-1], values[1:]), np.maximum(values[:-1], values[1:])
-    share = np.divide(-low, high - low, out=np.where(low <= 0, 1.0, 0.0), where=high > low)
-    return float(np.sum(np.diff(time) * np.clip(share, 0, 1)))
-
-
-def _quick_return(time: Samples, velocity: Samples, closing: int) -> float:
-    """Return the time of the closing stroke over that of the return; NaN unless a cycle has one of each."""
-    outwards = velocity > REST * np.abs(velocity).max()
-    (turns,) = np.nonzero(outwards[:-1] != outwards[1:])
-    if len(turns) != 2:
-        return nan
-    before, after = velocity[turns], velocity[turns + 1]
-    first, second = time[turns] + (time[turns + 1] - time[turns]) * before / (before - after)
-    inner = second - first  # the stroke between the turns
-    outer = time[-1] - time[0] - inner  # and the one around them
-    return float(inner / outer if outwards[turns[1]] == (closing > 0) else outer / inner)
+    yield Number(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed)
+    yield Number(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened)
+    dwell = way.dwell
+    yield Number(f"dwell within {NEAR:.0%} of the stroke".replace("%", " %"), curve, dwell, "s", dwell, way.closed)
+    if scene.drive.repeats and "velocity" in by_kind:
+        ratio = way.quick_return
+        if not np.isnan(ratio).all():
+            yield Number("quick return", by_kind["velocity"], ratio, "", ratio)

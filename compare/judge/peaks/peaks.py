@@ -2,19 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import nan
 
 import numpy as np
 
 from scenes import Motion, Sampling
-from scenes.motion import channels
+from scenes.motion import Samples, channels
 
 from ...engines.axis import axis
+from ...engines.press_switches import press_forces
 from ...engines.reference import Reference
 from ...engines.registry import REFERENCE
 from ..measure import Measurement
 from .curves import Curve, curves
-from .numbers import numbers
+from .numbers import Number, numbers
 from .refined import refined
 
 NOTHING = 1e-8  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
@@ -46,11 +48,17 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
     asked = wanted.issuperset(channels(scene))
     known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
-    found = curves(reference, known)
+    found = curves(scene, reference.scale, known)
     if not found:
         return []
-    motion = refined(reference, found)
-    where = motion[axis(scene).channel]
+    motion = refined(
+        found,
+        reference.cycle,
+        lambda time: reference.at(scene.drive.at(time).position, time),
+        repeats=scene.drive.repeats,
+        switches=partial(_switches, reference) if press_forces(scene) else None,
+    )
+    over = axis(scene).channel
     differences = {
         m.run.engine: _differences(reference, sampling, m.run.motion)
         for m in measurements
@@ -61,20 +69,33 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
             number.name,
             number.curve.of,
             number.curve.channels[0],
-            0.0 if abs(number.value) <= NOTHING * number.size else number.value,
+            0.0 if abs(number.value) <= NOTHING * number.size else float(number.value),
             number.unit,
-            nan if number.row is None else float(where[number.row]),
-            nan if number.row is None else number.curve.direction(motion, number.row),
+            *_place(number, motion, motion[over]),
             {engine: by_name[number.name] for engine, by_name in differences.items() if number.name in by_name},
         )
-        for number in numbers(scene, found, motion)
+        for number in numbers(scene, found, motion, exact=True)
     ]
+
+
+def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:
+    """Return the instants on either side of which a press force comes or goes, of samples close together."""
+    close = np.diff(motion["time"]) < 1.5 * step
+    changes = [np.flatnonzero(close & (act[0, 1:] != act[0, :-1])) for act in reference.acts(motion)]
+    return motion["time"][np.concatenate(changes)]
+
+
+def _place(number: Number, motion: Motion, over: Samples) -> tuple[float, float]:
+    """Return where on the axis a number is found, and its direction there; NaN where it has neither."""
+    if number.row is None or number.row < 0:
+        return nan, nan
+    return float(over[number.row]), number.curve.direction(motion, int(number.row))
 
 
 def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> dict[str, float]:
     """Return an engine's difference by the name of the number; NaN where one of them lacks it in a cycle."""
     scene, n = reference.scene, sampling.samples
-    found = curves(reference, motion)
+    found = curves(scene, reference.scale, motion)
     largest: dict[str, float] = {}
     for turn in np.unique(np.linspace(0, sampling.turns - 1, min(sampling.turns, TURNS)).astype(int)):
         own = Motion({c: samples[turn * n : (turn + 1) * n + 1] for c, samples in motion.samples.items()})
@@ -82,7 +103,7 @@ def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> di
         true = reference.fitting(own, at, reference.acts(at))
         theirs = {number.name: number for number in numbers(scene, found, own)}
         for number in numbers(scene, found, true):
-            off = abs(theirs[number.name].value - number.value) if number.name in theirs else nan
+            off = abs(float(theirs[number.name].value - number.value)) if number.name in theirs else nan
             shown = np.maximum(off / number.size, _floor(reference, number.curve)) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
     return largest

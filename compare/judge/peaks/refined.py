@@ -1,51 +1,116 @@
-"""More samples of the reference where a quantity is largest or least, and where a press force comes or goes."""
+"""More samples where a quantity is largest or least, and where a press force comes or goes; of many machines at once.
 
-from collections.abc import Sequence
+An extreme is where the parabola through three samples has its own. Three samples there, closer together, give the next
+parabola, and each time the place is known to about the square of what it was. Where a press force comes or goes nothing
+is a parabola: there so many samples are taken that one of them is near whatever happens.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Failure, Motion
 from scenes.motion import Samples
 
-from ...engines.reference import Reference
 from .curves import LEAST, Curve
+from .stroke import at
 
-FINE, ROUNDS = 10, 3  # parts of a step on either side, time and again: to 1e-3 of the cycle's own steps
+FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
+ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
+NEAR = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
+AHEAD = 4  # steps beyond three samples: how far a parabola is followed
+
+MotionAt: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
+Switches: TypeAlias = Callable[[Motion, Samples], Samples]
 
 
-def refined(reference: Reference, found: Sequence[Curve]) -> Motion:
-    """Return the reference's cycle with samples added, in the order of the time, as far as the linkage closes there."""
-    drive, motion = reference.scene.drive, reference.cycle
-    parts, step = [motion], float(motion["time"][1])
-    for _ in range(ROUNDS):
-        near = motion["time"][_places(reference, found, motion, step)]
-        step /= FINE
-        time = np.add.outer(near, step * np.arange(-FINE, FINE + 1)).ravel()
-        time = np.unique(time % drive.cycle if drive.repeats else np.clip(time, 0.0, drive.cycle))
+def refined(
+    found: Sequence[Curve], cycle: Motion, solve: MotionAt, *, repeats: bool, switches: Switches | None = None
+) -> Motion:
+    """Return a cycle with samples added, in the order of the time, as far as the linkage closes there.
+
+    Args:
+        found: the quantities whose extremes are looked for.
+        cycle: samples of shape (..., n) at equal steps of the time, from zero, both ends included.
+        solve: the motion at other instants of the cycle.
+        repeats: whether another cycle follows, so that an extreme may be on both sides of the end.
+        switches: the instants near which press forces come or go, of a motion in the order of the time, where its
+            samples are not further apart than a step, s; None without such forces.
+    """
+    end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
+    side = FINE if switches else 1  # samples on either side of a place
+    rows = [_largest(height) if switches else _top(height, repeats=repeats) for height in heights(found, cycle)]
+    near = np.stack(rows, axis=-1) * step
+    motion, parts = cycle, [cycle]
+    for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
+        if switches:
+            near = np.concatenate([near, switches(in_order([motion]), step)], axis=-1)
+        step = step / FINE
+        near = near if repeats else np.clip(near, side * step, end - side * step)
+        around = near[..., np.newaxis] + step[..., np.newaxis] * np.arange(-side, side + 1)
+        time = around.reshape(*near.shape[:-1], -1)
         try:
-            motion = reference.at(drive.at(time).position, time)
+            motion = solve(time % end if repeats else np.clip(time, 0.0, end))
         except Failure:
             break
-        parts.append(motion)
-    _, rows = np.unique(np.concatenate([part["time"] for part in parts]), return_index=True)
-    return Motion({name: np.concatenate([part[name] for part in parts])[rows] for name in parts[0].samples})
+        parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
+        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(found, motion))]
+        near = np.stack([_vertex(around[..., k, :], y) for k, y in enumerate(own)], axis=-1)
+    return in_order(parts)
 
 
-def _places(reference: Reference, found: Sequence[Curve], motion: Motion, step: float) -> NDArray[np.intp]:
-    """Return the samples where quantities are largest or least, and those on either side of a press force's switch."""
-    rows = [row for curve in found for row in _extremes(curve, motion)]
-    close = np.diff(motion["time"]) < 1.5 * step
-    for act in reference.acts(motion):
-        rows += np.flatnonzero(close & (act[0, 1:] != act[0, :-1])).tolist()
-    return np.unique(rows)
+def heights(found: Sequence[Curve], motion: Motion) -> Iterator[Samples]:
+    """Yield what is largest at each place that is looked for, each of shape (..., n)."""
+    for curve in found:
+        values = curve.values(motion)
+        if curve.kind == "displacement":
+            yield from (values, -values)
+        elif curve.kind == "path":
+            yield from (values.real, -values.real, values.imag, -values.imag)
+        else:
+            yield -np.abs(values) if curve.kind in LEAST else np.abs(values)
 
 
-def _extremes(curve: Curve, motion: Motion) -> list[int]:
-    values = curve.values(motion)
-    if curve.kind == "displacement":
-        return [int(values.argmin()), int(values.argmax())]
-    if curve.kind == "path":
-        return [int(row) for part in (values.real, values.imag) for row in (part.argmin(), part.argmax())]
-    sizes: Samples = np.abs(values)
-    return [int(sizes.argmin() if curve.kind in LEAST else sizes.argmax())]
+def in_order(parts: Sequence[Motion]) -> Motion:
+    """Return several motions of the same channels as one, in the order of the time."""
+    order = np.argsort(np.concatenate([part["time"] for part in parts], axis=-1), axis=-1, kind="stable")
+    joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
+    return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
+
+
+def _largest(height: Samples) -> Samples:
+    return np.asarray(height.argmax(axis=-1), np.float64)
+
+
+def _top(height: Samples, *, repeats: bool) -> Samples:
+    """Return where parabolas through three samples each have their highest vertex, in steps, shape (...)."""
+    n = height.shape[-1]
+    largest, least = height.max(axis=-1, keepdims=True), height.min(axis=-1, keepdims=True)
+    high = height >= largest - NEAR * (largest - least)
+    high[..., :-1] &= height[..., :-1] >= height[..., 1:]
+    high[..., 1:] &= height[..., 1:] >= height[..., :-1]
+    machine, row = np.nonzero(high.reshape(-1, n))
+    samples = height.reshape(-1, n)
+    middle = row % (n - 1) if repeats else np.clip(row, 1, n - 2)
+    sides = ((middle - 1) % (n - 1), middle + 1) if repeats else (middle - 1, middle + 1)
+    before, here, after = (samples[machine, which] for which in (sides[0], middle, sides[1]))
+    slope, bend = (after - before) / 2, after - 2 * here + before
+    way = np.clip(-slope / np.where(bend < 0, bend, -np.inf), -1, 1)
+    places = np.zeros(len(samples))
+    upwards = np.argsort(here + way * (slope + way / 2 * bend))  # so that the highest of a machine is the last
+    places[machine[upwards]] = (middle + way)[upwards]
+    return places.reshape(height.shape[:-1])
+
+
+def _vertex(time: Samples, height: Samples) -> Samples:
+    """Return where the parabola through three samples has its vertex, shape (...); of others the highest sample."""
+    highest = at(time, height.argmax(axis=-1))
+    if time.shape[-1] != 3:
+        return highest
+    (t0, t1, t2), (y0, y1, y2) = np.moveaxis(time, -1, 0), np.moveaxis(height, -1, 0)
+    slope = (y1 - y0) / (t1 - t0)
+    bend = ((y2 - y1) / (t2 - t1) - slope) / (t2 - t0)
+    vertex = (t0 + t1) / 2 - slope / (2 * np.where(bend < 0, bend, np.nan))
+    reach = AHEAD * (t2 - t1)
+    return np.where(bend < 0, np.clip(vertex, t0 - reach, t2 + reach), highest)

@@ -25,8 +25,12 @@ ON_A_LINE = ("stroke", "quick return", "peak drive torque", "peak drive force")
 
 
 def names(family: Family) -> list[str]:
-    """Return short names of the varied numbers: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
-    paths = [variation.path for variation in family.variations]
+    """Return short names of the varied numbers."""
+    return short_names([variation.path for variation in family.variations])
+
+
+def short_names(paths: list[str]) -> list[str]:
+    """Return short names of paths: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
     short = [path.partition(".lengths.")[2] or path.removeprefix("bodies.") for path in paths]
     return short if len(set(short)) == len(short) else paths
 

@@ -1,0 +1,61 @@
+"""What tolerances cost: `python -m benchmarks.monte_carlo [N]` prints a row for the toggle press and for the clamp.
+
+Memory is the most that one process had. The last columns hold the 20 machines of the JSON file against runs of their
+own, and the sampled standard deviations of the numbers that are called linear against those of the linear model.
+"""
+
+import os
+import sys
+from json import loads
+from pathlib import Path
+from subprocess import DEVNULL, Popen
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+from compare.engines.reference import found
+from compare.judge.peaks.peaks import peaks
+from compare.monte_carlo.spread import LINEAR
+from scenes import Sampling, load
+
+SCENES = ("toggle_press", "double_toggle_clamp")
+
+
+def main(count: str = "100000") -> None:
+    """Print the table."""
+    print("| scene | machines | wall | processor time | memory | 20 alone differ by | linear deviations are off by |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    for scene in SCENES:
+        with TemporaryDirectory() as folder:
+            print(_row(scene, count, Path(folder)), flush=True)
+
+
+def _row(scene: str, count: str, folder: Path) -> str:
+    """Run the command line as a process of its own, and return what it cost and found."""
+    command = [sys.executable, "-m", "compare.run", scene, "--monte-carlo", count, "--out", str(folder)]
+    begin = perf_counter()
+    process = Popen(command, stdout=DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    wall = perf_counter() - begin
+    process.returncode = os.waitstatus_to_exitcode(status)  # it is waited for
+    if process.returncode:
+        return f"| {scene} | ended with status {process.returncode} |"
+    result = loads((folder / scene / "monte_carlo.json").read_text(encoding="utf-8"))
+    moving = [number for number in result["numbers"] if number["deviation"] and number["unexplained"] <= LINEAR]
+    off = max(abs(number["linear"] / number["deviation"] - 1) for number in moving)
+    cost = f"{wall:.0f} s", f"{used.ru_utime + used.ru_stime:.0f} s", f"{used.ru_maxrss / 1024:.0f} MB"
+    cells = scene, f"{result['machines']:,}", *cost, f"{_alone(scene, result):.0e}", f"{100 * off:.2f} %"
+    return f"| {' | '.join(cells)} |"
+
+
+def _alone(scene: str, result: Any) -> float:
+    """Return the largest difference of a machine in the file from a run of its own, relative to the number's size."""
+    sizes, worst = {number["name"]: number["size"] for number in result["numbers"]}, 0.0
+    for machine in result["picked"]:
+        own = {peak.name: peak.value for peak in peaks(found(load(scene, machine["changes"])), Sampling(72), [])}
+        worst = max([worst, *(abs(own[name] - value) / sizes[name] for name, value in machine["numbers"].items())])
+    return worst
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

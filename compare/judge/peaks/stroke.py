@@ -1,0 +1,142 @@
+"""A slider's stroke over one cycle: its ends, for how long it is near the closed one, and the quick return."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from math import nan
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.motion import Samples
+from scenes.scene import Force, PressForce
+
+from ...engines.press_switches import quintic
+from .curves import Curve
+
+Rows: TypeAlias = NDArray[np.intp]
+
+NEAR = 0.01  # of the stroke: so near to its closed end the output dwells
+REST = 1e-9  # of the peak speed: so slow the output stands still
+NEWTON = 4  # steps to a quintic's zero from that of its chord: each doubles the digits
+
+
+class Ends(NamedTuple):
+    """Where a slider comes near its closed end or leaves it, of all machines one after the other."""
+
+    step: tuple[NDArray[np.intp], ...]  # between which samples, as `np.nonzero` has it
+    share: Samples  # of that step, from 0 to 1
+    leaves: NDArray[np.bool_]
+    speed: Samples  # m/s, there
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """The way of a slider; samples of shape (..., n) in the order of the time, from one end of the cycle to the other.
+
+    Its positions between the samples are by straight lines, or where velocity and acceleration are theirs, by quintics.
+    """
+
+    scene: Scene
+    motion: Motion
+    by_kind: Mapping[str, Curve]
+    exact: bool  # whether the rates are those of the positions
+
+    @cached_property
+    def place(self) -> Samples:
+        """The displacement, m."""
+        return self.by_kind["displacement"].values(self.motion)
+
+    @cached_property
+    def closing(self) -> int:
+        """The sign of the slider's velocity while it closes."""
+        return _closing(self.scene)
+
+    @cached_property
+    def closed(self) -> Rows:
+        """Where the closing stroke ends, shape (...)."""
+        return np.asarray((self.closing * self.place).argmax(axis=-1))
+
+    @cached_property
+    def opened(self) -> Rows:
+        """Where the return ends, shape (...)."""
+        return np.asarray((self.closing * self.place).argmin(axis=-1))
+
+    @cached_property
+    def length(self) -> Samples:
+        """The stroke, m, shape (...)."""
+        return np.asarray(np.abs(at(self.place, self.closed) - at(self.place, self.opened)))
+
+    @cached_property
+    def _away(self) -> Samples:
+        """How much further from the closed end than `NEAR` it is, m."""
+        way = np.abs(self.place - at(self.place, self.closed)[..., np.newaxis])
+        return np.asarray(way - NEAR * self.length[..., np.newaxis])
+
+    @cached_property
+    def ends(self) -> Ends:
+        """Where it comes near the closed end or leaves it."""
+        near = self._away <= 0
+        step = np.nonzero(near[..., :-1] != near[..., 1:])
+        kinds = [kind for kind in ("velocity", "acceleration") if self.exact and kind in self.by_kind]
+        rates = [-self.closing * self.by_kind[kind].values(self.motion) for kind in kinds]
+        x, *derivatives = [(v[..., :-1][step], v[..., 1:][step]) for v in (self._away, *rates)]
+        time = np.diff(self.motion["time"])[step]
+        path = quintic(time, x, *derivatives) if len(derivatives) == 2 else np.array([x[0], x[1] - x[0]])
+        slope = np.arange(1, len(path))[:, np.newaxis] * path[1:]
+        share = x[0] / (x[0] - x[1])
+        for _ in range(NEWTON):
+            share = np.clip(share - polyval(share, path, tensor=False) / polyval(share, slope, tensor=False), 0, 1)
+        with np.errstate(invalid="ignore", divide="ignore"):  # between two samples at one instant
+            speed = np.abs(polyval(share, slope, tensor=False)) / time
+        return Ends(step, share, near[..., :-1][step], speed)
+
+    @property
+    def dwell(self) -> Samples:
+        """For how long it is near the closed end, s, shape (...)."""
+        near = self._away <= 0
+        shares = np.where(near[..., :-1] & near[..., 1:], 1.0, 0.0)
+        shares[self.ends.step] = np.where(self.ends.leaves, self.ends.share, 1 - self.ends.share)
+        return np.asarray(np.sum(np.diff(self.motion["time"]) * shares, axis=-1))
+
+    @property
+    def quick_return(self) -> Samples:
+        """The time of the closing stroke over the other's, shape (...); NaN unless a cycle has one of each."""
+        velocity, time = self.by_kind["velocity"].values(self.motion), self.motion["time"]
+        outwards = velocity > REST * np.abs(velocity).max(axis=-1, keepdims=True)
+        turns = outwards[..., :-1] != outwards[..., 1:]
+        rows = turns.argmax(axis=-1), turns.shape[-1] - 1 - turns[..., ::-1].argmax(axis=-1)
+        instants = []
+        for row in rows:
+            (before, after), (begin, end) = ((at(v, row), at(v, row + 1)) for v in (velocity, time))
+            with np.errstate(invalid="ignore", divide="ignore"):  # where it never turns
+                instants.append(begin + (end - begin) * before / (before - after))
+        inner = instants[1] - instants[0]  # the stroke between the turns
+        outer = time[..., -1] - time[..., 0] - inner  # and the one around them
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = np.where(at(outwards, rows[1]) == (self.closing > 0), inner / outer, outer / inner)
+        return np.where(turns.sum(axis=-1) == 2, ratio, nan)
+
+
+def at(values: NDArray[Any], row: Rows) -> NDArray[Any]:
+    """Return the samples at these rows, shape (...)."""
+    return np.take_along_axis(values, np.asarray(row)[..., np.newaxis], -1)[..., 0]
+
+
+def _closing(scene: Scene) -> int:
+    """Return the sign of the slider's velocity while it closes: against its first load, or else downwards."""
+    guided = scene.guided(scene.output)
+    assert guided is not None
+    name, slide = guided
+    for load in scene.loads:
+        if load.body != name:
+            continue
+        if isinstance(load, PressForce):
+            return load.closing
+        push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
+        if push != 0:
+            return -1 if push > 0 else 1
+    return -1 if slide.along[1] >= 0 else 1

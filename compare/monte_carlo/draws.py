@@ -1,0 +1,40 @@
+"""The machines that a workshop makes of one drawing: numbers of the scene drawn from its variations."""
+
+from collections.abc import Mapping
+
+from scipy.special import ndtri
+from scipy.stats.qmc import Sobol
+
+from scenes import Scene, numbers_in
+from scenes.motion import Samples
+
+BITS = 30  # of the draws, before they become numbers
+
+
+def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
+    """Return the numbers of some machines, by path, each of shape (count,), in the units of the file.
+
+    A machine is the same whatever others are asked for: the points are those of a scrambled Sobol sequence, which fill
+    the space of the variations more evenly than independent ones.
+
+    Args:
+        scene: with its variations.
+        seed: of the scrambling.
+        first: the number of the first machine, from 0.
+        count: of machines.
+    """
+    paths = [variation.path for variation in scene.variations]
+    sequence = Sobol(len(paths), scramble=True, bits=BITS, rng=seed)
+    if first:
+        sequence.fast_forward(first)
+    shares = sequence.random(_power_of_two(count))[:count] + 2.0 ** -(BITS + 1)  # the middle of its last place: no 0
+    found = {}
+    for variation, nominal, share in zip(scene.variations, numbers_in(scene.file, paths), shares.T, strict=True):
+        of_deviations = ndtri(share) if variation.distribution == "normal" else (2 * share - 1) * 3**0.5
+        found[variation.path] = nominal + variation.deviation * of_deviations
+    return found
+
+
+def _power_of_two(count: int) -> int:
+    """Return the next power of two, by which the sequence is to be asked."""
+    return 1 << max(count - 1, 0).bit_length()

@@ -1,0 +1,128 @@
+"""How the designer's numbers change with the numbers of the scene, from the exact derivatives of the channels.
+
+Where a quantity is largest or least its place does not matter to the first order: the number changes as the quantity
+does there, at the same position of the drive. The ends of the dwell move as the equation that they solve asks. Where a
+press force comes or goes just there the place does matter, and the linear model is off, as the machines then show.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Motion, Scene, numbers_in
+from scenes.motion import Samples
+
+from ..engines import registry
+from ..engines.reference import SCALE_SAMPLES, Reference
+from ..judge.peaks.curves import Curve, Values, curves
+from ..judge.peaks.numbers import Number
+from ..judge.peaks.stroke import NEAR, Stroke
+from .guide import by_guide
+from .machines import Machines, machines
+
+SPEED = "drive.speed"
+
+
+class Term(NamedTuple):
+    """A part of how a number changes: by the change of a quantity at an instant, times a weight."""
+
+    curve: Curve
+    time: float
+    weight: complex  # of a vector's change: the part along it
+
+
+def as_drawn(reference: Reference, paths: Sequence[str]) -> Machines:
+    """Return the linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
+    drawn = zip(paths, numbers_in(reference.scene.file, paths), strict=True)
+    return machines(reference, {path: np.array([number]) for path, number in drawn}, SCALE_SAMPLES)
+
+
+def gradients(reference: Reference, nominal: Machines, paths: Sequence[str]) -> Samples:
+    """Return the derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file.
+
+    Args:
+        reference: of the linkage as drawn.
+        nominal: that linkage, see `as_drawn`.
+        paths: of the numbers in the file.
+    """
+    scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
+    found = curves(scene, reference.scale, motion)
+    terms = [[*_terms(scene, number, motion, found)] for number in nominal.numbers]
+    time = np.unique([term.time for own in terms for term in own])
+    wanted = frozenset(channel for curve in found for channel in curve.channels)
+    position = scene.drive.at(time).position
+    by = registry.derivatives(scene, paths, position, time, wanted)
+    there = registry.reference(scene)(position, time)
+    by_curve = {
+        curve: _change(curve, by) + np.array([by_guide(scene, path, curve, there) for path in paths])
+        for curve in {term.curve for own in terms for term in own}
+    }
+    result = np.zeros((len(paths), len(terms)))
+    for number, own in enumerate(terms):
+        for curve, instant, weight in own:
+            result[:, number] += (np.conj(weight) * by_curve[curve][:, np.searchsorted(time, instant)]).real
+    if SPEED in paths:  # a dwell is a time: at the same positions it goes with one over the speed
+        (speed,) = numbers_in(scene.file, [SPEED])
+        dwells = [float(n.value[0]) if n.name.startswith("dwell") else 0.0 for n in nominal.numbers]
+        result[paths.index(SPEED)] -= np.array(dwells) / speed
+    return result
+
+
+def _change(curve: Curve, by: Mapping[str, Samples]) -> Values:
+    """Return how a quantity changes, shape (p, n): it is linear in its channels, but for a constant."""
+    if curve.kind == "guide_force":  # which is taken as a vector that turns with the guide
+        return by[curve.channels[0]]
+    nothing = {name: np.zeros_like(values) for name, values in by.items()}
+    return curve.values(Motion(by)) - curve.values(Motion(nothing))
+
+
+def _terms(scene: Scene, number: Number, motion: Motion, found: Sequence[Curve]) -> Iterator[Term]:
+    """Yield the parts of a number of the linkage as drawn, which is the only one of its machines."""
+    time = motion["time"]
+    (curve,) = (curve for curve in found if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
+    if curve.kind == "path":
+        yield from _of_path(curve, motion)
+    elif curve.kind == "displacement":
+        way = Stroke(scene, motion, {curve.kind: curve for curve in found}, exact=True)
+        yield from _of_stroke(number.name, curve, way)
+    else:
+        row = -1 if number.row is None else int(number.row[0])
+        if row < 0:
+            return  # it is rounding
+        value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
+        yield Term(curve, float(time[row]), value / (abs(value) or 1.0))
+
+
+def _of_path(curve: Curve, motion: Motion) -> Iterator[Term]:
+    """Yield the parts of the diagonal of the box around a path."""
+    place, time = curve.values(motion), motion["time"]
+    width, height = np.ptp(place.real), np.ptp(place.imag)
+    for along, size, direction in ((place.real, width, 1.0), (place.imag, height, 1j)):
+        for row, sign in ((along.argmax(), 1), (along.argmin(), -1)):
+            yield Term(curve, float(time[row]), sign * direction * size / np.hypot(width, height))
+
+
+def _of_stroke(name: str, curve: Curve, way: Stroke) -> Iterator[Term]:
+    """Yield the parts of a slider's stroke, its ends and its dwell."""
+    closing, time = way.closing, way.motion["time"]
+    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    if name == "stroke":
+        yield Term(curve, closed, closing)
+        yield Term(curve, opened, -closing)
+    elif not name.startswith("dwell"):
+        yield Term(curve, closed if name.startswith("closed") else opened, 1.0)
+    else:
+        (step,), share, _, speeds = way.ends
+        for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
+            yield Term(curve, float(instant), closing / speed)
+            yield Term(curve, closed, -closing * (1 - NEAR) / speed)
+            yield Term(curve, opened, -closing * NEAR / speed)
+
+
+def _turn(way: Stroke, row: int) -> float:
+    """Return when the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
+    time = way.motion["time"]
+    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
+    turns = acceleration != 0 and (way.scene.drive.repeats or time[0] < time[row] < time[-1])
+    return float(time[row] - (velocity / acceleration if turns else 0.0))

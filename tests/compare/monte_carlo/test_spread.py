@@ -1,0 +1,53 @@
+"""The statistics of a number, from values whose statistics are known."""
+
+import numpy as np
+import pytest
+
+from compare.judge.peaks.curves import Curve
+from compare.judge.peaks.numbers import Number
+from compare.monte_carlo.spread import Spread, spread
+from scenes.motion import Samples
+
+CURVE = Curve("velocity", "P", ("P.vx",), 1.0, lambda motion: motion["P.vx"])
+X, Y = np.meshgrid(np.linspace(-1, 1, 201), np.linspace(-1, 1, 201))  # uniform: of variance 1/3 each, but for the grid
+
+
+def of(values: Samples, linear: Samples, gradient: dict[str, float]) -> Spread:
+    number = Number("peak speed", CURVE, np.array([5.0]), "m/s", np.array([5.0]))
+    return spread(number, values.ravel(), linear.ravel(), gradient)
+
+
+def test_a_number_that_is_linear() -> None:
+    values = 5 + 2 * X + Y
+    values[3, 7] = np.nan  # one that does not run
+    found = of(values, 5 + 2 * X + Y, {"x": 2 / 3**0.5, "y": 1 / 3**0.5})
+    assert found.mean == pytest.approx(5, abs=1e-4)
+    assert found.deviation == pytest.approx(found.linear, rel=0.01)
+    assert found.linear == pytest.approx((5 / 3) ** 0.5, rel=1e-12)
+    assert found.shares == {"x": pytest.approx(0.8), "y": pytest.approx(0.2)}
+    assert found.unexplained == 0
+    assert found.is_linear
+    assert (found.least, found.largest) == (0, values.size - 1)
+    assert found.quantiles["0.5"] == pytest.approx(5, abs=0.02)
+    assert found.quantiles["0.95"] == pytest.approx(5 + 3 - 2 * 0.2**0.5, abs=0.03)  # a corner of 1/20 of the square
+
+
+def test_a_number_that_is_not() -> None:
+    found = of(5 + X**2, np.full(X.shape, 5.0), {"x": 0.0, "y": 0.0})
+    assert found.linear == 0
+    assert found.shares == {"x": 0, "y": 0}
+    assert found.deviation == pytest.approx((1 / 5 - 1 / 9) ** 0.5, rel=0.02)
+    assert found.unexplained == pytest.approx((1 / 5) / (1 / 5 - 1 / 9), rel=0.02)  # the mean is off as well
+    assert not found.is_linear
+    slightly = of(5 + X + 0.05 * X**2, 5 + X, {"x": 3**-0.5})
+    assert slightly.unexplained == pytest.approx(0.05**2 / 5 * 3, rel=0.02)
+    assert not slightly.is_linear
+    assert of(5 + X + 0.02 * X**2, 5 + X, {"x": 3**-0.5}).is_linear
+
+
+def test_where_nothing_runs_or_nothing_differs() -> None:
+    nothing = of(np.full((2, 2), np.nan), np.zeros((2, 2)), {"x": 1.0})
+    assert np.isnan([nothing.mean, nothing.deviation, *nothing.quantiles.values()]).all()
+    alike = of(np.full((2, 2), 5.0), np.full((2, 2), 5.0), {"x": 0.0})
+    assert alike.deviation == 0
+    assert alike.is_linear
