@@ -3,10 +3,10 @@
 from math import ceil, pi, sqrt
 
 import numpy as np
-import plotly.graph_objects as go
 
 from ...engines.axis import prefixed
 from ...monte_carlo.study import MonteCarlo
+from ..figure import Figure
 from ..style import DARK_GREY, LEGEND_BESIDE, cell, colour, draw, grid, layout
 from .tables import moving, named_units, names, title
 
@@ -15,7 +15,7 @@ SPAN = 4.5  # standard deviations on either side of the drawing's number
 SHADES = 5  # colours before they are taken again, paler
 
 
-def histograms(study: MonteCarlo) -> go.Figure:
+def histograms(study: MonteCarlo) -> Figure:
     """Draw the density of each number over the machines, and that of the linear model beside it."""
     named, shown = named_units(study), moving(study)
     figure = grid([title(s) for s in shown], COLUMNS)
@@ -41,7 +41,7 @@ def histograms(study: MonteCarlo) -> go.Figure:
     return figure.update_layout(layout(60 + 260 * ceil(len(shown) / COLUMNS), titled=True))
 
 
-def variance_shares(study: MonteCarlo) -> go.Figure:
+def variance_shares(study: MonteCarlo) -> Figure:
     """Draw a bar for each number, of the shares that the variations have in its variance."""
     shown = moving(study)[::-1]
     figure = grid([""], 1)
