@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from compare.family.family import INVALID, Member
-from compare.report import files
 from compare.run import main
 from tests import scene_files
 
@@ -40,7 +39,7 @@ def test_a_page_that_is_not_written_is_not_opened(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(*NO_MEMBERS)
-    monkeypatch.setattr(files, "family_page", full)
+    monkeypatch.setattr("compare.report.family.page.page", full)
     assert main([*ASKED, *FAMILY, "--out", str(tmp_path / "out")]) == 2
     assert not opened.exists()
 

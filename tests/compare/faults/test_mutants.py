@@ -1,5 +1,6 @@
 """Wrong lines are put in place and taken away again."""
 
+import numpy as np
 import pytest
 
 from compare.faults.mutants import Mutant, applied, mutants
@@ -10,7 +11,7 @@ ACTS = mutants("scenes.loads", ("PressForce.acts",))
 
 
 def acts() -> list[bool]:
-    return list(PRESS.acts([0.0, 0.5, 2.0], [-1.0, 1.0, -1.0], end=0.0))
+    return list(PRESS.acts(np.array([0.0, 0.5, 2.0]), np.array([-1.0, 1.0, -1.0]), end=0.0))
 
 
 @pytest.mark.parametrize("mutant", [one for one in ACTS if one.kind == "comparison"], ids=lambda one: str(one.number))
