@@ -38,3 +38,8 @@ def test_positions_of_one_machine() -> None:
     (status,), _ = analytic.reduce_many(scenes.load("toggle_press"), {}, [0.1, 0.2, 0.3], [extremes])
     assert status is scenes.Status.ok
     assert extremes.largest == analytic.solve(scenes.load("toggle_press"), [0.1, 0.2, 0.3])["P5.y"].max()
+
+
+def test_larger_groups_are_refused() -> None:
+    with pytest.raises(scenes.Failure, match="no streams"):
+        analytic.reduce_many(scenes.load("class_iii"), {}, [0.1], [analytic.Extremes("D.x")])
