@@ -6,6 +6,7 @@ What does not differ stays a plain number, or samples of shape (n,), and is foun
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,10 +20,11 @@ from .decomposition import Decomposition, decompose, inner_joint
 from .group_equations import Group
 from .kinematics import kinematics
 from .kinetostatics import Reactions, StrokeEnds
+from .misfit import of_dyad
 from .motion_range import in_line
 from .numbers import of_machines
 from .placing import Kinematics
-from .solve import BLOCK, Answer, Solver, driven_at, prepared, where_open
+from .solve import BLOCK, Answer, Solver, driven_at, prepared, sentence, where_open
 
 TOGETHER = 64  # machines whose larger groups are followed together
 NOWHERE = complex(np.nan, np.nan)
@@ -102,7 +104,8 @@ def many_solver(
                 why = f"the sketch leaves the assembly branch open: {in_line(group)}"
                 failed.setdefault(machine, (Status.unsupported, why))
         together = TOGETHER if any(isinstance(group, Group) for group in whole.groups) else count
-        parts, each = [], of_machines((many, whole))
+        parts = []
+        each = of_machines((many, whole)) if together < count else lambda _: (many, whole)
         for first in range(0, max(count, 1), max(together, 1)):
             rows = slice(first, min(first + together, count))
             some, groups = each(rows)
@@ -157,7 +160,7 @@ class ManySolver:
         height = max(1, BLOCK // n)
         with np.errstate(all="ignore"):  # what is not finite gets a status
             for whole, solver in self.parts_and_ones(endings):
-                some = of_machines(solver)
+                some = of_machines(solver) if height < whole.stop - whole.start else partial(_all, solver)
                 for first in range(whole.start, whole.stop, height):
                     rows = slice(first, min(first + height, whole.stop))
                     part = some(slice(rows.start - whole.start, rows.stop - whole.start))
@@ -218,8 +221,14 @@ class Endings:
                         self.alone.add(machine)
                         beyond[row] = True
                         continue
-                    one, linkage = of_machines((part.scene, part.linkage))((row, 0))
-                    why = where_open(one, linkage, joint, float(position[row, new[row].argmax()]))
+                    at = int(new[row].argmax())
+                    where = float(position[row, at])
+                    if isinstance(group, Group):
+                        one, linkage = of_machines((part.scene, part.linkage))((row, 0))
+                        why = where_open(one, linkage, joint, where)
+                    else:
+                        to_lock = np.broadcast_to(k.to_lock[joint], position.shape)
+                        why = sentence(part.scene, joint, where, of_dyad(part.scene, group, float(to_lock[row, at])))
                     self.failed[machine] = Status.cannot_assemble, f"{why}; {in_line(group)}"
         return beyond
 
@@ -234,6 +243,10 @@ class Endings:
         """Return each machine's status, and why it is not ok."""
         endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.count)]
         return tuple(status for status, _ in endings), tuple(why for _, why in endings)
+
+
+def _all(solver: Solver, _: slice) -> Solver:
+    return solver
 
 
 def _part(samples: Any, rows: slice, columns: slice) -> Any:

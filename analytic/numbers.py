@@ -54,6 +54,8 @@ def of_machines(whole: Any) -> Callable[[Any], Any]:
 
 
 def _parts(whole: Any) -> Callable[[Any], Any] | None:
+    if whole is None or isinstance(whole, float | str | int | complex):  # most of what there is
+        return None
     if isinstance(whole, np.ndarray):
         return whole.__getitem__ if whole.ndim > 1 and whole.shape[1] == 1 else None
     if isinstance(whole, tuple):

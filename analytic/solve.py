@@ -214,7 +214,11 @@ def where_open(scene: Scene, linkage: Linkage, joint: str, position: float) -> s
     if isinstance(group, Group):
         track, frames = linkage.tracks[group], placed(scene, linkage, group, at)
         open_by = of_group(scene, group, track.equations, track.q[track.nearest(at)], frames.pose)
-    else:
-        to_lock = kinematics(scene, linkage, Driven(at, np.ones(1), np.zeros(1)), rates=False).to_lock[joint]
-        open_by = of_dyad(scene, group, float(np.ravel(to_lock)[0]))
+        return sentence(scene, joint, position, open_by)
+    to_lock = kinematics(scene, linkage, Driven(at, np.ones(1), np.zeros(1)), rates=False).to_lock[joint]
+    return sentence(scene, joint, position, of_dyad(scene, group, float(np.ravel(to_lock)[0])))
+
+
+def sentence(scene: Scene, joint: str, position: float, open_by: str) -> str:
+    """Return where a group, known by its inner joint, does not reach."""
     return f"{joint} cannot be reached at {scene.where(position)}{open_by}"
