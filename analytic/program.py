@@ -15,12 +15,13 @@ from scenes.scene import PressForce
 
 from .channels import scalar_channels, vector_channels
 from .decomposition import decompose
-from .expressions import Expression, Recorder, Traced
+from .expressions import Expression, Recorder
 from .group_equations import Group
 from .kinematics import Linkage
 from .kinetostatics import Reactions
 from .placing import Kinematics
 from .recorded_group import RecordedBalance, RecordedPass
+from .traced import Traced, given, traced
 
 SAMPLED = ("position", "rate", "acceleration")  # of the drive
 
@@ -53,34 +54,34 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     def change(path: str, value: Any, _: Any) -> Any:
         if path not in paths:
             return value
-        number = make.input(path, sampled=False)
+        number = given(make, path, sampled=False)
         numbers[path] = number.x
         return number
 
     opened = with_numbers(scene, change)
     whole = decompose(opened)
     linkage = Linkage(whole.driver, whole.groups, whole.bodies, whole.carries, whole.arm, tracks={})
-    driven: Any = Driven(*(make.input(name, sampled=True) for name in SAMPLED))  # type: ignore[arg-type]
+    driven: Any = Driven(*(given(make, name, sampled=True) for name in SAMPLED))  # type: ignore[arg-type]
     rate = getattr(opened.drive, "speed", None)
     if isinstance(rate, Traced):
-        driven = driven._replace(rate=rate, acceleration=make.traced(0.0))
+        driven = driven._replace(rate=rate, acceleration=traced(make, 0.0))
     k = RecordedPass(make, opened, linkage, driven).solve().k
     request = Sampling(channels=None if channels is None else frozenset(channels))
     on = Reactions()
     if request.wants_forces(scene):
         presses = (number for number, load in enumerate(scene.loads) if isinstance(load, PressForce))
-        ends: Any = {number: make.input(stroke_end(number), sampled=False) for number in presses}
+        ends: Any = {number: given(make, stroke_end(number), sampled=False) for number in presses}
         on = RecordedBalance(opened, linkage, ends, k).solve(request.channels)
     found: dict[str, Expression] = {}
     for (x, y), take in vector_channels(scene):
         if request.channels is None or {x, y} & request.channels:
             vector: Any = take(k, on)
-            found |= {x: make.traced(vector).x, y: make.traced(vector).y}
+            found |= {x: traced(make, vector).x, y: traced(make, vector).y}
     singular_values = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     for (name,), take in scalar_channels(scene, linkage):
         if (request.channels is None or name in request.channels) and name not in singular_values:
-            found[name] = make.traced(take(k, on)).x
-    least: Any = make.traced(np.inf)
+            found[name] = traced(make, take(k, on)).x
+    least: Any = traced(make, np.inf)
     for reach in k.reach.values():
         least = np.minimum(least, reach)
     return Program(make, numbers, found, least.x)

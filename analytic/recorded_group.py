@@ -13,12 +13,13 @@ from scenes import Scene
 from scenes.scene import GROUND
 
 from .dyads import rrr_position
-from .expressions import Expression, Recorder, Traced, needed
+from .expressions import Expression, Recorder, needed
 from .forward import forward
 from .geometry import as_complex
 from .group_equations import Group
 from .kinematics import Linkage, Pass
 from .kinetostatics import Balance
+from .traced import Traced, traced
 
 Frames = dict[str, tuple[Any, Any]]  # by name: the first point, m, and the attitude
 
@@ -36,7 +37,7 @@ class RecordedPass(Pass):
     def larger(self, group: Group, position: Any) -> None:  # noqa: ARG002 - the pose is an input
         """Place a larger group."""
         make, k = self.make, self.k
-        pose = [make.input(f"{body}.{q}", sampled=True).x for body in group.bodies for q in ("x", "y", "angle")]
+        pose = [make.input(f"{body}.{q}", sampled=True) for body in group.bodies for q in ("x", "y", "angle")]
         C = self.constraints(group, pose)
         step = self.solved(self.jacobian(C, pose), C)
         q = [make("subtract", one, move) for one, move in zip(pose, step, strict=True)]
@@ -48,7 +49,7 @@ class RecordedPass(Pass):
         moving = self.by_time | dict.fromkeys(dq, make.constant(0.0)) | dict(zip(q, dq, strict=True))
         ddq = self.solved(J, [make("negative", x) for x in self.changes(total, moving)])
         k.jacobian[group.P] = J  # type: ignore[assignment]
-        k.reach[group.P] = make.traced(1.0)  # type: ignore[assignment]
+        k.reach[group.P] = traced(make, 1.0)  # type: ignore[assignment]
         zero = make.constant(0.0)
         for b, body in enumerate(group.bodies):
             (z, v, a) = (Traced(make, x[3 * b], x[3 * b + 1]) for x in (q, dq, ddq))
@@ -69,7 +70,7 @@ class RecordedPass(Pass):
         gaps = []
         for pin in group.pins:
             other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
-            gaps.append(self.make.traced(at(pin.body, bodies[pin.body].local[pin.point]) - other))
+            gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
         offsets, turns = [], []
         for joint in group.slides:
             slide = self.scene.bodies[joint.slider].slide
@@ -79,12 +80,12 @@ class RecordedPass(Pass):
             offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
             turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
         make = self.make
-        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [make.traced(x).x for x in (*offsets, *turns)]
+        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in (*offsets, *turns)]
 
     def frames(self, group: Group, q: Sequence[Expression]) -> Frames:
         """Return the frames of the group and of the bodies that it hangs on."""
         make, zero = self.make, self.make.constant(0.0)
-        found: Frames = {GROUND: (make.traced(0.0), make.traced(1.0))}
+        found: Frames = {GROUND: (traced(make, 0.0), traced(make, 1.0))}
         for b, body in enumerate(group.bodies):
             turn: Any = Traced(make, q[3 * b + 2], zero)
             found[body] = Traced(make, q[3 * b], q[3 * b + 1]), np.exp(1j * turn)
@@ -125,7 +126,7 @@ class RecordedBalance(Balance):
         make: Recorder = self.k.reach[group.P].make  # type: ignore[attr-defined]
         loads: list[Expression] = []
         for body in group.bodies:
-            force, moment = (make.traced(x) for x in self.applied(body, self.scene.bodies[body].points[0]))
+            force, moment = (traced(make, x) for x in self.applied(body, self.scene.bodies[body].points[0]))
             loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
         system = make.system([entry for column in zip(*J, strict=True) for entry in column], loads)
         found = [make.component(system, i) for i in range(len(loads))]
