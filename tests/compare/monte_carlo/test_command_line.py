@@ -110,7 +110,7 @@ def test_a_stop_keeps_the_machines_that_are_done(
     assert run(scene(tmp_path, VARIATIONS), tmp_path / "out", "--monte-carlo", "100") == 130
     found = summary(tmp_path / "out" / "offset_slider_crank")
     assert not found["complete"]
-    assert found["machines"] == 80
+    assert found["machines"] in (60, 80)  # two blocks of 40, 40 and 20, as they come
     assert "stopped" in capsys.readouterr().err
     assert all(
         number["standard deviation" if "standard deviation" in number else "deviation"]
