@@ -8,6 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from signal import SIGINT, SIGKILL
 from subprocess import PIPE
+from time import monotonic
 
 import psutil
 import pytest
@@ -88,6 +89,11 @@ def kill(what: str) -> str:
 
 @SLOW
 def test_a_task_that_kills_its_workers_is_given_up_and_takes_no_other_with_it() -> None:
+    end = monotonic() + 120.0  # it takes 20 to 50 s
+
+    def poll() -> None:
+        assert monotonic() < end, "no worker takes the tasks"
+
     with cluster(1) as client:
         listening = [
             connection.laddr.ip
@@ -95,7 +101,7 @@ def test_a_task_that_kills_its_workers_is_given_up_and_takes_no_other_with_it() 
             for connection in process.net_connections("tcp")
             if connection.status == psutil.CONN_LISTEN
         ]
-        found = dict(spread(kill, ["kill", "a", "b"], client, lambda: None))
+        found = dict(spread(kill, ["kill", "a", "b"], client, poll))
     assert len(listening) >= 4
     assert {*listening} == {"127.0.0.1"}
     assert found == {"a": "A", "b": "B", "kill": Ended(Status.crashed, "every worker's process that took it died")}
