@@ -63,8 +63,8 @@ def test_one_machine_and_many() -> None:
         assert off <= SAME * max(np.nanmax(np.abs(samples)), 1e-9), channel
 
 
-@pytest.mark.usefixtures("_route")
-def test_what_does_not_reach_is_named_by_the_core() -> None:
+def test_what_does_not_reach_is_named_by_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "COMPILES", False)
     scene = scenes.load("toggle_press", {"bodies.rocker.lengths.O-P3": 200.0})
     with pytest.raises(Failure, match="P5 cannot be reached"):
         analytic.fast_solver(scene)(np.linspace(0, 6, 50))
