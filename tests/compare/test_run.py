@@ -144,6 +144,7 @@ def test_speed_file(results: Path) -> None:
 
 def test_the_report_needs_no_network(results: Path) -> None:
     page = (results / "report.html").read_text(encoding="utf-8")
+    assert len(page.encode()) <= 2.5e6, "it is sent by mail, and opened on phones"
     assert '<script src="' not in page
     assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
     assert page.count('class="plot"') == 14  # 3 of the slider, 6 pins, guide, torque, groups, locks, speed
