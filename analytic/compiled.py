@@ -7,14 +7,12 @@ not finite, is left to the core, which names it.
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from hashlib import sha256
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from os import environ, getpid
 from pathlib import Path
-from tempfile import gettempdir
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -22,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
 from scenes.drive import Driven
-from scenes.machines import at_path, machines, numbers_of
+from scenes.machines import at_path, numbers_of
 from scenes.motion import Samples
 
 from .decomposition import decompose
@@ -82,11 +80,10 @@ class FastSolver:
         if not COMPILES:
             return solve_many(self.scene, changes, position, time, self.channels)
         scene, position = self.scene, np.asarray(position, np.float64)
-        differ = machines(scene, changes)
         prepared = many_solver(scene, changes, self.channels)
-        instants, driven = driven_at(differ, position, time)
+        instants, driven = driven_at(prepared.scene, position, time)
         names, kernel, program = self._route(frozenset(at_path(scene, path, self._numbers) for path in changes))
-        given = {path: value for path, (value, _) in numbers_of(differ).items()}
+        given = {path: value for path, (value, _) in numbers_of(prepared.scene).items()}
         given |= {stroke_end(number): end for number, end in prepared.stroke_ends.items()}
         numbers = np.empty((prepared.count, len(names)))
         for column, name in enumerate(names):
@@ -172,15 +169,16 @@ def kernel_of(source: str) -> Kernel:
     """Return the function of a text as machine code, from the disk where it was made before."""
     folder = Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck"
     file = folder / f"kernel_{sha256(source.encode()).hexdigest()[:24]}.py"
-    with suppress(OSError):
+    try:
         if not file.is_file() or file.read_text(encoding="utf-8") != source:
             folder.mkdir(parents=True, exist_ok=True)
             aside = file.with_suffix(f".{getpid()}")
             aside.write_text(source, encoding="utf-8")
             aside.replace(file)
-    if not file.is_file():  # no home, or one that cannot be written: made anew each time
-        file = Path(gettempdir()) / file.name
-        file.write_text(source, encoding="utf-8")
+    except (OSError, UnicodeDecodeError):  # a home that cannot be written: made anew by each process
+        run: dict[str, Any] = {}
+        exec(source.replace("cache=True, ", ""), run)
+        return cast("Kernel", run["kernel"])
     spec = spec_from_file_location(file.stem, file)
     assert spec is not None
     assert spec.loader is not None
@@ -207,7 +205,7 @@ def code(expressions: list[Expression], names: list[str]) -> Iterator[str]:
         form = PLAIN.get(made.operation, made.operation + "({})")
         name[made.order] = f"e{made.order}"
         if made.operation == "constant":
-            name[made.order] = repr(made.of[0]) if np.isfinite(made.of[0]) else "inf"
+            name[made.order] = repr(made.of[0])
         elif made.operation == "input":
             place = f"{made.of[0]}[own, first + i]" if made.sampled else f"number[m, {names.index(made.of[0])}]"
             name[made.order] = place
@@ -224,7 +222,7 @@ def code(expressions: list[Expression], names: list[str]) -> Iterator[str]:
     late = {row for row, _, _ in arcs} | same.keys()
     outputs = [(row, name[made.order]) for row, made in enumerate(expressions) if row not in late]
     yield from (
-        "from math import atan2, cos, inf, sin, sqrt",
+        "from math import atan2, cos, inf, nan, sin, sqrt",
         "",
         "import numpy as np",
         "from numba import njit",

@@ -14,7 +14,7 @@ from .expressions import Expression, needed
 from .forward import forward
 from .kinematics import kinematics
 from .program import Program, coordinates, recorded, stroke_end
-from .solve import driven_at, solver
+from .solve import check_reach, driven_at, solver
 from .straight_line import StraightLine
 
 
@@ -43,18 +43,20 @@ def derivatives(
         ValueError: as of `solve`.
     """
     solve = solver(scene, channels)
-    solve(position, time)  # which refuses what does not assemble
     known = numbers_of(scene)
     keys = [at_path(scene, path, known) for path in numbers]
     program = recorded(scene, {*keys}, channels)
     position = np.asarray(position, np.float64)
     _, driven = driven_at(scene, position, time)
+    with np.errstate(invalid="ignore", divide="ignore"):  # where a group does not reach, which is refused
+        k = kinematics(scene, solve.linkage, driven, rates=False)
+    check_reach(scene, solve.linkage, k, position)
     values = {key: known[key][0] for key in keys}
     values |= {stroke_end(number): end for number, end in solve.stroke_ends.items()}
     found = differentiated(program, keys)
     names = [(channel, key) for channel in program.channels for key in range(len(keys))]
-    poses = coordinates(scene, kinematics(scene, solve.linkage, driven, rates=False), solve.linkage)
-    rows = StraightLine([found[key][channel] for channel, key in names])(values, {**driven._asdict(), **poses})
+    line = StraightLine([found[key][channel] for channel, key in names])
+    rows = line(values, {**driven._asdict(), **coordinates(scene, k, solve.linkage)})
     units = np.array([known[key][1] for key in keys])[:, None]
     return {
         channel: rows[number * len(keys) : (number + 1) * len(keys)] * units

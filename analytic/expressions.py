@@ -3,16 +3,17 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, cos, isqrt, sin, sqrt
+from operator import add, mul, neg, sub, truediv
 from typing import Any, TypeAlias
 
 Operation: TypeAlias = Callable[..., float]
 
 OPERATIONS: Mapping[str, Operation] = {
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "divide": lambda a, b: a / b,
-    "negative": lambda a: -a,
+    "add": add,
+    "subtract": sub,
+    "multiply": mul,
+    "divide": truediv,
+    "negative": neg,
     "absolute": abs,
     "sqrt": sqrt,
     "sin": sin,

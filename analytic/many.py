@@ -6,7 +6,6 @@ What does not differ stays a plain number, or samples of shape (n,), and is foun
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -160,10 +159,10 @@ class ManySolver:
         height = max(1, BLOCK // n)
         with np.errstate(all="ignore"):  # what is not finite gets a status
             for whole, solver in self.parts_and_ones(endings):
-                some = of_machines(solver) if height < whole.stop - whole.start else partial(_all, solver)
+                some = of_machines(solver) if height < whole.stop - whole.start else None
                 for first in range(whole.start, whole.stop, height):
                     rows = slice(first, min(first + height, whole.stop))
-                    part = some(slice(rows.start - whole.start, rows.stop - whole.start))
+                    part = solver if some is None else some(slice(rows.start - whole.start, rows.stop - whole.start))
                     for start in range(0, n, BLOCK):
                         columns = slice(start, min(start + BLOCK, n))
                         at = _part(position, rows, columns)
@@ -243,10 +242,6 @@ class Endings:
         """Return each machine's status, and why it is not ok."""
         endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.count)]
         return tuple(status for status, _ in endings), tuple(why for _, why in endings)
-
-
-def _all(solver: Solver, _: slice) -> Solver:
-    return solver
 
 
 def _part(samples: Any, rows: slice, columns: slice) -> Any:

@@ -1,7 +1,7 @@
 """Recorded expressions as Python code: one NumPy call an operation, its results in few arrays that stay in cache."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan2, cos, isqrt, sin, sqrt
+from math import atan2, cos, inf, isqrt, nan, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,8 @@ class StraightLine:
     """The values of expressions at positions of the drive, for many calls."""
 
     def __init__(self, expressions: Sequence[Expression]) -> None:
-        run: dict[str, Any] = {"np": np, "sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2, "solutions": solutions}
+        functions = {"sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2, "solutions": solutions}
+        run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, **functions}
         exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)  # of names made here alone
         self._evaluate, self._count = run["evaluate"], len(expressions)
 
@@ -74,7 +75,7 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
         of = [name[one.order] for one in made.of if isinstance(one, Expression)]
         own = rows.get(made.order)
         if made.operation == "constant":
-            name[made.order] = repr(made.of[0]) if np.isfinite(made.of[0]) else f"float('{made.of[0]}')"
+            name[made.order] = repr(made.of[0])
         elif made.operation == "input":
             name[made.order] = f"{'sample' if made.sampled else 'number'}[{made.of[0]!r}]"
         elif made.operation == "component":

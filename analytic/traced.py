@@ -4,6 +4,7 @@ What the core computes with them is the straight line of its own formulas.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from operator import add, and_, eq, ge, gt, le, lt, mul, neg, sub, truediv
 from typing import Any
 
 import numpy as np
@@ -161,19 +162,19 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
 
 FUNCTIONS: Mapping[str, Callable[..., Traced]] = {
     **{name: _real(name) for name in ("sqrt", "arctan2", "minimum", "maximum")},
-    "add": lambda a, b: a + b,
-    "subtract": lambda a, b: a - b,
-    "multiply": lambda a, b: a * b,
-    "divide": lambda a, b: a / b,
-    "negative": lambda a: -a,
+    "add": add,
+    "subtract": sub,
+    "multiply": mul,
+    "divide": truediv,
+    "negative": neg,
     "absolute": abs,
     "hypot": lambda a, b: abs(a + 1j * b),
-    "less": lambda a, b: a < b,
-    "less_equal": lambda a, b: a <= b,
-    "greater": lambda a, b: a > b,
-    "greater_equal": lambda a, b: a >= b,
-    "equal": lambda a, b: a == b,
-    "bitwise_and": lambda a, b: a & b,
+    "less": lt,
+    "less_equal": le,
+    "greater": gt,
+    "greater_equal": ge,
+    "equal": eq,
+    "bitwise_and": and_,
     "square": lambda a: a * a,
     "power": lambda a, b: a * a,  # noqa: ARG005 - squares alone
     "exp": _exponential,

@@ -156,7 +156,7 @@ def _body(body: Body, change: Change, units: Mapping[str, float]) -> Body:
 def _slide(place: str, slide: Slide, change: Change, length: Callable[[Any], Any]) -> Slide:
     drawn = slide.along[0] * slide.drawn, slide.along[1] * slide.drawn
     along = _pair(f"{place}.along", drawn, change, _as_it_is)
-    if along is not drawn and (along[0] is not drawn[0] or along[1] is not drawn[1]):
+    if along[0] is not drawn[0] or along[1] is not drawn[1]:
         norm = np.hypot(*along)
         slide = replace(slide, along=(along[0] * (1 / norm), along[1] * (1 / norm)), drawn=norm)
     return replace(slide, through=_pair(f"{place}.through", slide.through, change, length))
@@ -180,11 +180,16 @@ def _load(
     load = replace(load, force=_pair(f"{place}.force", load.force, change, force))
     if not isinstance(load, PressForce):
         return load
-    slide = bodies[load.body].slide
-    assert slide is not None
-    push = load.force[0] * slide.along[0] + load.force[1] * slide.along[1]
+    push = _along(load, bodies)
     closing: Any = load.closing if np.ndim(push) == 0 else np.where(push > 0, -1, 1)
     return replace(load, last=change(f"{place}.last", load.last, length), closing=closing)
+
+
+def _along(load: PressForce, bodies: Mapping[str, Body]) -> Any:
+    """Return the part of a press force along its slider's guide, N."""
+    slide = bodies[load.body].slide
+    assert slide is not None
+    return load.force[0] * slide.along[0] + load.force[1] * slide.along[1]
 
 
 def _spring(place: str, spring: Spring, change: Change, units: Mapping[str, float]) -> Spring:
@@ -215,6 +220,8 @@ def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
             fits = (value == 0) | ((smallest <= abs(value)) & (abs(value) <= largest))
             yield f"{place}: expected a size {limits}", fits, value / size
     for number, load in enumerate(scene.loads):
+        if isinstance(load, PressForce) and np.ndim(push := _along(load, scene.bodies)):
+            yield f"loads.{number}.force: expected a part along the guide", push != 0, push
         for before, after in pairwise(load.displacements if isinstance(load, ForceTable) else ()):
             if np.ndim(after - before):
                 yield f"loads.{number}.table: expected increasing displacements", after > before, after - before

@@ -1,7 +1,7 @@
 """The files of studies, families and Monte Carlo runs, and what becomes of those of a stopped run."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -27,6 +27,8 @@ from .placing import placed, remove
 from .tables import peaks
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from ..family.family import Family
     from ..monte_carlo.study import MonteCarlo
 
@@ -78,19 +80,11 @@ def write_family(family: "Family", folder: Path) -> Path:
     from .family.page import page as family_page  # late, as what is of hard cases: no report of a scene needs it
     from .family.tables import in_si
 
-    with _result(folder, family.scene.name, FAMILY, complete=family.complete) as (aside, place):
-        in_si(family).to_csv(aside / "family.csv", index=False)
-        varied = {variation.path: variation.values for variation in family.variations}
-        summary = {
-            "complete": family.complete,
-            "made_from": origin(family.scene, place),
-            "varied": varied,
-            "engines": family.engines,
-            "environment": environment(),
-        }
-        (aside / "family.json").write_text(json_text(summary), encoding="utf-8")
-        (aside / "family.html").write_text(family_page(family), encoding="utf-8")
-    return place
+    summary = {
+        "varied": {variation.path: variation.values for variation in family.variations},
+        "engines": family.engines,
+    }
+    return _write_many(family, folder, FAMILY, in_si(family), summary, family_page)
 
 
 def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
@@ -104,12 +98,25 @@ def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
     from .monte_carlo.page import page as monte_carlo_page  # late, as what is of families
     from .monte_carlo.tables import in_si, summary
 
-    with _result(folder, study.scene.name, MONTE_CARLO, complete=study.complete) as (aside, place):
-        in_si(study).to_csv(aside / "monte_carlo.csv", index=False)
-        head = {"complete": study.complete, "made_from": origin(study.scene, place)}
-        text = json_text(head | summary(study) | {"environment": environment()})
-        (aside / "monte_carlo.json").write_text(text, encoding="utf-8")
-        (aside / "monte_carlo.html").write_text(monte_carlo_page(study), encoding="utf-8")
+    return _write_many(study, folder, MONTE_CARLO, in_si(study), summary(study), monte_carlo_page)
+
+
+def _write_many(
+    many: Any,
+    folder: Path,
+    own: tuple[str, str, str],
+    table: "DataFrame",
+    summary: Mapping[str, Any],
+    page: Callable[[Any], str],
+) -> Path:
+    """Write the page, the summary and the table on many linkages of one scene."""
+    html, summary_json, csv = own
+    with _result(folder, many.scene.name, own, complete=many.complete) as (aside, place):
+        table.to_csv(aside / csv, index=False)
+        head = {"complete": many.complete, "made_from": origin(many.scene, place)}
+        text = json_text({**head, **summary, "environment": environment()})
+        (aside / summary_json).write_text(text, encoding="utf-8")
+        (aside / html).write_text(page(many), encoding="utf-8")
     return place
 
 

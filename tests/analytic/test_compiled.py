@@ -86,3 +86,17 @@ def test_machine_code_is_kept_by_its_text(tmp_path: Path, monkeypatch: pytest.Mo
     found = analytic.fast_solver(scene, {"B.x"})(np.linspace(0, 1, 3))
     assert kept.read_text(encoding="utf-8") == text
     assert found["B.x"] == pytest.approx(analytic.solve(scene, np.linspace(0, 1, 3))["B.x"], rel=1e-12)
+
+
+@SLOW
+def test_where_nothing_can_be_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file where the folder should be: the code is made anew, and nothing is left anywhere."""
+    pytest.importorskip("numba")
+    (tmp_path / "linkage-crosscheck").write_text("", encoding="utf-8")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(compiled, "COMPILES", True)
+    scene, angles = scenes.load("four_bar"), np.linspace(0, 1, 4)
+    compiled.kernel_of.cache_clear()
+    found = analytic.fast_solver(scene, {"B.x"})(angles)
+    assert found["B.x"] == pytest.approx(analytic.solve(scene, angles)["B.x"], rel=1e-12)
+    assert [path.name for path in tmp_path.iterdir()] == ["linkage-crosscheck"]
