@@ -11,6 +11,7 @@ from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from scenes import Failure, InputError, Scene, Status
 from scenes.machines import numbers_of
+from scenes.scene import PressForce
 from tests import scene_files
 
 GROUPS = ("class_iii_among_dyads", "slotted_class_iii")  # of class III as the shipped one; the last one locks
@@ -148,3 +149,15 @@ def test_paths_of_no_number(path: str, near: str) -> None:
 def test_numbers_for_every_machine() -> None:
     with pytest.raises(ValueError, match="one number a machine"):
         analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [1.0, 2], "drive.speed": [3.0]}, [0.0])
+
+
+def test_a_press_force_without_a_part_along_its_guide_is_refused() -> None:
+    """As a file with it is: nothing would show in which way the slider closes against it."""
+    scene = scenes.load("crank_press")
+    (number, load) = next((n, load) for n, load in enumerate(scene.loads) if isinstance(load, PressForce))
+    paths = [f"loads.{number}.force.{axis}" for axis in range(2)]
+    nominal = np.array(scenes.numbers_in("crank_press", paths))
+    many = analytic.solve_many(scene, dict(zip(paths, np.stack([nominal, 0 * nominal], axis=1), strict=True)), [0.1])
+    assert load.last > 0
+    assert [status.name for status in many.status] == ["ok", "cannot_assemble"]
+    assert "part along the guide" in many.reason[1]
