@@ -43,6 +43,8 @@ FORBIDDEN = {
     ("compare.family.grid", "compare.report.html"): "from ..report import html",
     ("compare.study", "compare.report.html"): "from .report import html",
     ("compare.report.html", "compare.run"): "from .. import run",
+    ("compare.report.units", "compare.jobs.printing"): "from ..jobs import printing",
+    ("compare.jobs.printing", "compare.run"): "from .. import run",
     ("compare.report.page", "papers.page"): "import papers.page",
 }  # importing and imported module -> line
 

@@ -10,7 +10,7 @@ from compare.run import main
 from tests import scene_files
 
 ASKED = [str(scene_files.path("slider_crank")), "--engines", "analytic", "--samples", "8", "--open"]
-NO_MEMBERS = "compare.family.family.members", lambda *_: [Member({"drive.speed": 1.0}, INVALID, "not run")]
+NO_MEMBERS = "compare.family.going_on.members", lambda *_: [Member({"drive.speed": 1.0}, INVALID, "not run")]
 FAMILY = ["--vary", "drive.speed=1:2:2"]
 
 

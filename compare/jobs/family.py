@@ -1,0 +1,59 @@
+"""A family of linkages: `python -m compare.run --vary`."""
+
+import argparse
+from collections.abc import Callable
+from contextlib import nullcontext
+
+from scenes import Sampling, Scene
+
+from ..family.grid import grid
+from .printing import open_page, stops
+
+
+def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
+    """Write one scene's family, and return whether a member misses a tolerance, or none runs.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was solved till then is written.
+    """
+    from ..engines.cluster import cluster
+    from ..family.family import Family
+    from ..family.going_on import going_on, kept_members
+    from ..report import files as output
+    from ..report.family.tables import label, on_a_line
+
+    def progress(doing: str) -> None:
+        show(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
+
+    changes = grid(options.vary)
+    family = Family(scene, options.vary, options.engines)
+    kept = kept_members(options.out, scene, options.engines, request)
+    stopped, several = False, options.workers or options.scheduler
+    try:
+        with cluster(options.workers, options.scheduler) if several else nullcontext() as client:
+            for member in going_on(kept, scene.file, changes, options.engines, request, client, progress):
+                family.members.append(member)
+                print(f"{scene.name}  {on_a_line(family, member)}")
+    except KeyboardInterrupt:
+        if not family.members:
+            raise
+        stopped = True
+    family.members.sort(key=lambda member: changes.index(member.changes))
+    progress("writing the report")
+    page = output.write_family(family, options.out) / "family.html"
+    print(f"family: {page}")
+    if family.complete:
+        kept.forget()
+    if kept.trouble:
+        print(f"{scene.name}  {kept.trouble}")
+    if stopped:
+        raise KeyboardInterrupt(
+            f"stopped; {page} has the {len(family.members)} of {len(changes)} members that were done"
+        )
+    if options.open:
+        open_page(page)
+    able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
+    if options.check and not able:
+        print(f"{scene.name}  missed: every tolerance, since no member runs")
+        return True
+    return bool(options.check) and stops(scene, able)

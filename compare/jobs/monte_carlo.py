@@ -1,0 +1,41 @@
+"""Machines drawn from a scene's tolerances: `python -m compare.run --monte-carlo`."""
+
+import argparse
+from collections.abc import Callable
+
+from scenes import Sampling, Scene
+
+from .printing import open_page, stops
+
+
+def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
+    """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was solved till then is written.
+    """
+    from ..monte_carlo.study import begun, solved
+    from ..report import files as output
+    from ..report.monte_carlo.tables import ran, verdicts
+
+    def progress(doing: str) -> None:
+        show(f"{scene.name}: {doing}")
+
+    study = begun(scene, options.monte_carlo, options.seed or 0, options.engines, request, progress)
+    try:
+        for block in solved(study):
+            study.blocks.append(block)
+            progress(f"{study.count:,} of {study.asked:,} machines")
+    except KeyboardInterrupt:
+        if not study.blocks:
+            raise
+    progress("writing the report")
+    page = output.write_monte_carlo(study, options.out) / "monte_carlo.html"
+    for sentence in (ran(study), *verdicts(study)):
+        print(f"{scene.name}  {sentence}")
+    print(f"tolerances: {page}")
+    if not study.complete:
+        raise KeyboardInterrupt(f"stopped; {page} has the {study.count} of {study.asked} machines that were done")
+    if options.open:
+        open_page(page)
+    return bool(options.check) and stops(scene, {scene.name: study.judged})

@@ -1,0 +1,56 @@
+"""What `python -m compare.run` prints about results, and the page it opens."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from scenes import Scene
+
+if TYPE_CHECKING:
+    from ..judge.judgement import Judgement
+    from ..study import Study
+
+
+def print_result(result: "Study") -> None:
+    """Print the verdict, a line an engine, the reasons and causes."""
+    from ..judge.errors import shown_groups
+    from ..report.speed import tables as speed_tables
+    from ..report.tables import overview, verdict
+
+    groups = shown_groups(result.scene)
+    print(f"{result.scene.name}  {verdict(result)}")
+    for row in overview(result).to_dict("records"):
+        errors = "  ".join(f"{group} {row[group]:.1e}" for group in groups if row[group] == row[group])
+        print(f"{result.scene.name}  {row['engine']:14} {row['status']:15} {errors}")
+    for m in result.measurements:
+        if m.run.reason:
+            print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
+    for cause in result.causes.values():
+        print(f"{result.scene.name}  likely cause: {cause}")
+    for sentence in (*result.reasons, speed_tables.verdict(result)):
+        print(f"{result.scene.name}  {sentence}")
+
+
+def stops(scene: Scene, judged: Mapping[str, "Judgement"]) -> bool:
+    """Name every tolerance that was missed and every engine that failed, given by what the judgements are about.
+
+    The comparison itself is checked with the first of them.
+    """
+    from ..faults.canaries import canaries
+
+    for judgement in [*judged.values()][:1]:
+        judgement.let_through.extend(canaries(judgement))
+    if not any(judgement.held for judgement in judged.values()):
+        print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")
+    lines = [f"{name}  missed: {line}" for name, judgement in judged.items() for line in judgement.missed]
+    for line in lines:
+        print(line)
+    return bool(lines)
+
+
+def open_page(page: Path) -> None:
+    """Open a page in the browser, if there is one."""
+    import webbrowser
+
+    if not webbrowser.open(page.resolve().as_uri()):
+        print(f"{page}: no browser was found to open it")

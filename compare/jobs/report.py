@@ -1,0 +1,71 @@
+"""The report on one scene."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from scenes import Sampling, Scene
+
+from ..engines import registry
+from .printing import open_page, print_result, stops
+
+if TYPE_CHECKING:
+    from ..study import Study
+
+TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
+
+
+def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Callable[[str], None]) -> bool:
+    """Write one scene's report, and return whether it misses a tolerance.
+
+    Raises:
+        KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
+    """
+    from ..engines.stopping import Stopped, stoppable
+    from ..report import files as output
+    from ..speed.timing import Budget
+    from ..study import study
+
+    def progress(doing: str) -> None:
+        if stopping():
+            raise Stopped
+        show(f"{scene.name}: {doing}")
+
+    budget = Budget(rounds=20, seconds=0.3)
+    if options.full:
+        budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
+    try:
+        with stoppable() as stopping:
+            result = study(scene, options.engines, request, budget, progress, options.accuracy or "balanced")
+            if options.full:
+                result = _in_full(result, options, progress)
+            stopped = stopping()
+    except Stopped:
+        raise KeyboardInterrupt from None
+    if stopped:
+        result.reasons.append("stopped by the user; what is not here was not done")
+    show(f"{scene.name}: writing the report")
+    folder = output.write(result, options.out, complete=not stopped)
+    print_result(result)
+    page = folder / "report.html"
+    print(f"report: {page}")
+    if stopped:
+        raise KeyboardInterrupt(f"stopped; {page} has what was done")
+    if options.open:
+        open_page(page)
+    return bool(options.check) and stops(scene, {scene.name: result})
+
+
+def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":
+    """Return the study with maps of stability and the hard cases, as far as the user lets it."""
+    from scenes.hard import catalogue, ladder
+
+    from ..hard.cases import hard_cases
+    from ..hard.stability import stability_table
+
+    able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
+    to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).rungs]
+    maps = stability_table(result.scene, able, to_lock, progress)
+    hard = hard_cases(catalogue(), able, options.out, progress, result.reasons.append)
+    return replace(result, maps=maps, hard=hard)
