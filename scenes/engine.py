@@ -6,13 +6,14 @@ The three stages are apart so that a clock can wrap `solve` alone:
     simulation.solve()                                     # all the work from there to the channels
     motion = simulation.read()                             # they are handed over, after the engine's own checks
 
-Any stage may raise `Failure`.
+Any stage may raise `Failure`. A module needs `DEFAULT` and `build` alone, a simulation `solve` and `read`.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Annotated, Protocol, TypeVar
+from types import SimpleNamespace
+from typing import Annotated, Any, Protocol, TypeVar, cast
 
 from .motion import Motion
 from .request import Request, Sampling
@@ -108,10 +109,28 @@ class Simulation(Protocol):
 S = TypeVar("S", bound=Settings)
 
 
-class Engine(Protocol[S]):
-    """An engine, as its module offers it."""
+class Module(Protocol[S]):
+    """What the module of an engine has to have; `completed` adds the rest of `Engine`, where it is left out."""
 
     DEFAULT: S  # of a plain run
+
+    def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
+        """Prepare a run; nothing is solved yet but the pose that it starts from.
+
+        Args:
+            scene: the mechanism.
+            settings: one of the engine's own.
+            request: the n instants, s, or positions of the drive, rad or m, and the channels wanted there.
+
+        Raises:
+            Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
+            ImportError: the engine is not installed.
+        """
+
+
+class Engine(Module[S], Protocol[S]):
+    """An engine, as the comparison takes it."""
+
     FAST: S  # the cheapest that are good to a per cent
     EXACT: S  # the most accurate
     WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
@@ -139,15 +158,20 @@ class Engine(Protocol[S]):
             ImportError: it is not installed.
         """
 
-    def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
-        """Prepare a run; nothing is solved yet but the pose that it starts from.
 
-        Args:
-            scene: the mechanism.
-            settings: one of the engine's own.
-            request: the n instants, s, or positions of the drive, rad or m, and the channels wanted there.
+def completed(module: Any, version: str) -> Engine[Any]:
+    """Return an engine with all names of the protocol.
 
-        Raises:
-            Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
-            ImportError: the engine is not installed.
-        """
+    Args:
+        module: it has those of `Module`, and any others of `Engine`; what it leaves out is taken from its `DEFAULT`.
+        version: of an engine that gives none.
+
+    Raises:
+        TypeError: it has no settings, or no `build`.
+    """
+    default = getattr(module, "DEFAULT", None)
+    if not (isinstance(default, Settings) and hasattr(module, "build")):
+        raise TypeError("expected a module with DEFAULT, of scenes.Settings, and build(scene, settings, request)")
+    optional = dict.fromkeys(("FAST", "EXACT"), default) | dict.fromkeys(("at_steps", "iterations_needed"))
+    optional |= {"WORK_PRECISION": (default,), "LONG_WORK_PRECISION": (), "ABLATIONS": (), "version": lambda: version}
+    return cast("Engine[Any]", SimpleNamespace(**(optional | vars(module))))

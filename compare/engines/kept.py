@@ -10,7 +10,7 @@ from contextlib import suppress
 from errno import EEXIST
 from functools import cache
 from hashlib import sha256
-from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -78,11 +78,16 @@ def version() -> str:
     versions = environment() | {name: entry.version for name, entry in registry.ENTRIES.items()}
     del versions["system"]
     digest = sha256(json.dumps(versions, sort_keys=True).encode())
-    for package in PACKAGES:
-        for path in _below(Path(str(files(package)))):
+    outside = (entry.package for entry in registry.ENTRIES.values() if entry.outside and not entry.missing)
+    for package in (*PACKAGES, *outside):
+        for path in _sources(package):
             digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
-def _below(folder: Path) -> Iterable[Path]:
-    return sorted(path for path in folder.rglob("*") if path.suffix in (".py", ".toml"))
+def _sources(package: str) -> Iterable[Path]:
+    """Return the files of a package, or of a module, that is not imported for it."""
+    spec = find_spec(package)
+    places = [Path(place) for place in (spec and (spec.submodule_search_locations or [spec.origin or ""])) or ()]
+    found = (path for place in places for path in (place.rglob("*") if place.is_dir() else [place]))
+    return sorted(path for path in found if path.suffix in (".py", ".toml"))

@@ -1,15 +1,15 @@
 """The one place that knows the engines' names. A module is imported when its engine runs, not before."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
 from typing import Any, Protocol, TypeAlias, cast
 
 from scenes import Engine, InputError, Motion, Scene, Status
 from scenes.errors import nearest
 from scenes.motion import Samples
+
+from . import outside
+from .entry import Entry as Entry
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
 
@@ -33,31 +33,6 @@ class Many(Protocol):
 SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
 
 
-@dataclass(frozen=True)
-class Entry:
-    """Where an engine lives and what must be installed for it."""
-
-    purpose: str
-    module: str
-    package: str  # what is imported
-    distribution: str  # what is installed
-    install: str
-    everything: bool = False  # whether it gives every channel of every scene that it can model
-
-    @property
-    def missing(self) -> str | None:
-        """Return what to do before the engine can run, or None when it can."""
-        return None if find_spec(self.package) else f"{self.distribution} is not installed: {self.install}"
-
-    @property
-    def version(self) -> str:
-        """Return the installed version of what does the work, without importing it."""
-        try:
-            return f"{self.distribution} {version(self.distribution)}"
-        except PackageNotFoundError:
-            return "not installed"
-
-
 _CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
 _DAE = "multibody DAE with Lagrange multipliers"
 _IMPULSES = "impulses, block Gauss-Seidel"
@@ -71,6 +46,7 @@ ENTRIES = {
         ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", "'.[certify]'"),
     )
 }
+ENTRIES |= outside.entries(ENTRIES)
 REFERENCE = "analytic"
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
@@ -84,8 +60,9 @@ def check_names(names: Iterable[str]) -> None:
 
 
 def engine(name: str) -> Engine[Any]:
-    """Return an engine's module, imported now."""
-    return cast("Engine[Any]", import_module(ENTRIES[name].module))
+    """Return an engine's module, imported now; one that cannot be, as an engine whose every run fails."""
+    entry = ENTRIES[name]
+    return outside.loaded(entry) if entry.outside else cast("Engine[Any]", import_module(entry.module))
 
 
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:

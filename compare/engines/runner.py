@@ -99,6 +99,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) ->
     except Failure as failure:
         computed = None if failure.motion is None else _finite(_plain(failure.motion))
         return replace(failed, status=Status(failure.status), reason=text_of(failure.reason), motion=computed)
+    counters, residuals = (getattr(simulation, name, {}) for name in ("counters", "residuals"))
     return replace(
         failed,
         status=Status.ok,
@@ -109,8 +110,8 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) ->
         solve_s=solved - built,
         read_s=read - solved,
         wall_s=done_on_wall - on_wall,
-        counters={text_of(counted): int(count) for counted, count in simulation.counters.items()},
-        residuals={text_of(checked): float(residual) for checked, residual in simulation.residuals.items()},
+        counters={text_of(counted): int(count) for counted, count in counters.items()},
+        residuals={text_of(checked): float(residual) for checked, residual in residuals.items()},
     )
 
 

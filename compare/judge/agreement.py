@@ -157,8 +157,10 @@ def _cause(judged: "Judgement", measurement: Measurement) -> str:
 
 
 def _why(measurement: Measurement) -> str:
-    run = measurement.run
-    return "is not installed" if registry.ENTRIES[run.engine].missing else FAILED.get(run.status, "contradicts itself")
+    run, entry = measurement.run, registry.ENTRIES[measurement.run.engine]
+    if entry.missing:
+        return "cannot be run" if entry.trouble else "is not installed"
+    return FAILED.get(run.status, "contradicts itself")
 
 
 def _name(judged: "Judgement") -> str:

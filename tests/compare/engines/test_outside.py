@@ -1,0 +1,99 @@
+"""Engines that other distributions offer: found by their metadata, run as any other; whatever is wrong is a row."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import compare
+from compare.engines import outside, registry
+from compare.engines.kept import version
+from compare.engines.settings import settings_of, tiers
+from compare.run import main
+from tests.sites import GOOD, install
+
+MODULES = {
+    "good": GOOD,
+    "absent_import": "import no_such_module_at_all",
+    "dies": "import os\nprint('to the user', flush=True)\nos.abort()",
+    "empty": "",
+    "unsendable": f"{GOOD}from dataclasses import replace\nDEFAULT = replace(DEFAULT, note=lambda: 0)",
+}
+RUN = {  # what a run of each ends with
+    "good": ("ok", ""),
+    "absent_import": ("crashed", "ModuleNotFoundError: No module named 'no_such_module_at_all'"),
+    "dies": ("crashed", "its process ended by SIGABRT"),
+    "empty": ("crashed", "TypeError: expected a module with DEFAULT, of scenes.Settings, and build("),
+    "unsendable": ("crashed", "an't"),
+    "no_module": ("unsupported", "acme lacks its module nowhere_to_be_found: pip install acme"),
+    "attribute": ("unsupported", "its entry point is expected to name a module, found good:build"),
+    "main_module": ("unsupported", "acme lacks its module __main__: pip install acme"),
+    "needy": ("unsupported", "it needs no-such-thing, which is not installed: pip install needy"),
+    "exudyn@acme": ("ok", ""),
+}
+NAMED = {"no_module": "nowhere_to_be_found", "attribute": "good:build", "main_module": "__main__", "exudyn": "good"}
+
+
+@pytest.fixture(scope="module")
+def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Have distributions installed that offer engines, good and bad ones."""
+    site = tmp_path_factory.mktemp("site")
+    points = {f"{name}": name for name in MODULES} | NAMED | {"../up": "good", "a,b": "good"}
+    install(site, "acme", points, MODULES, "Summary: Engines of\x1b Acme\n")
+    needs = "Requires-Dist: numpy\nRequires-Dist: other; extra == 'x'\nRequires-Dist: no-such-thing>=1\n"
+    install(site, "needy", {"needy": "good"}, metadata=needs)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(site))
+        for name, entry in outside.entries(registry.ENTRIES).items():
+            patch.setitem(registry.ENTRIES, name, entry)
+        assert not {"good", "dies"} & sys.modules.keys(), "imported"
+        yield
+    for module in MODULES:
+        sys.modules.pop(module, None)
+    outside.loaded.cache_clear()
+
+
+@pytest.mark.usefixtures("_installed")
+def test_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    lines = [line.split(maxsplit=2) for line in capsys.readouterr().out.splitlines() if line.startswith("engine")]
+    listed = {name: text for _, name, text in lines}
+    assert listed["good"] == "Engines of\\x1b Acme (acme 1.0)"
+    assert listed["needy"].startswith("an engine of needy (it needs no-such-thing")
+    assert listed["exudyn"].endswith("(exudyn 1.13.6)")
+    for name in ("../up", "a,b"):
+        assert "its name is expected to be letters" in listed[name]
+    assert not {"good", "dies"} & sys.modules.keys(), "imported"
+
+
+@pytest.mark.usefixtures("_installed")
+def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
+    found = compare.check("four_bar", ("analytic", *RUN), samples=24)
+    for engine, (status, reason) in RUN.items():
+        assert found.verdicts[engine][0] == status, found.verdicts[engine]
+        assert reason in found.verdicts[engine][1]
+    assert capfd.readouterr() == ("", "")
+    assert main(["--engines", "godo"]) == 2
+    assert capfd.readouterr().err == "--engines: no engine 'godo'; did you mean 'good'?\n"
+
+
+@pytest.mark.usefixtures("_installed")
+def test_what_a_module_leaves_out_is_its_default() -> None:
+    engine = registry.engine("good")
+    assert engine.version() == "acme 1.0"
+    assert {*tiers("good").values()} == {engine.DEFAULT} == {*settings_of("good", full=True)}
+    assert engine.at_steps is engine.iterations_needed is None
+
+
+@pytest.mark.usefixtures("_installed")
+def test_results_are_kept_of_the_same_code_alone() -> None:
+    """Another source of an engine is another version of everything, be its distribution's version the same."""
+    version.cache_clear()
+    before, file = version(), Path(str(sys.modules["good"].__file__))
+    file.write_text(f"{GOOD}\n", encoding="utf-8")
+    version.cache_clear()
+    assert version() != before
+    file.write_text(GOOD, encoding="utf-8")
+    version.cache_clear()
+    assert version() == before
