@@ -1,4 +1,4 @@
-"""The README's tables of figures, each between `<!-- name -->` and `<!-- end -->`; tests/test_readme.py reads them."""
+"""The tables of figures in README and docs/, from `<!-- name -->` to `<!-- end -->`; see tests/test_readme.py."""
 
 from pathlib import Path
 
@@ -12,7 +12,9 @@ from compare.report.tables import overview
 from compare.speed.work_precision import choices
 from compare.study import Study
 
-README = Path(__file__).parents[1] / "README.md"
+ROOT = Path(__file__).parents[1]
+README, FINDINGS = ROOT / "README.md", ROOT / "docs" / "findings.md"
+PAGES = {"errors": README, "times": FINDINGS, "hard": FINDINGS}  # where each table stands
 LEVELS = ("1 %", "0.1 %", "1e-4", "1e-6")  # of the joint reactions
 OUTCOMES = ["engine", "attempts", "right", "refused", "silent", "false alarm"]
 
@@ -50,10 +52,8 @@ def markdown(table: pd.DataFrame) -> str:
 
 
 def fill(found: dict[str, str]) -> None:
-    """Put the tables into the README, in place of those there."""
-    text = README.read_text(encoding="utf-8")
+    """Put the tables into their pages, in place of those there."""
     for name, table in found.items():
-        before, rest = text.split(f"<!-- {name} -->\n\n")
+        before, rest = PAGES[name].read_text(encoding="utf-8").split(f"<!-- {name} -->\n\n")
         _, after = rest.split("\n\n<!-- end -->", maxsplit=1)
-        text = f"{before}<!-- {name} -->\n\n{table}\n\n<!-- end -->{after}"
-    README.write_text(text, encoding="utf-8")
+        PAGES[name].write_text(f"{before}<!-- {name} -->\n\n{table}\n\n<!-- end -->{after}", encoding="utf-8")

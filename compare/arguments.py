@@ -1,4 +1,4 @@
-"""The arguments of `python -m compare.run`."""
+"""The arguments of the main job."""
 
 import argparse
 from argparse import ArgumentTypeError
@@ -10,13 +10,13 @@ from scenes import InputError, Sampling, Scene
 from scenes.errors import nearest, one_line
 from scenes.motion import channels
 
-from .command_line import Parser
+from .command_line import Parser, called
 from .engines import registry
 from .engines.settings import TIERS, Accuracy
 from .family.grid import variation
 
 USAGE = (
-    "python -m compare.run [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
+    " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open] [--list] [--new NAME]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
     " [--monte-carlo N [--seed K]]"
@@ -29,9 +29,7 @@ MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
 
 def parser() -> argparse.ArgumentParser:
     """Return what parses them; bad ones raise InputError."""
-    parser = Parser(
-        prog="python -m compare.run", usage=USAGE, description="Solve planar linkages by independent models."
-    )
+    parser = Parser(prog=called(), usage=called() + USAGE, description="Solve planar linkages by independent models.")
     parser.add_argument(
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )

@@ -7,10 +7,9 @@
 | 2 | bad input, a folder that cannot be written, too little memory, a package that is not installed |
 | 70 | an error of the program itself; the environment variable `LINKAGE_TRACEBACK=1` shows where |
 | 130, 143 | Ctrl-C, SIGTERM |
-
-Nothing heavy is imported here, so that all of this holds from the first moment on.
 """
 
+# Nothing heavy is imported here, so that all of this holds from the first moment on.
 import argparse
 import os
 import sys
@@ -24,6 +23,7 @@ from typing import Any, NoReturn, ParamSpec, TextIO, cast
 
 P = ParamSpec("P")
 
+CONSOLE = "linkage-crosscheck"
 TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable
 LEAST = 512  # MB of address space: the main job takes 464; with less, libraries end the process as they like
 
@@ -56,6 +56,18 @@ def _folder(text: str) -> Path:
         raise argparse.ArgumentTypeError(
             f"expected the path of a folder, and the home of '{text}' is unknown"
         ) from None
+
+
+def called() -> str:
+    """Return how the main job was called, for its help and its messages."""
+    return CONSOLE if CONSOLE in (Path(word).stem for word in sys.orig_argv[:2]) else "python -m compare.run"
+
+
+def console() -> None:
+    """Do what `python -m compare.run` does, in the same way, as the console command."""
+    from runpy import run_module
+
+    run_module("compare.run", run_name="__main__", alter_sys=True)
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The README's figures: errors against a fresh run, times and counts against the published summary."""
+"""The figures of README and docs/: errors against a fresh run, times and counts against the published summary."""
 
 import re
 from pathlib import Path
@@ -6,23 +6,22 @@ from pathlib import Path
 import pytest
 
 import compare
-from compare.arguments import MOST_VALUES
 from compare.engines.registry import DEFAULT_ENGINES, REFERENCE
 from compare.engines.settings import settings_of
-from compare.family.grid import MOST_MEMBERS
 from compare.judge.errors import group_floors, shown_groups
 from compare.judge.judgement import Judgement
 from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget
 from compare.speed.work_precision import choices
-from scenes import limits
 from tests.comparisons import SLOW
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+FINDINGS = (ROOT / "docs" / "findings.md").read_text(encoding="utf-8")
 PUBLISHED = (ROOT / "results" / "published" / "README.md").read_text(encoding="utf-8")
 DIGITS = 0.06  # of a figure: half of the last of two digits is 0.05 of 1.0, the rest is for other libraries
 ROUND_OFF = 1e-12  # below, an error is a few roundings, which other libraries may do in another order: within a factor
+MOST_LINES = 130  # what a visitor reads in two minutes
 FACTOR = 3.0  # also of a ratio of times: 1.3 for a busy core, 1.5 for the choice among level settings, both ways
 
 
@@ -66,28 +65,26 @@ def test_what_the_reference_is_good_to(fresh: Judgement) -> None:
 @pytest.mark.parametrize(("name", "title"), [("times", "## Cheapest settings"), ("hard", "## Hard cases")])
 def test_what_is_published(name: str, title: str) -> None:
     published = {row["engine"]: row for row in table(PUBLISHED, title)}
-    rows = table(README, f"<!-- {name} -->")
+    rows = table(FINDINGS, f"<!-- {name} -->")
     assert len(rows) == len(published)
     for row in rows:
         assert row.items() <= published[row["engine"]].items()
 
 
 def test_how_many_settings() -> None:
-    (printed,) = re.findall(r"`--full` measures (\d+) settings", README)
+    (printed,) = re.findall(r"`--full` measures (\d+) settings", FINDINGS)
     assert int(printed) == sum(len(settings_of(engine, full=True)) for engine in DEFAULT_ENGINES)
 
 
-def test_limits() -> None:
-    printed = [int(row["at most"].replace(",", "")) for row in table(README, "<!-- limits -->")]
-    of_a_scene = [limits.FILE_BYTES, limits.BODIES, limits.POINTS, limits.LOADS, limits.ROWS, limits.VARIATIONS]
-    assert printed == [*of_a_scene, limits.NAME, MOST_VALUES, MOST_MEMBERS]
+def test_length() -> None:
+    assert README.count("\n") < MOST_LINES
 
 
 @SLOW
 def test_ratios_of_times(fresh: Judgement) -> None:
     speed = speed_table(fresh.reference, ("exudyn", "pymunk"), Budget(3, 0.0), lambda _: None)
     found = choices(speed).query("group == 'reaction' and note == ''").set_index(["engine", "level"])["solve_s"]
-    rows = {row["engine"]: row for row in table(README, "<!-- times -->")}
+    rows = {row["engine"]: row for row in table(FINDINGS, "<!-- times -->")}
     for level in ("1 %", "0.1 %", "1e-4", "1e-6"):
         exudyn, pymunk = (float(rows[engine][level].split()[0]) for engine in ("exudyn", "pymunk"))
         ratio = exudyn / pymunk / (found["exudyn", level] / found["pymunk", level])

@@ -44,7 +44,7 @@ SETTINGS = {
 def check_installed() -> None:
     """Raise InputError where there is no Dask."""
     if not find_spec("distributed"):
-        raise InputError("--workers, --scheduler: dask is not installed: pip install '.[dask]'")
+        raise InputError("--workers, --scheduler: dask is not installed: pip install 'linkage-crosscheck[dask]'")
 
 
 @contextmanager

@@ -37,13 +37,14 @@ _CORE = "vector equations: dyads in closed form, larger groups by Newton; the re
 _DAE = "multibody DAE with Lagrange multipliers"
 _IMPULSES = "impulses, block Gauss-Seidel"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
+_CERTIFY = "'linkage-crosscheck[certify]'"
 ENTRIES = {
     name: Entry(purpose, f"{module}.engine", package, distribution, f"pip install {install}", everything=True)
     for name, purpose, module, package, distribution, install in (
         ("analytic", _CORE, "analytic", "numpy", "numpy", "numpy"),
         ("exudyn", _DAE, "sim_models.exudyn", "exudyn", "exudyn", "exudyn"),
         ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
-        ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", "'.[certify]'"),
+        ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
     )
 }
 ENTRIES |= outside.entries(ENTRIES)

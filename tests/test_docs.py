@@ -1,0 +1,59 @@
+"""README and docs/: what they show runs, in the order of the page, and what is made from the code is as the code is."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.reference import PAGE, page
+from compare.run import main
+from tests.comparisons import SLOW
+
+ROOT = Path(__file__).parents[1]
+BLOCK = re.compile(r"^```(console|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+COMMAND = re.compile(r"^\$ (.*?)(?:  # exit (\d+))?$", re.MULTILINE)
+RUN = re.compile(r"(linkage-crosscheck|python -m compare\.run)\b")
+SHOWN = {path.name: BLOCK.findall(path.read_text("utf-8")) for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]}
+QUICK = {"README.md"}  # the pages that are run by default
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in QUICK else SLOW) for n, blocks in SHOWN.items() if blocks]
+)
+@pytest.mark.usefixtures("few_settings")
+def test_what_a_page_shows_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    names: dict[str, Any] = {}
+    for kind, text in SHOWN[name]:
+        if kind == "python":
+            exec(compile(text, name, "exec"), names)
+        for command, status in COMMAND.findall(text):
+            assert ended(command) == int(status or 0), command
+
+
+def ended(command: str) -> int:
+    """Return the exit status of a command; the product's own runs here, with few settings and no further imports."""
+    own = RUN.match(command)
+    return main(shlex.split(command[own.end() :])) if own else subprocess.run(command, shell=True).returncode
+
+
+def test_the_reference_is_as_the_code() -> None:
+    assert PAGE.read_text("utf-8") == page(), "python -m benchmarks.reference"
+
+
+@SLOW
+def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
+    built = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--config-file", ROOT / "mkdocs.yml", "-d", tmp_path]
+    found = subprocess.run(built, capture_output=True, text=True, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"})
+    assert (found.returncode, found.stderr) == (0, "")
+    theory = (tmp_path / "theory" / "index.html").read_text("utf-8")
+    assert "<math" in theory
+    assert "arithmatex" not in theory
+    assert (tmp_path / "published" / "linkage.svg").exists()
