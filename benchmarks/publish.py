@@ -6,9 +6,9 @@ Needs `pip install -e '.[publish]'`.
 from pathlib import Path
 
 import pandas as pd
-import readme
 
 import scenes
+from benchmarks import readme
 from compare.engines.environment import environment
 from compare.engines.registry import DEFAULT_ENGINES
 from compare.hard.cases import forget, hard_cases
@@ -47,7 +47,7 @@ def main() -> None:
     readme.fill(shown)
     text = [
         f"# {scene.title}: published summary",
-        f"{setup(result)} Made by `python benchmarks/publish.py`. {notes(result)[0]}",
+        f"{setup(result)} Made by `python -m benchmarks.publish`. {notes(result)[0]}",
         *(_section(title, table) for title, table in (
             ("Engines at their default settings: largest relative errors", overview(result)),
             ("Cheapest settings for an error of the joint reactions, 72 samples a turn", shown["times"]),

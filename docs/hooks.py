@@ -19,8 +19,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for name, path in OUTSIDE.items():
         if (ROOT / path).exists():
             files.append(File.generated(config, name, content=_links((ROOT / path).read_text("utf-8"))))
-    for path in (ROOT / "results" / "published").iterdir():
-        files.append(File.generated(config, f"published/{path.name}", abs_src_path=str(path)))
+    for file in (ROOT / "results" / "published").iterdir():
+        files.append(File.generated(config, f"published/{file.name}", abs_src_path=str(file)))
     return files
 
 
