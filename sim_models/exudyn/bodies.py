@@ -12,6 +12,8 @@ import numpy as np
 from scenes import Failure, Scene, Status
 from scenes.scene import Body, ForceTable
 
+LIGHTER = 2.0**30  # times are the bodies of a kinematic scene than their unit of force suggests
+
 
 @dataclass(frozen=True)
 class ExudynBody:
@@ -58,7 +60,8 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
 
     Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
-    masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are.
+    masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are. In a kinematic
+    scene the gaps alone count: near a singular configuration, the round-off of forces would keep the norm up.
     """
     least, most = scene.drive.extent
     rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
@@ -67,7 +70,7 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     for load in scene.loads:
         forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
     forces += [spring.stiffness * size for spring in scene.springs]
-    largest = max(forces)
+    largest = max(forces) * (1.0 if scene.has_masses else LIGHTER)
     return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
 
 

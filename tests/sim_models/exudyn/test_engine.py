@@ -17,6 +17,7 @@ from sim_models.exudyn import engine as model
 from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from tests import scene_files
+from tests.absolute_coordinates import solve
 
 from .helpers import BOTH_ROUTES, CHEAP, by_level, dot, force, point, run
 
@@ -190,6 +191,13 @@ def test_kinematic_scene_has_no_forces_and_the_same_motion() -> None:
 
 
 # --- manners ---------------------------------------------------------------------------------------------------------
+
+
+def test_kinematic_linkage_close_to_its_change_points() -> None:
+    # Masses of 1 kg would take forces there whose round-off is above the tolerance of Newton's method.
+    scene = scene_files.load("parallelogram", {"bodies.crank.lengths.A-B": 0.299})
+    motion = run(scene, DEFAULT)
+    assert max(by_level(motion, solve(scene, *scene.drive.at(motion["time"]))).values()) <= DEFAULT.promise
 
 
 def test_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
