@@ -11,7 +11,9 @@ from scenes import Settings, Status
 
 from ..engines.runner import Run
 from ..engines.settings import tiers
+from .causes.evidence import NEARLY_ALL
 from .measure import Measurement
+from .verdict import share
 
 HELPED = {  # by other settings, at times
     Status.wrong_branch,
@@ -53,10 +55,17 @@ def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Sett
         return first, ""
     engine = first.run.engine
     if further[-1].run.status is not Status.ok:
-        return first, f"{engine}: {_ended(first, *further)}"
+        return replace(first, finer=_finer(first, further)), f"{engine}: {_ended(first, *further)}"
     taken = further[-1].run
     note = f": {taken.settings.note}" if taken.settings and taken.settings.note else ""
     return further[-1], f"{engine}: {_ended(first, *further[:-1])}; so {_label(taken)} was taken{note}"
+
+
+def _finer(first: Measurement, further: Iterable[Measurement]) -> str:
+    """Return which settings leave hardly any of the error over, and how much, or nothing."""
+    off = first.largest
+    left = min(((m.largest / off, _label(m.run)) for m in further if m.largest < NEARLY_ALL * off), default=None)
+    return f"{left[1]} leave {share(left[0])}" if left else ""
 
 
 def _ended(*failed: Measurement) -> str:

@@ -25,6 +25,7 @@ class Measurement:
     comparison: Comparison | None
     checks: list[Check]
     errors: pd.DataFrame  # one row a channel
+    finer: str = ""  # settings that fail too, and what they leave of the error, where that is hardly any
 
     def worst(self, figure: str = "max") -> dict[str, float]:
         """Return the largest of a column of the errors by channel group; a NaN counts as the largest."""
@@ -32,6 +33,11 @@ class Measurement:
             return {}
         groups, errors = self.errors["group"].to_numpy(str), self.errors[figure].to_numpy()
         return {str(group): float(errors[groups == group].max()) for group in np.unique(groups)}
+
+    @property
+    def largest(self) -> float:
+        """The largest error of all channels, not a number where none is known."""
+        return float(np.max([*self.worst().values()])) if not self.errors.empty else np.nan
 
     @property
     def estimate(self) -> float:

@@ -120,10 +120,16 @@ def sentences(
     """
     if doubt := reference.floor.doubt:
         return {REFERENCE: f"{REFERENCE}: {doubt}"}
-    failed = [m.run for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
+    failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2
     return {
-        run.engine: sentence(run.engine, cause(reference, sampling, run.motion), alone)
-        for run in failed
-        if run.motion is not None
+        m.run.engine: sentence(m.run.engine, _too_coarse(m) or cause(reference, sampling, m.run.motion), alone)
+        for m in failed
+        if m.run.motion is not None
     }
+
+
+def _too_coarse(measured: Measurement) -> Cause | None:
+    """Return that the settings are the cause, where others of the engine leave hardly any of the error."""
+    what = f"its settings are too coarse: of its error {measured.finer}"
+    return Cause(Kind.solver, "all", measured.finer, what) if measured.finer else None

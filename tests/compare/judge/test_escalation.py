@@ -1,6 +1,6 @@
 """What is tried after a failure, and what is said of it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import pandas as pd
 import pytest
@@ -20,6 +20,7 @@ class Engine:
     """One whose settings end as told; it remembers which were tried."""
 
     ends: dict[str, Status]
+    errors: dict[str, float] = field(default_factory=dict)  # the largest, where they return a motion
 
     def __post_init__(self) -> None:
         self.tried: list[str] = []
@@ -28,7 +29,9 @@ class Engine:
         self.tried.append(settings.label)
         status = self.ends.get(settings.label, Status.ok)
         reason = "" if status is Status.ok else f"{settings.label} is not enough"
-        return Measurement(Run("x", settings, status, reason), None, [], pd.DataFrame())
+        off = [self.errors[settings.label]] if settings.label in self.errors else []
+        table = pd.DataFrame({"group": ["velocity"] * len(off), "max": off})
+        return Measurement(Run("x", settings, status, reason), None, [], table)
 
 
 @pytest.fixture(autouse=True)
@@ -66,6 +69,23 @@ def test_where_nothing_helps_the_first_stays() -> None:
     measured, said = escalated(engine, offers("x", "balanced"))
     assert measured.run.settings == BALANCED
     assert said.endswith("exact ended diverged, exact is not enough; fast ended diverged, fast is not enough")
+
+
+@pytest.mark.parametrize(
+    ("errors", "finer"),
+    [
+        ({"balanced": 0.5, "exact": 0.07, "fast": 0.6}, "exact leave 14.0%"),
+        ({"balanced": 0.5, "exact": 0.08, "fast": 0.6}, ""),
+        ({"balanced": 0.5, "fast": 0.6}, ""),
+        ({"exact": 0.07, "fast": 0.6}, ""),
+        ({"balanced": 0.5, "exact": float("nan"), "fast": 0.6}, ""),
+        ({"balanced": float("nan"), "exact": 0.07, "fast": 0.6}, ""),
+        ({"balanced": 0.0, "exact": 0.0, "fast": 0.0}, ""),
+    ],
+)
+def test_settings_that_leave_hardly_any_of_the_error_are_named(errors: dict[str, float], finer: str) -> None:
+    engine = Engine(dict.fromkeys(("fast", "balanced", "exact"), Status.inaccurate), errors)
+    assert escalated(engine, offers("x", "balanced"))[0].finer == finer
 
 
 @pytest.mark.parametrize("status", [Status.cannot_assemble, Status.crashed, Status.timed_out])

@@ -198,6 +198,9 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
         ]
         == line
     )
+    measured[1] = replace(measured[1], finer="more steps leave 1.0%")
+    line = "exudyn: its settings are too coarse: of its error more steps leave 1.0%"
+    assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
     doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
     assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
     unknown = Cause(Kind.unknown, "", "", "the cause is unknown")
