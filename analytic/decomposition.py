@@ -18,7 +18,7 @@ from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
 from .group_equations import Group, PinJoint, SlideJoint
-from .numbers import Number, Vector, chosen
+from .numbers import Number, Vector, alike, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
 
@@ -146,7 +146,7 @@ class _Placed:
     """What is placed so far: bodies, the ground among them, and their points."""
 
     def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
-        self.scene, self.bodies = scene, bodies
+        self.scene, self.bodies, self.at = scene, bodies, sketched(scene)
         self.points = set(scene.ground)
         slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
         self.slid = {name: {other for pair in slides if name in pair for other in pair} for name in scene.bodies}
@@ -203,7 +203,7 @@ def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
 
 
 def _inner_pin(placed: _Placed, P: str, one: Leg, two: Leg) -> InnerPin:
-    at = sketched(placed.scene)
+    at = placed.at
     if isinstance(one, Guided) and isinstance(two, Pinned):
         one, two = two, one
     if isinstance(one, Pinned) and isinstance(two, Pinned):
@@ -221,8 +221,7 @@ def _inner_slide(placed: _Placed, one: Leg, two: Leg, guide: Guided) -> InnerSli
     assert isinstance(two, Pinned)
     if isinstance(one, Guided):
         return InnerSlide((one, two), guide, _crossing(placed, one, guide))
-    at = sketched(placed.scene)
-    ahead = ((at[one.A] - at[two.A]) * placed.direction(guide).conjugate()).real
+    ahead = ((placed.at[one.A] - placed.at[two.A]) * placed.direction(guide).conjugate()).real
     return InnerSlide((one, two), guide, _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}"))
 
 
@@ -233,9 +232,9 @@ def _crossing(placed: _Placed, one: Guided, two: Guided) -> Number:
 
 
 def _sign(value: Number, why_not: str) -> Number:
-    """Return the sign of a machine's value; of several, NaN where it is zero."""
+    """Return the sign of a machine's value; of several, NaN where it is zero, or one for all where it is the same."""
     if np.ndim(value):
-        return np.where(value == 0, np.nan, np.sign(value))
+        return alike(np.where(value == 0, np.nan, np.sign(value)))
     if value == 0:
         raise Failure(Status.unsupported, f"the sketch leaves the assembly branch open: {why_not}")
     return 1 if value > 0 else -1

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from scenes.motion import Samples
 
-from .numbers import Number, Vector, chosen, largest, least, samples
+from .numbers import Number, Vector, alike, chosen, largest, least, samples
 
 Vectors: TypeAlias = NDArray[np.complex128]  # shape (n,)
 
@@ -46,7 +46,7 @@ def rrr_reach(r1: Number, r2: Number, d: Samples) -> Samples:
     """
     long, short = largest(r1, r2), least(r1, r2)
     stretched = short - (d - long)
-    near = long <= 2 * short
+    near = alike(long <= 2 * short)
     folded = (d - chosen(near, long - short, long)) + chosen(near, 0.0, short)
     reach: Samples = (d + (long + short)) * stretched * (d + (long - short)) * folded
     return reach

@@ -3,6 +3,7 @@
 import cmath
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
 from scenes.scene import GROUND, Body, Scene
 
@@ -76,7 +77,7 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
     """
     points = {name: list(body.local.values()) for name, body in bodies.items()}
     points[GROUND] = [as_complex(xy) for xy in scene.ground.values()]
-    arms = [abs(a - b) for own in points.values() for a in own for b in own]
+    arms = [abs(a - b) for own in points.values() for a, b in combinations(own, 2)]
     for slide in (body.slide for body in scene.bodies.values() if body.slide is not None):
         t, through = as_complex(slide.along), as_complex(slide.through)
         arms += [abs(cross(t, point - through)) for point in points[slide.on]]
@@ -88,8 +89,9 @@ def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
 def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
     """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
     assert body.lengths is not None
-    lengths, at = body.lengths, sketched(scene)
+    lengths = body.lengths
     first, second, *others = body.points
+    at = sketched(scene) if others else {}
     local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}
     for C in others:
         A, B = body.bases(C)

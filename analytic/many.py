@@ -21,7 +21,7 @@ from .kinematics import kinematics
 from .kinetostatics import Reactions, StrokeEnds
 from .misfit import of_dyad
 from .motion_range import in_line
-from .numbers import of_machines
+from .numbers import of_machines, row_by_row
 from .placing import Kinematics
 from .solve import BLOCK, Answer, Solver, driven_at, prepared, sentence, where_open
 
@@ -139,15 +139,16 @@ class ManySolver:
         position = np.asarray(position, np.float64)
         shape = (self.count, position.shape[-1])
         _, first = self.parts[0]
-        answer = Answer(self.scene, first.linkage, first.request, shape, np.float64)
+        answer = Answer(first, shape, np.float64)
         endings = Endings(self.count, self.failed)
         for block in self.blocks(position, time, endings):
             finite: NDArray[np.bool_] = np.array(True)
             for row, values in answer.taken(block.k, block.on):
-                row[block.rows, block.columns] = values
-                finite = finite & np.isfinite(np.sum(values, axis=-1))
+                part = row[block.rows, block.columns]
+                part[...] = values
+                finite = finite & np.isfinite(part.view(np.float64).sum(axis=-1))
                 if block.unreached is not None:
-                    row[block.rows, block.columns][block.unreached] = NOWHERE if np.iscomplexobj(row) else np.nan
+                    part[block.unreached] = NOWHERE if np.iscomplexobj(row) else np.nan
             endings.check(block.rows, finite)
         instants, _ = driven_at(self.scene, position, time)
         samples = answer.samples(*(np.broadcast_to(x, shape) for x in (instants, position)))
@@ -156,8 +157,8 @@ class ManySolver:
     def blocks(self, position: Any, time: ArrayLike | None, endings: "Endings") -> Iterator[Block]:
         """Yield what is known of blocks of machines and positions, whose temporaries stay in cache."""
         n = position.shape[-1]
-        height = max(1, BLOCK // n)
-        with np.errstate(all="ignore"):  # what is not finite gets a status
+        height = max(1, 2 * BLOCK // n)  # numbers of machines are cut for each block, which is best done seldom
+        with np.errstate(all="ignore"), row_by_row(n):  # what is not finite gets a status
             for whole, solver in self.parts_and_ones(endings):
                 some = of_machines(solver) if height < whole.stop - whole.start else None
                 for first in range(whole.start, whole.stop, height):
@@ -185,9 +186,9 @@ class ManySolver:
         """Yield some machines after others, then those of which a larger group is to be followed alone."""
         yield from self.parts
         _, some = self.parts[0]
-        each = of_machines((self.scene, self.whole))
         for machine in sorted(endings.alone):
             endings.alone.remove(machine)
+            each = of_machines((self.scene, self.whole))
             try:
                 one, groups = each((machine, 0))
                 yield slice(machine, machine + 1), prepared(one, groups, some.request.channels)

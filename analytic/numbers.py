@@ -3,11 +3,12 @@
 Plain numbers take the precision of the positions that they meet, as NumPy has it of Python's own.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import is_dataclass
 from functools import reduce
-from math import sqrt
+from math import ceil, sqrt
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -15,16 +16,18 @@ from numpy.typing import NDArray
 
 Number: TypeAlias = Any  # float, or real samples of shape (m, 1)
 Vector: TypeAlias = Any  # complex, or complex samples of shape (m, 1)
+PLAIN = (float, int)
+LEAVES = {float, str, int, bool, complex}
 
 
 def largest(*numbers: Number) -> Number:
     """Return the largest number, machine by machine."""
-    return max(numbers) if _plain(*numbers) else reduce(np.maximum, numbers)
+    return reduce(np.maximum, _plain_first(max, numbers))
 
 
 def least(*numbers: Number) -> Number:
     """Return the least number, machine by machine."""
-    return min(numbers) if _plain(*numbers) else reduce(np.minimum, numbers)
+    return reduce(np.minimum, _plain_first(min, numbers))
 
 
 def chosen(condition: Any, yes: Any, no: Any) -> Any:
@@ -36,7 +39,25 @@ def chosen(condition: Any, yes: Any, no: Any) -> Any:
 
 def root(number: Number) -> Number:
     """Return the square root, zero of what is negative."""
-    return sqrt(max(number, 0.0)) if _plain(number) else np.sqrt(np.maximum(number, 0.0))
+    return sqrt(max(number, 0.0)) if isinstance(number, PLAIN) else np.sqrt(np.maximum(number, 0.0))
+
+
+def alike(numbers: Number) -> Number:
+    """Return numbers of machines as a plain one where they are all the same."""
+    return numbers.item(0) if isinstance(numbers, np.ndarray) and (numbers == numbers[0]).all() else numbers
+
+
+@contextmanager
+def row_by_row(n: int) -> Iterator[None]:
+    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample.
+
+    It makes copies where its buffer holds several rows; short rows are better off with them.
+    """
+    before = np.setbufsize(16 * ceil(n / 16) if 100 <= n <= np.getbufsize() else np.getbufsize())
+    try:
+        yield
+    finally:
+        np.setbufsize(before)
 
 
 def samples(number: Any) -> NDArray[Any]:
@@ -54,7 +75,7 @@ def of_machines(whole: Any) -> Callable[[Any], Any]:
 
 
 def _parts(whole: Any) -> Callable[[Any], Any] | None:
-    if whole is None or isinstance(whole, float | str | int | complex):  # most of what there is
+    if whole is None or type(whole) in LEAVES:  # most of what there is
         return None
     if isinstance(whole, np.ndarray):
         return whole.__getitem__ if whole.ndim > 1 and whole.shape[1] == 1 else None
@@ -85,5 +106,8 @@ def _changed(values: dict[Any, Any], found: Mapping[Any, Callable[[Any], Any]], 
     return values
 
 
-def _plain(*numbers: Number) -> bool:
-    return all(isinstance(number, int | float) for number in numbers)
+def _plain_first(one: Callable[[Iterable[float]], float], numbers: Sequence[Number]) -> list[Number]:
+    """Return the one of the plain numbers, if there are any, and the others."""
+    plain = [number for number in numbers if isinstance(number, PLAIN)]
+    others = [number for number in numbers if not isinstance(number, PLAIN)]
+    return [one(plain), *others] if plain else others

@@ -1,9 +1,9 @@
 """Scene and positions of the drive in, motion out: block by block, so that every temporary stays in cache."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,8 +25,10 @@ from .misfit import of_dyad, of_group
 from .motion_range import describe
 from .placing import Kinematics
 
-# Positions; a complex temporary stays under 128 KiB, from where on the allocator maps fresh pages for each.
-BLOCK = 8000
+BLOCK = 8000  # positions, whose temporaries stay in cache
+# glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
+# back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
+np.empty(31 << 17)
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
 
 MotionAt: TypeAlias = Callable[[Scene, Linkage, Driven], Kinematics]
@@ -104,7 +106,7 @@ class Solver:
         position = np.array(position, dtype=np.float32 if single else np.float64)
         time, driven = driven_at(scene, position, time)
         motion_at = motion_at or partial(kinematics, rates=self.rates)
-        answer = Answer(scene, linkage, self.request, position.shape, position.dtype)
+        answer = Answer(self, position.shape, position.dtype)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
             for start in range(0, len(position), BLOCK):
                 block = slice(start, start + BLOCK)
@@ -114,28 +116,44 @@ class Solver:
                     row[block] = values
         return Motion(answer.samples(time, position))
 
-    @property
+    @cached_property
+    def known(self) -> tuple[str, ...]:
+        """The channels wanted that are no model's own, in the order of the files."""
+        return self.request.wanted(self.scene)
+
+    @cached_property
+    def vectors(self) -> Mapping[tuple[str, ...], FromBoth]:
+        """The channels wanted that are a vector's, and what they are taken from."""
+        return _chosen(vector_channels(self.scene), self.request.channels)
+
+    @cached_property
+    def scalars(self) -> Mapping[tuple[str, ...], FromBoth]:
+        """The other channels wanted."""
+        return _chosen(scalar_channels(self.scene, self.linkage), self.request.channels)
+
+    @cached_property
     def rates(self) -> bool:
         """Whether any channel wanted needs velocities or accelerations."""
-        return any(quantity(channel) not in STILL for channel in self.request.wanted(self.scene))
+        return any(quantity(channel) not in STILL for channel in self.known)
+
+    @cached_property
+    def forces(self) -> bool:
+        """Whether any channel wanted is a force."""
+        return self.request.wants_forces(self.scene)
 
     def reactions(self, k: Kinematics) -> Reactions:
         """Return the reactions that are wanted, or none."""
-        if not self.request.wants_forces(self.scene):
+        if not self.forces:
             return Reactions()
         return kinetostatics(self.scene, self.linkage, self.stroke_ends, k, self.request.channels)
 
 
 class Answer:
-    """The channels asked for, and where their samples go, of any shape of positions."""
+    """Where the samples of the channels that a solver is asked for go, of any shape of positions."""
 
-    def __init__(
-        self, scene: Scene, linkage: Linkage, request: Request, shape: tuple[int, ...], precision: DTypeLike
-    ) -> None:
-        self.known = dict.fromkeys(request.wanted(scene))
-        self.drive_channel = scene.drive_channel
-        self.vectors = _chosen(vector_channels(scene), request.channels)
-        self.scalars = _chosen(scalar_channels(scene, linkage), request.channels)
+    def __init__(self, solver: Solver, shape: tuple[int, ...], precision: DTypeLike) -> None:
+        self.known, self.vectors, self.scalars = solver.known, solver.vectors, solver.scalars
+        self.drive_channel = solver.scene.drive_channel
         # Two large arrays: the system hands those out in huge pages, many small ones cost several times their writing.
         self.planes = np.empty((len(self.vectors), *shape), np.result_type(precision, np.complex64))
         self.lines = np.empty((len(self.scalars), *shape), precision)

@@ -125,7 +125,7 @@ def reduce_many(
     _, first = many.parts[0]
     for block in many.blocks(positions, None, endings):
         shape = (block.rows.stop - block.rows.start, block.columns.stop - block.columns.start)
-        answer = Answer(many.scene, first.linkage, first.request, shape, np.float64)
+        answer = Answer(first, shape, np.float64)
         samples = answer.filled(block.k, block.on, block.position)
         for reduction in reductions:
             values = samples[reduction.channel]

@@ -21,6 +21,7 @@ Change: TypeAlias = Callable[[str, Any, Callable[[Any], Any]], Any]
 
 MORE_THAN_ZERO = {"lengths", "last", "stiffness"}
 NOT_NEGATIVE = {"mass", "inertia", "length"}
+KEPT = "numbers"  # in a scene, as of a cached property of it: they are asked for with every set of machines
 
 
 def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
@@ -42,7 +43,7 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
     def change(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
         return to_si(arrays[path][:, None]) if path in arrays else value
 
-    return with_numbers(scene, change)
+    return with_numbers(scene, change, arrays)
 
 
 def numbers_of(scene: Scene) -> Mapping[str, tuple[Any, float]]:
@@ -54,14 +55,17 @@ def numbers_of(scene: Scene) -> Mapping[str, tuple[Any, float]]:
     Returns:
         By path: the number in SI, and what the file's unit of it is in SI.
     """
-    found: dict[str, tuple[Any, float]] = {}
+    if KEPT not in vars(scene):
+        found: dict[str, tuple[Any, float]] = {}
 
-    def note(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
-        found[path] = value, to_si(1.0)
-        return value
+        def note(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
+            found[path] = value, to_si(1.0)
+            return value
 
-    with_numbers(scene, note)
-    return found
+        with_numbers(scene, note)
+        vars(scene)[KEPT] = found
+    kept: Mapping[str, tuple[Any, float]] = vars(scene)[KEPT]
+    return kept
 
 
 def at_path(scene: Scene, path: str, known: Collection[str]) -> str:
@@ -78,8 +82,9 @@ def at_path(scene: Scene, path: str, known: Collection[str]) -> str:
     return found
 
 
-def with_numbers(scene: Scene, change: Change) -> Scene:
-    """Return a scene with other numbers."""
+def with_numbers(scene: Scene, change: Change, paths: Collection[str] | None = None) -> Scene:
+    """Return a scene with other numbers, at these paths or at any."""
+    changed = None if paths is None else {".".join(path.split(".")[:2]) for path in paths}
     units = {name: size for name, (_, size) in scene.units.items()}
     length, speed, force = (partial(_times, units[name]) for name in ("length", "speed", "force"))
     drive = scene.drive
@@ -91,7 +96,12 @@ def with_numbers(scene: Scene, change: Change) -> Scene:
             start=change("drive.start", drive.start, along),
             end=None if drive.end is None else change("drive.end", drive.end, along),
         )
-    bodies = MappingProxyType({name: _body(body, change, units) for name, body in scene.bodies.items()})
+    bodies = MappingProxyType(
+        {
+            name: _body(body, change, units) if changed is None or f"bodies.{name}" in changed else body
+            for name, body in scene.bodies.items()
+        }
+    )
     return replace(
         scene,
         gravity=None if scene.gravity is None else _pair("gravity", scene.gravity, change, _as_it_is),
@@ -109,8 +119,9 @@ def refused(scene: Scene) -> dict[int, str]:
     """Return which of many machines have a number that no file may have, and why: the first thing that does not fit."""
     why: dict[int, str] = {}
     for place, fits, found in _demands(scene):
-        for machine in np.flatnonzero(~np.ravel(fits)).tolist():
-            why.setdefault(machine, f"{place}, found {np.ravel(found)[machine]:g}")
+        if not fits.all():
+            for machine in np.flatnonzero(~np.ravel(fits)).tolist():
+                why.setdefault(machine, f"{place}, found {np.ravel(found)[machine]:g}")
     return why
 
 
@@ -208,17 +219,19 @@ def _spring(place: str, spring: Spring, change: Change, units: Mapping[str, floa
 
 def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
     """Yield what is demanded of numbers that differ, where it is so, and the numbers in the file's units."""
-    for place, value, size, smallest, largest, limits in sized(scene):
-        if np.ndim(value):
-            keys = {*place.split(".")[-2:]}
+    for one in sized(scene):
+        place, value = one.place, one.value
+        if isinstance(value, np.ndarray):
+            keys, found = {*place.split(".")[-2:]}, value / one.size
             if place == "drive.speed":
-                yield f"{place}: expected a speed other than zero", value != 0, value / size
+                yield f"{place}: expected a speed other than zero", value != 0, found
             elif keys & MORE_THAN_ZERO:
-                yield f"{place}: expected more than zero", value > 0, value / size
+                yield f"{place}: expected more than zero", value > 0, found
             elif keys & NOT_NEGATIVE:
-                yield f"{place}: expected zero or more", value >= 0, value / size
-            fits = (value == 0) | ((smallest <= abs(value)) & (abs(value) <= largest))
-            yield f"{place}: expected a size {limits}", fits, value / size
+                yield f"{place}: expected zero or more", value >= 0, found
+            size = abs(value)
+            fits = (value == 0) | ((one.smallest <= size) & (size <= one.largest))
+            yield f"{place}: {one.expected}", fits, found
     for number, load in enumerate(scene.loads):
         if isinstance(load, PressForce) and np.ndim(push := _along(load, scene.bodies)):
             yield f"loads.{number}.force: expected a part along the guide", push != 0, push

@@ -26,7 +26,8 @@ class _Channels:
 
     def wants_forces(self, scene: Scene) -> bool:
         """Return whether any force channel is wanted; if not, no model needs to find one."""
-        return not set(force_channels(scene)).isdisjoint(self.wanted(scene))
+        forces = force_channels(scene)
+        return bool(forces) if self.channels is None else not self.channels.isdisjoint(forces)
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,26 @@
 """Whether the numbers of a scene are of a size that all models can take."""
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 from .errors import InputError
 from .scene import ForceTable, MotionLaw, PressForce, Scene
+
+
+class Sized(NamedTuple):
+    """A number of the scene, and of what size it may be; zero is for others."""
+
+    place: str  # in the file
+    value: Any  # SI
+    unit: str
+    size: float  # of the unit, SI
+    smallest: float  # SI
+    largest: float
+
+    @property
+    def expected(self) -> str:
+        """Return what a message expects."""
+        return f"expected a size from {self.smallest / self.size:.2g} to {self.largest / self.size:.2g} {self.unit}"
 
 
 def check_sizes(scene: Scene) -> None:
@@ -13,19 +29,18 @@ def check_sizes(scene: Scene) -> None:
     Raises:
         InputError: `<path in the file>: <what was expected>`, for the first such number.
     """
-    for place, value, size, smallest, largest, limits in sized(scene):
-        if value != 0 and not smallest <= abs(value) <= largest:
-            raise InputError(f"{place}: expected a size {limits}, found {value / size:g}")
+    for number in sized(scene):
+        if number.value != 0 and not number.smallest <= abs(number.value) <= number.largest:
+            raise InputError(f"{number.place}: {number.expected}, found {number.value / number.size:g}")
 
 
-def sized(scene: Scene) -> Iterator[tuple[str, Any, float, float, float, str]]:
-    """Yield place in the file, value, its unit, smallest and largest size, and both in words; zero is for others."""
+def sized(scene: Scene) -> Iterator[Sized]:
+    """Yield the numbers of a scene."""
     (length, m), (mass, kg), (force, N) = (scene.units[name] for name in ("length", "mass", "force"))
     units = {**scene.units, "inertia": (f"{mass}*{length}^2", kg * m**2), "stiffness": (f"{force}/{length}", N / m)}
     units |= {"time": ("s", 1.0), "gravity": ("m/s^2", 1.0)}
     for place, quantity, value, smallest, largest in _sizes(scene):
-        unit, size = units[quantity]
-        yield place, value, size, smallest, largest, f"from {smallest / size:.2g} to {largest / size:.2g} {unit}"
+        yield Sized(place, value, *units[quantity], smallest, largest)
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, str, Any, float, float]]:
