@@ -74,7 +74,7 @@ class PymunkSimulation:
         start: Poses,
     ) -> None:
         self._scene, self._sampling, self._linkage, self._runs = linkage.scene, sampling, linkage, runs
-        self._stroke_ends, self._start, self._branch = stroke_ends, start, branch(linkage.jacobian(start))
+        self._stroke_ends, self._branch = stroke_ends, branch(linkage.jacobian(start))
         self._wanted = frozenset(sampling.wanted(linkage.scene))
         self._q: Poses = start
         self._channels: Mapping[str, Samples] = {}
@@ -135,10 +135,10 @@ class PymunkSimulation:
             check_finite(self._scene, samples)
             found += [self._confirmed(run) for run in runs if run.joints]
         except Failure:
-            check_way(linkage, self._start)
+            check_way(self._scene)
             raise
         if not assembles(linkage, self._q, self._sampling.commanded(self._scene)):
-            check_way(linkage, self._start)
+            check_way(self._scene)
         names = dict.fromkeys(chain(*found))
         return {name: max(residuals[name] for residuals in found if name in residuals) for name in names}
 

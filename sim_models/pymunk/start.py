@@ -16,6 +16,7 @@ from scenes.motion import Samples
 from scenes.scene import GROUND
 
 from .constraints import LinkageConstraints, Masses, Poses, branch
+from .masses import fictitious_masses
 from .misfit import misfit
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
@@ -125,14 +126,26 @@ def _angle(known: Iterable[Samples]) -> float:
     return float(np.angle(sum(fits)))
 
 
-def check_way(linkage: LinkageConstraints, q: Poses) -> None:
-    """Move the pose q at the drive's start through the drive's whole range.
+def check_way(scene: Scene) -> None:
+    """Move the pose at the drive's start through the drive's whole range.
 
     Raises:
         Failure: cannot_assemble, or nearly singular not_converged, somewhere on the way, with the drive's position.
     """
-    for end in linkage.scene.drive.extent:
-        move(linkage, q, linkage.scene.drive.start, end)
+    if found := _obstacle(scene):
+        raise Failure(*found)
+
+
+@lru_cache(SCENES)
+def _obstacle(scene: Scene) -> tuple[Status, str] | None:
+    """Return what is in the way, or nothing; once a scene, whose settings fail one by one."""
+    linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
+    try:
+        for end in scene.drive.extent:
+            move(linkage, q, scene.drive.start, end)
+    except Failure as failure:
+        return failure.status, failure.reason
+    return None
 
 
 def assembles(linkage: LinkageConstraints, q: Poses, positions: Samples) -> bool:

@@ -1,5 +1,7 @@
 """What each shipped scene is: its geometry and figures from its source, by hand or by formulas of their own."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -8,6 +10,7 @@ import analytic
 import scenes
 from scenes import Motion
 from scenes.scene import GROUND
+from tests import scene_files
 
 Angles = NDArray[np.float64]
 
@@ -118,6 +121,65 @@ def test_walking_leg_has_the_foot_path_of_jansen() -> None:
     assert abs(stance.mean() - 0.4) <= 0.01  # of the turn is the foot on the ground, flat to a hundredth of its stride,
     assert np.ptp(path.real[stance]) >= 0.75 * stride  # along three quarters of it,
     assert (np.diff(path.real, append=path.real[0])[stance] > 0).all()  # and never slips back
+
+
+def test_peaucellier_draws_an_exact_straight_line() -> None:
+    motion = turned("peaucellier", np.radians(np.linspace(-30, 100, 131)))
+    place, velocity = (motion[f"D.{level}x"] + 1j * motion[f"D.{level}y"] for level in ("", "v"))
+    to_line = 0.8 + 0.6j  # from O to Q, and to the line
+    assert np.abs((to_line.conjugate() * place).real - (0.250**2 - 0.120**2) / (2 * 0.100)).max() <= 2e-15  # m, rounding
+    assert np.abs((to_line.conjugate() * velocity).real).max() <= 1e-14 * np.abs(velocity).max()
+    assert np.ptp((to_line.conjugate() * place).imag) > 0.3  # m
+
+
+# --- Andrews' squeezing mechanism, by the Test Set for IVP Solvers ---------------------------------------------------
+
+
+class SqueezerState(NamedTuple):
+    """A published state, rad and s: of the crank, of the bodies k3, k5 and k7, and the multipliers, N."""
+
+    crank: tuple[float, float, float]  # position, rate, acceleration
+    angles: tuple[float, float, float]  # γ, δ, ε
+    multipliers: tuple[float, ...]
+    accuracy: float  # relative, of rates, accelerations and forces: how well it is on its own constraints
+
+
+SQUEEZER = {
+    "initial values": SqueezerState(
+        (-0.0617138900142764496, 0.0, 14222.4439199541138706),
+        (0.455279819163070380, 0.487364979543842550, 1.23054744454982119),
+        (98.5668703962410896, -6.12268834425566266, 0.0, 0.0, 0.0, 0.0),
+        1e-12,
+    ),
+    "reference solution at 0.03 s": SqueezerState(
+        (15.81077119629904, 1139.920302151208, -24631.76316945196),
+        (0.04082224013073101, 0.5244099658805304, 1.048080741042263),
+        (199.1753333731910, -29.75531228015052, 23.06654119098399, 31.45271365475927, 22.64249232082739, 11.61740700019673),
+        3e-7,
+    ),
+}
+
+
+@pytest.mark.parametrize("state", SQUEEZER.values(), ids=SQUEEZER)
+def test_andrews_squeezer_at_published_states(state: SqueezerState) -> None:
+    """Its equations are driven by a moment of 0.033 N m, so here this much must follow from the crank's motion."""
+    (position, rate, acceleration), (gamma, delta, epsilon) = state.crank, state.angles
+    t = np.linspace(-5e-4, 5e-4, 11)
+    law = np.degrees(position + t * (rate + t * acceleration / 2))
+    drive = {"body": "k1", "law": [*zip((t - t[0]).tolist(), law.tolist(), strict=True)]}
+    scene = scene_files.load("andrews_squeezer", {"drive": drive})
+    motion = analytic.solve(scene, np.array([position]), np.array([5e-4]))
+    a, b = -0.06934 - 0.00227j, -0.03635 + 0.03273j  # m, the pivots on the ground
+    places = {
+        "E": b - 0.035j * np.exp(1j * gamma),
+        "G": a + 0.040 * np.exp(1j * delta),
+        "H": a - 0.040j * np.exp(1j * epsilon),
+    }
+    for point, place in places.items():
+        assert abs(motion[f"{point}.x"][0] + 1j * motion[f"{point}.y"][0] - place) <= 2e-15, point  # m, rounding
+    forces = [motion[f"{pin}.{axis}"][0] for pin in ("E", "E/k4", "E/k6") for axis in ("fx", "fy")]
+    assert np.abs(np.array(forces) - state.multipliers).max() <= state.accuracy * max(state.multipliers)
+    assert abs(motion["drive.torque"][0] / 0.033 - 1) <= state.accuracy
 
 
 # --- geometry of their own ------------------------------------------------------------------------------------------
