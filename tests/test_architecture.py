@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import analytic.engine
+import sim_models.casadi.engine
 import sim_models.exudyn.engine
 import sim_models.multiprecision.engine
 import sim_models.pymunk.engine
@@ -113,6 +114,7 @@ ENGINES: tuple[Engine[Any], ...] = (  # mypy holds each module to the protocol
     analytic.engine,
     sim_models.exudyn.engine,
     sim_models.pymunk.engine,
+    sim_models.casadi.engine,
     sim_models.multiprecision.engine,
 )
 

@@ -1,0 +1,204 @@
+"""A scene as symbols: constraints, energies and work in absolute coordinates, and CasADi's derivatives of them.
+
+The coordinates x of a body are the place of its frame's origin, over the linkage's size, and its angle. With the
+constraints C(x) = e s, s the position of the drive in its own unit and e the last unit vector,
+
+    C_x v = e s',    C_x a = e s'' - (C_x v)_x v,    C_x^T l = d/dt (dL/dv) - dL/dx - Q,    L = T - V.
+
+The rows of C are in the order of the scene's force channels, each over its unit: of a pin second - first, so that its
+multiplier is the force of the first body on the second; of a slide the offset of the slider's first point along the
+guide's normal, and the slider's angle from the guide's.
+"""
+
+from functools import cached_property
+from math import dist
+from typing import Any
+
+import casadi
+import numpy as np
+from casadi import SX, Function, jacobian, jtimes, vertcat
+
+from scenes import Scene
+from scenes.loads import Force, ForceTable, Load, Spring
+from scenes.motion import Samples
+from scenes.scene import GROUND
+
+from .bodies import casadi_body
+
+TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by +90 degrees
+
+
+class Linkage:
+    """The symbols of one scene, whose numbers may be symbols too; nothing is compiled before it is asked for."""
+
+    def __init__(self, scene: Scene, size: float | None = None) -> None:
+        """Set up the symbols; the size, m, changes nothing but roundings, and is needed where lengths are symbols.
+
+        Raises:
+            Failure: see `bodies`.
+        """
+        self.scene = scene
+        self.index = {name: number for number, name in enumerate(scene.bodies)}
+        self.bodies = {name: casadi_body(scene, body) for name, body in scene.bodies.items()}
+        self.size = size or self._size()
+        count = 3 * len(self.index)
+        self.x, self.v, self.a = (SX.sym(name, count) for name in "xva")
+        self.units = np.tile([self.size, self.size, 1.0], len(self.index))
+        self._q = self.x * self.units
+        self.drive_unit = 1.0 if scene.driven_slide is None else self.size
+        sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
+        first = 2 * len(scene.pins)
+        self.rows_of_slides = {name: [first + 2 * row, first + 2 * row + 1] for row, name in enumerate(sliders)}
+        pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
+        self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
+        rows = vertcat(*pins, *map(self._slide, sliders), self.drive_position)
+        self.constraints = rows / self.row_units
+
+    # --- geometry -----------------------------------------------------------------------------------------------------
+
+    def angle(self, body: str) -> Any:
+        """Return the angle of a body's x axis, rad."""
+        return 0.0 if body == GROUND else self._q[3 * self.index[body] + 2]
+
+    def turned(self, body: str, vector: Any) -> Any:
+        """Return a vector of a body's frame in that of the ground."""
+        c, s = casadi.cos(self.angle(body)), casadi.sin(self.angle(body))
+        return vertcat(c * vector[0] - s * vector[1], s * vector[0] + c * vector[1])
+
+    def place(self, body: str, local: Any) -> Any:
+        """Return where a place in a body's frame is, m."""
+        if body == GROUND:
+            return vertcat(*local)
+        first = 3 * self.index[body]
+        return self._q[first : first + 2] + self.turned(body, local)
+
+    def point(self, body: str, name: str) -> Any:
+        """Return where a body has a point, m."""
+        if body == GROUND:
+            return vertcat(*self.scene.ground[name])
+        points = self.bodies[body].points
+        return self.place(body, casadi.vertsplit(points[name]))
+
+    def displacement(self, body: str) -> Any:
+        """Return how far a body that slides on the ground is along its guide, m."""
+        return self._from_guide(body, turned=False)
+
+    @property
+    def drive_position(self) -> Any:
+        """The position of the drive, rad or m."""
+        body = self.scene.drive.body
+        return self.angle(body) if self.scene.driven_slide is None else self.displacement(body)
+
+    def _slide(self, body: str) -> Any:
+        slide = self.scene.bodies[body].slide
+        assert slide is not None
+        return vertcat(self._from_guide(body, turned=True), self.angle(body) - self.angle(slide.on))
+
+    def _from_guide(self, body: str, *, turned: bool) -> Any:
+        """Return where a slider's first point is from `through`, along its guide or, turned, across it, m."""
+        slide = self.scene.bodies[body].slide
+        assert slide is not None
+        along = vertcat(*slide.along)
+        axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if turned else along))
+        way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
+        return casadi.dot(axis, way)
+
+    def _size(self) -> float:
+        """Return the largest distance between two points of a body or of the ground, or of a slider's travel, m."""
+        frames = [[*map(_floats, body.points.values())] for body in self.bodies.values()]
+        frames.append([*self.scene.ground.values()])
+        travel = 0.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
+        return max(travel, *(dist(p, q) for points in frames for p in points for q in points))
+
+    # --- forces -------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def required(self) -> Any:
+        """d/dt (dT/dv) - d(T - V)/dx - Q: what the multipliers hold, by coordinates."""
+        x, v, a = self.x, self.v, self.a
+        kinetic, potential, work = 0.0, 0.0, SX.zeros(x.shape)
+        for name, body in self.bodies.items():
+            com = self.place(name, casadi.vertsplit(body.com))
+            omega = v[3 * self.index[name] + 2]
+            kinetic += (body.mass * casadi.sumsqr(jtimes(com, x, v)) + body.inertia * omega**2) / 2
+            if self.scene.gravity is not None:
+                potential -= body.mass * casadi.dot(vertcat(*self.scene.gravity), com)
+        potential += sum(self._stored(spring) for spring in self.scene.springs)
+        for number, load in enumerate(self.scene.loads):
+            work += jtimes(self.point(load.body, load.at), x, self._force(number, load), True)
+        momentum = casadi.gradient(kinetic, v) if self.bodies else v
+        return jtimes(momentum, x, v) + jtimes(momentum, v, a) - casadi.gradient(kinetic - potential, x) - work
+
+    def _stored(self, spring: Spring) -> Any:
+        """Return a spring's energy; without a free length that has a derivative at no length too."""
+        way = self.point(*spring.second) - self.point(*spring.first)
+        free = spring.length
+        return spring.stiffness / 2 * (casadi.sumsqr(way) if _is_zero(free) else (casadi.norm_2(way) - free) ** 2)
+
+    @cached_property
+    def stroke_ends(self) -> Any:
+        """Where the strokes of the press forces end, m, by load; not a number of others. To be given to functions."""
+        return SX.sym("end", len(self.scene.loads))
+
+    def _force(self, number: int, load: Load) -> Any:
+        """Return the force of a load, N."""
+        if isinstance(load, Force):
+            return vertcat(*load.force)
+        slide, x = self.scene.bodies[load.body].slide, self.displacement(load.body)
+        assert slide is not None
+        if isinstance(load, ForceTable):
+            within = casadi.fmin(casadi.fmax(x, load.displacements[0]), load.displacements[-1])
+            return casadi.pw_lin(within, vertcat(*load.displacements), vertcat(*load.forces)) * vertcat(*slide.along)
+        before_end = load.closing * (self.stroke_ends[number] - x)
+        closes = load.closing * jtimes(x, self.x, self.v) > 0
+        return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)
+
+    # --- functions ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def gaps(self) -> Function:
+        """C(x)."""
+        return Function("gaps", [self.x], [self.constraints])
+
+    @cached_property
+    def jacobian(self) -> Function:
+        """C_x."""
+        return Function("jacobian", [self.x], [jacobian(self.constraints, self.x)])
+
+    @cached_property
+    def bend(self) -> Function:
+        """(C_x v)_x v."""
+        rate = jtimes(self.constraints, self.x, self.v)
+        return Function("bend", [self.x, self.v], [jtimes(rate, self.x, self.v)])
+
+    @cached_property
+    def needed(self) -> Function:
+        """C_x^T l, from x, v, a and the stroke ends."""
+        return Function("needed", [self.x, self.v, self.a, self.stroke_ends], [self.required])
+
+    @property
+    def shortest_spring(self) -> Any:
+        """The length of the shortest spring with a free length, over the linkage's size."""
+        ends = [(s.first, s.second) for s in self.scene.springs if not _is_zero(s.length)]
+        lengths = (casadi.norm_2(self.point(*second) - self.point(*first)) / self.size for first, second in ends)
+        return casadi.mmin(vertcat(1.0, *lengths))
+
+    def slider(self, body: str) -> Function:
+        """Return the function of x, v and a: a slider's displacement and its two rates, m."""
+        s = self.displacement(body)
+        rate = jtimes(s, self.x, self.v)
+        second = jtimes(rate, self.x, self.v) + jtimes(rate, self.v, self.a)
+        return Function("slider", [self.x, self.v, self.a], [vertcat(s, rate, second)])
+
+
+def _floats(vector: Any) -> tuple[float, float]:
+    return float(vector[0]), float(vector[1])
+
+
+def _is_zero(number: Any) -> bool:
+    return isinstance(number, (int, float)) and number == 0
+
+
+def table(function: Function, *arguments: Any) -> Samples:
+    """Return the values of a function of columns at n columns, shape (rows, n)."""
+    return np.array(function(*arguments), dtype=np.float64)

@@ -1,0 +1,79 @@
+"""The exact derivatives of the core against CasADi's: symbols in place of the scene's numbers, differentiated through.
+
+Coordinates, rates, accelerations and multipliers z solve one system R(z, p) = 0, so that dz/dp = -R_z^-1 R_p.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analytic
+import scenes
+from scenes import Sampling
+from scenes.machines import with_numbers
+from tests.comparisons import SLOW
+
+casadi = pytest.importorskip("casadi")
+
+from sim_models.casadi import start  # noqa: E402  (its engine is there)
+from sim_models.casadi.channels import channels  # noqa: E402
+from sim_models.casadi.linkage import Linkage  # noqa: E402
+
+SAMPLES = 3
+TOLERANCE = 1e-11  # of a channel's peak and of its derivative's: both are exact but for roundings
+NUMBERS = {
+    "toggle_press": (
+        *("ground.points.P1.0", "bodies.crank.points.P2.0", "bodies.rocker.lengths.O-P3", "bodies.slider.mass"),
+        *("bodies.toggle.lengths.P2-P4", "bodies.slider.slides.through.0", "loads.0.force.1"),
+    ),
+    "class_iii": ("bodies.plate.lengths.B-C", "bodies.upper.lengths.C-E", "bodies.plate.mass", "gravity.1"),
+    "four_bar": ("bodies.coupler.com.0", "bodies.coupler.inertia", "ground.points.C.0", "bodies.coupler.points.T.0"),
+}
+
+
+@pytest.mark.parametrize("name", ["toggle_press", *(pytest.param(n, marks=SLOW) for n in ("class_iii", "four_bar"))])
+def test_two_routes_to_the_derivatives_agree(name: str) -> None:
+    scene, paths, asked = scenes.load(name), NUMBERS[name], Sampling(SAMPLES)
+    found = analytic.derivatives(scene, paths, asked.commanded(scene), asked.times(scene))
+    solved, names = differentiated(scene, paths)
+    poses, start_pose, _ = start.begun(scene)
+    x = poses.through(start_pose, scene.drive.start, asked.commanded(scene))
+    for column, driven in enumerate(np.transpose(scene.drive.at(asked.times(scene)))):
+        values, slopes = solved(x[:, column], driven)
+        for value, slope, channel in zip(values, slopes, names, strict=True):
+            error = np.abs(found[channel][:, column] - slope).max()
+            assert error <= TOLERANCE * max(np.abs(slope).max() + abs(value), 1e-3), channel
+
+
+def differentiated(scene: Any, paths: tuple[str, ...]) -> tuple[Any, list[str]]:
+    """Return the function of a pose and the drive's position and rates that gives the channels and their slopes."""
+    symbols = {path: casadi.SX.sym(path) for path in paths}
+    symbolic = with_numbers(scene, lambda path, value, to_si: to_si(symbols[path]) if path in symbols else value)
+    linkage = Linkage(symbolic, size=Linkage(scene).size)
+    x, v, a = linkage.x, linkage.v, linkage.a
+    held, p, driven = casadi.SX.sym("l", x.shape), casadi.vertcat(*symbols.values()), casadi.SX.sym("driven", 3)
+    C_x, unit = casadi.jacobian(linkage.constraints, x), np.eye(x.shape[0])[:, -1] / linkage.drive_unit
+    rate = casadi.mtimes(C_x, v)
+    R = casadi.vertcat(
+        linkage.constraints - unit * driven[0],
+        rate - unit * driven[1],
+        casadi.mtimes(C_x, a) + casadi.jtimes(rate, x, v) - unit * driven[2],
+        casadi.mtimes(C_x.T, held) - linkage.required,
+    )
+    z, of = casadi.vertcat(x, v, a, held), channels(linkage, held)
+    del of[scene.drive_channel]  # it stays as it is
+    rows = casadi.vertcat(*of.values())
+    parts = [R, casadi.jacobian(R, z), casadi.jacobian(R, p), rows, casadi.jacobian(rows, z), casadi.jacobian(rows, p)]
+    evaluated = casadi.Function("parts", [z, p, driven], parts)
+    numbers = scenes.numbers_in(scene.name, list(paths))
+
+    def solved(pose: Any, at: Any) -> tuple[Any, Any]:
+        guess = np.pad(pose, (0, 3 * len(pose)))
+        for _ in range(4):  # rates, accelerations and multipliers follow one from the other
+            R, R_z, *_ = (np.array(part) for part in evaluated(guess, numbers, at))
+            guess -= np.linalg.solve(R_z, R)[:, 0]
+        _, R_z, R_p, values, by_z, by_p = (np.array(part) for part in evaluated(guess, numbers, at))
+        return values[:, 0], by_p - by_z @ np.linalg.solve(R_z, R_p)
+
+    return solved, [*of]

@@ -1,0 +1,36 @@
+"""What the tests of the optional engines share: runs, and the truth from equations written in the tests."""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+from scenes import Motion, Request, Sampling, Scene, Settings
+from scenes.motion import Samples, channels
+from tests import scene_files
+from tests.absolute_coordinates import solve
+from tests.agreement import errors
+
+SAMPLING = Sampling(24)
+
+
+def run(engine: Any, scene: Scene, settings: Settings | None = None, request: Request = SAMPLING) -> Motion:
+    """Return the motion that an engine's module finds."""
+    simulation = engine.build(scene, settings or engine.DEFAULT, request)
+    simulation.solve()
+    motion: Motion = simulation.read()
+    return motion
+
+
+@cache
+def truth(name: str) -> tuple[Scene, Mapping[str, Samples]]:
+    """Return a scene, and its motion from redundant coordinates."""
+    scene = scene_files.load(name)
+    return scene, solve(scene, *scene.drive.at(SAMPLING.times(scene)))
+
+
+def off(engine: Any, name: str, settings: Settings | None = None) -> dict[str, float]:
+    """Return the largest relative error of every channel of a scene, all of which have to be there."""
+    scene, expected = truth(name)
+    motion = run(engine, scene, settings)
+    assert set(motion.samples) == set(channels(scene))
+    return {channel: float(error.max()) for channel, error in errors(motion, expected).items()}
