@@ -11,6 +11,7 @@ import analytic.engine
 import sim_models.casadi.engine
 import sim_models.exudyn.engine
 import sim_models.multiprecision.engine
+import sim_models.pinocchio.engine
 import sim_models.pymunk.engine
 from compare.engines import registry
 from scenes import Engine
@@ -115,6 +116,7 @@ ENGINES: tuple[Engine[Any], ...] = (  # mypy holds each module to the protocol
     sim_models.exudyn.engine,
     sim_models.pymunk.engine,
     sim_models.casadi.engine,
+    sim_models.pinocchio.engine,
     sim_models.multiprecision.engine,
 )
 

@@ -37,6 +37,7 @@ _CORE = "vector equations: dyads in closed form, larger groups by Newton; the re
 _DAE = "multibody DAE with Lagrange multipliers"
 _IMPULSES = "impulses, block Gauss-Seidel"
 _LAGRANGE = "Lagrange's equations, every derivative by automatic differentiation"
+_RECURSIONS = "joint coordinates, closed loops, recursive Newton-Euler"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
 _CERTIFY = "'linkage-crosscheck[certify]'"
 ENTRIES = {
@@ -45,6 +46,8 @@ ENTRIES = {
         ("analytic", _CORE, "analytic", "numpy", "numpy", "numpy"),
         ("exudyn", _DAE, "sim_models.exudyn", "exudyn", "exudyn", "exudyn"),
         ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
+        ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
+        ("pinocchio", _RECURSIONS, "sim_models.pinocchio", "pinocchio", "pin", "'linkage-crosscheck[pinocchio]'"),
         ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
         ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
     )

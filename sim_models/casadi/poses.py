@@ -25,6 +25,7 @@ CORRECTIONS = 3  # from a prediction good to a tenth of a step, Newton's method 
 FITTING = 0.1  # of a step: the largest first correction
 CONVERGED = 1e-9  # the last correction: it squares what is left
 HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
+PARTS = 200  # of one step; two branches that run side by side may need any number
 LARGEST = np.radians(10.0)  # step of the drive, and as a part of its travel
 TRIALS = 9  # positions ahead, to find one where a joint stays open
 OPEN = 1e-9  # gap of bodies that do not fit together, over the size
@@ -128,17 +129,19 @@ class Poses:
     def _halved(self, x: Samples, goal: Samples, branch: Samples) -> Samples:
         """Return the pose at a goal, by as many shorter steps as it takes."""
         ahead = [goal]
-        while ahead:
+        for _ in range(PARTS):
             poses, good = self._together(x, ahead[-1][:, None], branch)
             if good:
                 x = poses[:, 0]
                 ahead.pop()
+                if not ahead:
+                    return x
             elif len(ahead) > HALVINGS:
-                raise Stuck(x)
+                break
             else:
                 ahead.append((table(self.linkage.gaps, x)[:, 0] + ahead[-1]) / 2)
                 self.counters["halved_steps"] += 1
-        return x
+        raise Stuck(x)
 
     # --- recurrences --------------------------------------------------------------------------------------------------
 

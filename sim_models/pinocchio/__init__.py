@@ -1,0 +1,1 @@
+"""Pinocchio: joint coordinates, closed loops, recursive Newton-Euler. The engine's entry is `engine.py`."""
