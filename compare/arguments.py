@@ -19,7 +19,7 @@ USAGE = (
     " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open] [--list] [--new NAME]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
-    " [--monte-carlo N [--seed K]]"
+    " [--monte-carlo N [--seed K]] [--format github] [--baseline FILE]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
@@ -63,6 +63,15 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
+    parser.add_argument(
+        "--format",
+        choices=("plain", "github"),
+        default="plain",
+        help="of --check: annotations and a step summary too",
+    )
+    parser.add_argument(
+        "--baseline", type=Path, metavar="FILE", help="name what changed since the run that wrote this summary.json"
+    )
     parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")
     parser.add_argument("--list", action="store_true", help="list scenes and engines, and what is missing to run them")
     parser.add_argument("--new", type=Path, metavar="NAME", help="write NAME.toml, a commented scene to change")

@@ -42,6 +42,10 @@ def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
+    if options.baseline:
+        from .ci import baseline  # late, as below
+
+        options.baseline = {scene.name: baseline.read(options.baseline, scene) for scene in scenes}
     for scene, request in zip(scenes, requests, strict=True):
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
@@ -78,6 +82,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         ("full", "many linkages take one setting of an engine"),
         ("accuracy", "many linkages take the engines' defaults"),
         ("channels", "the numbers are of all of them"),
+        ("baseline", "a baseline is of one linkage"),
     ):
         if several and getattr(options, name):
             raise InputError(f"arguments: --{name}: expected it without {several[0]}, since {why}")
@@ -89,6 +94,8 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
                 raise InputError(f"{scene.file}: variations: missing; --monte-carlo draws machines from them")
     elif options.seed is not None:
         raise InputError("arguments: --seed: expected it with --monte-carlo, whose draws it picks")
+    if options.format != "plain" and not options.check:
+        raise InputError("arguments: --format: expected it with --check, whose misses it annotates")
     if options.workers or options.scheduler:
         if not options.vary:
             raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")

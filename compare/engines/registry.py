@@ -48,7 +48,6 @@ ENTRIES = {
         ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
         ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
         ("pinocchio", _RECURSIONS, "sim_models.pinocchio", "pinocchio", "pin", "'linkage-crosscheck[pinocchio]'"),
-        ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
         ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
     )
 }

@@ -53,7 +53,5 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     if options.open:
         open_page(page)
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
-    if options.check and not able:
-        print(f"{scene.name}  missed: every tolerance, since no member runs")
-        return True
-    return bool(options.check) and stops(scene, able)
+    none = () if able else ("every tolerance, since no member runs",)
+    return bool(options.check) and stops(scene, able, options.format, none)

@@ -38,4 +38,4 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         raise KeyboardInterrupt(f"stopped; {page} has the {study.count} of {study.asked} machines that were done")
     if options.open:
         open_page(page)
-    return bool(options.check) and stops(scene, {scene.name: study.judged})
+    return bool(options.check) and stops(scene, {scene.name: study.judged}, options.format)

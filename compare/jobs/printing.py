@@ -1,6 +1,6 @@
 """What `python -m compare.run` prints about results, and the page it opens."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,21 +31,33 @@ def print_result(result: "Study") -> None:
         print(f"{result.scene.name}  {sentence}")
 
 
-def stops(scene: Scene, judged: Mapping[str, "Judgement"]) -> bool:
-    """Name every tolerance that was missed and every engine that failed, given by what the judgements are about.
+def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, more: Sequence[str] = ()) -> bool:
+    """Name every tolerance that was missed and every engine that failed, and return whether there is any.
 
-    The comparison itself is checked with the first of them.
+    The comparison itself is checked with the first of what was judged.
+
+    Args:
+        scene: the linkage.
+        judged: by name what was judged.
+        output_format: `github` for annotations and a step summary besides.
+        more: what else is missed.
     """
+    from ..ci import github
     from ..faults.canaries import canaries
+    from ..judge.gates import Miss
 
     for judgement in [*judged.values()][:1]:
         judgement.let_through.extend(canaries(judgement))
-    if not any(judgement.held for judgement in judged.values()):
+    if judged and not any(judgement.held for judgement in judged.values()):
         print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")
-    lines = [f"{name}  missed: {line}" for name, judgement in judged.items() for line in judgement.missed]
-    for line in lines:
-        print(line)
-    return bool(lines)
+    misses = {name: judgement.misses for name, judgement in judged.items()}
+    misses.setdefault(scene.name, []).extend(Miss("", "", text) for text in more)
+    for name, found in misses.items():
+        for miss in found:
+            print(f"{name}  missed: {miss.text}")
+    if output_format == "github":
+        github.report(scene, judged, misses)
+    return any(misses.values())
 
 
 def open_page(page: Path) -> None:

@@ -11,6 +11,7 @@ from ..engines import registry
 from .printing import open_page, print_result, stops
 
 if TYPE_CHECKING:
+    from ..ci.baseline import Change, Summary
     from ..study import Study
 
 TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
@@ -46,7 +47,8 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     if stopped:
         result.reasons.append("stopped by the user; what is not here was not done")
     show(f"{scene.name}: writing the report")
-    folder = output.write(result, options.out, complete=not stopped)
+    changed = _since(options.baseline[scene.name], result) if options.baseline and not stopped else None
+    folder = output.write(result, options.out, changed, complete=not stopped)
     print_result(result)
     page = folder / "report.html"
     print(f"report: {page}")
@@ -54,7 +56,18 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         raise KeyboardInterrupt(f"stopped; {page} has what was done")
     if options.open:
         open_page(page)
-    return bool(options.check) and stops(scene, {scene.name: result})
+    worse = [str(change) for change in changed or () if change.worse]
+    return bool(options.check) and stops(scene, {scene.name: result}, options.format, worse)
+
+
+def _since(old: "Summary", result: "Study") -> list["Change"]:
+    """Return what changed since a baseline, which is added to what the user should know."""
+    from ..ci.baseline import Summary, changes
+    from ..report.files import json_text, summary
+
+    found = changes(old, Summary.model_validate_json(json_text(summary(result))))
+    result.reasons.extend(map(str, found) if found else ["nothing changed since the baseline"])
+    return found
 
 
 def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[str], None]) -> "Study":

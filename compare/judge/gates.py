@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 import pandas as pd
 
@@ -34,6 +35,14 @@ class Gate:
         return f"{self.engine} {self.group}: {error} ({self.worst})"
 
 
+class Miss(NamedTuple):
+    """What a CI run is stopped by."""
+
+    engine: str  # empty where it is the comparison itself
+    group: str  # of channels; empty where it is all of them
+    text: str  # in one line
+
+
 def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[str] | None = None) -> Iterator[Gate]:
     """Yield every tolerance of the scene for the engines that ran, in the channels that are wanted, or all."""
     groups = {GROUPS[quantity(channel)] for channel in wanted or ()}
@@ -55,12 +64,13 @@ def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[s
             yield Gate(run.engine, group, tolerance, float(worst[shown]), str(worst["channel"]), unexplained)
 
 
-def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[str]:
-    """Return what stops a CI run, a line each: every tolerance missed, and engines that are not ok and have none."""
+def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[Miss]:
+    """Return what stops a CI run: every tolerance missed, and engines that are not ok and have none."""
     gated = list(held)
     named = {gate.engine for gate in gated}
     runs = [m.run for m in measurements if m.run.status is not Status.ok and m.run.engine not in named]
-    return [str(gate) for gate in gated if gate.missed] + [f"{r.engine}: {r.status.name}: {r.reason}" for r in runs]
+    tolerances = [Miss(gate.engine, gate.group, str(gate)) for gate in gated if gate.missed]
+    return tolerances + [Miss(r.engine, "", f"{r.engine}: {r.status.name}: {r.reason}") for r in runs]
 
 
 def gate_table(held: Iterable[Gate]) -> pd.DataFrame:

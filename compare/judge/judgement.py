@@ -18,7 +18,7 @@ from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
 from .agreement import Agreement, agreement
 from .escalation import escalated
-from .gates import Gate, gate_table, gates, missed
+from .gates import Gate, Miss, gate_table, gates, missed
 from .measure import Measurement, measure
 from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
@@ -44,15 +44,20 @@ class Judgement:
     @property
     def ok(self) -> bool:
         """Whether every engine is ok, the reference not in doubt, no tolerance missed, and no canary let through."""
-        return not self.missed
+        return not self.misses
 
     @property
     def missed(self) -> list[str]:
         """What a CI run is stopped by, a line each."""
+        return [miss.text for miss in self.misses]
+
+    @property
+    def misses(self) -> list[Miss]:
+        """The same, each with its engine and channel group."""
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
-        doubted = [f"{REFERENCE}: {doubt}"] if doubt and not asked else []
-        return missed(self.measurements, self.held) + doubted + self.let_through
+        doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
+        return missed(self.measurements, self.held) + doubted + [Miss("", "", line) for line in self.let_through]
 
     @cached_property
     def causes(self) -> dict[str, str]:

@@ -48,8 +48,8 @@ MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
 BLOCK = 4096  # rows of a motion that are text at a time
 
 
-def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
-    """Write a study's files into `folder/<scene>/` and return that folder.
+def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, complete: bool = True) -> Path:
+    """Write a study's files into `folder/<scene>/` and return that folder; `changed` is what did since a baseline.
 
     One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
 
@@ -63,8 +63,9 @@ def write(study: Study, folder: Path, *, complete: bool = True) -> Path:
             table.to_csv(aside / f"{name}.csv", index=False)
         for engine, motion in study.motions.items():
             _write_motion(motion, aside / f"motion.{engine}.csv")
-        summary = {"complete": complete, "made_from": origin(study.scene, place)} | _summary(study)
-        (aside / "summary.json").write_text(json_text(summary), encoding="utf-8")
+        head = {"complete": complete, "made_from": origin(study.scene, place)}
+        since = {} if changed is None else {"since_baseline": changed}
+        (aside / "summary.json").write_text(json_text(head | summary(study) | since), encoding="utf-8")
         (aside / "report.html").write_text(page(study), encoding="utf-8")
     return place
 
@@ -155,7 +156,8 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
         return True
 
 
-def _summary(study: Study) -> dict[str, Any]:
+def summary(study: Study) -> dict[str, Any]:
+    """Return what is known of a study, for `summary.json`."""
     scene, hard = study.scene, []
     if len(study.hard):
         from .hard.tables import counts

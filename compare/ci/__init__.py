@@ -1,0 +1,1 @@
+"""What continuous integration asks for: annotations, and what changed since a baseline."""

@@ -1,0 +1,221 @@
+"""What changed since an earlier run of the same scene, by its `summary.json`.
+
+Worse is an engine that was ok and is not. Where the linkage and the sampling are the baseline's, worse is also a
+channel that an engine returns no more, an error of more than twice its size, and a peak that moved.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from pydantic import BaseModel, FiniteFloat, ValidationError
+
+from scenes import InputError, Scene
+from scenes.errors import one_line, path_in_file
+
+FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
+ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
+ABOVE_FLOOR = 10.0  # times the reference's floor: there the floor is a tenth of the error at most
+LEAST = 1e-8  # relative change of a peak: less is made by its interpolation between the samples
+SHOWN = 3  # changes of a kind that a line names
+LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
+
+
+class _Settings(BaseModel):
+    label: str
+
+
+class _Engine(BaseModel):
+    version: str
+    status: str
+    settings: _Settings | None
+
+
+class _Error(BaseModel):
+    engine: str
+    channel: str
+    group: str
+    max: FiniteFloat | None
+    floor: FiniteFloat | None
+    explained: FiniteFloat | None
+
+
+class _Peak(BaseModel):
+    name: str
+    of: str
+    value: FiniteFloat
+    unit: str
+    differs: dict[str, FiniteFloat | None]
+
+
+class _Choice(BaseModel):
+    group: str
+    level: str
+    engine: str
+    note: str
+    setting: str
+    ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
+
+
+class Summary(BaseModel):
+    """What is compared of a `summary.json`."""
+
+    scene: dict[str, Any]
+    sampling: dict[str, Any]
+    environment: dict[str, str]
+    engines: dict[str, _Engine]
+    errors: list[_Error]
+    peaks: list[_Peak]
+    cheapest: list[_Choice]
+
+
+@dataclass(frozen=True)
+class Change:
+    """What changed, in one line."""
+
+    text: str
+    worse: bool = False
+
+    def __str__(self) -> str:
+        """Return it as it is printed."""
+        return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
+
+
+def read(path: Path, scene: Scene) -> Summary:
+    """Return the summary of an earlier run of a scene.
+
+    Args:
+        path: a `summary.json`, or the folder that the earlier run had as `--out`.
+        scene: of which it must be.
+
+    Raises:
+        InputError: the file is missing, no summary, or of another scene.
+    """
+    file = path / scene.name / "summary.json" if path.is_dir() else path
+    shown = f"--baseline: {one_line(str(file))}"
+    try:
+        found = Summary.model_validate_json(file.read_bytes())
+    except OSError as error:
+        raise InputError(f"{shown}: cannot be read ({error.strerror})") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = path_in_file((*first["loc"], ""))
+        raise InputError(f"{shown}: expected the summary.json of an earlier run; {place} {first['msg']}") from None
+    if found.scene.get("name") != scene.name:
+        raise InputError(f"{shown}: expected a result of {scene.name}, found one of {found.scene.get('name')}")
+    return found
+
+
+def changes(old: Summary, new: Summary) -> list[Change]:
+    """Return what changed, the worse first."""
+    inputs = [*_inputs(old, new)]
+    alike = all(path[0] == "environment" or path[1] == "tolerances" for path, _ in inputs)
+    found = [
+        *([Change(_few([text for _, text in inputs]))] if inputs else []),
+        *_engines(old, new),
+        *_errors(old, new, alike=alike),
+        *_peaks(old, new, alike=alike),
+        *_times(old, new),
+    ]
+    return sorted(found, key=lambda change: not change.worse)
+
+
+def _few(texts: Sequence[str]) -> str:
+    more = len(texts) - SHOWN
+    return "; ".join(texts[:SHOWN]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]:
+    """Yield the path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
+    names = {"scene", "sampling", "environment"}
+    before, after = (dict(_leaves(summary.model_dump(include=names))) for summary in (old, new))
+    for path in dict.fromkeys((*before, *after)):
+        was, now = (one_line(str(values.get(path, "none")), 60) for values in (before, after))
+        if was != now and path[1] not in LEFT_OUT:
+            yield path, f"{path_in_file(path)} {now}, was {was}"
+
+
+def _leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    if isinstance(value, dict | list):
+        for key, child in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _leaves(child, (*path, key))
+    elif value is not None:
+        yield path, value
+
+
+def _engines(old: Summary, new: Summary) -> Iterator[Change]:
+    for name in dict.fromkeys((*old.engines, *new.engines)):
+        was, now = old.engines.get(name), new.engines.get(name)
+        if was is None or now is None:
+            yield Change(f"{name}: {'not in it' if was is None else 'in it alone'}")
+            continue
+        if was.status != now.status:
+            yield Change(f"{name}: {now.status}, was {was.status}", worse=was.status == "ok")
+        if was.version != now.version:
+            yield Change(f"{name}: {now.version}, was {was.version}")
+        if was.settings and now.settings and was.settings != now.settings:
+            yield Change(f"{name}: run at {now.settings.label}, was {was.settings.label}")
+
+
+def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+    after = {(error.engine, error.channel): error for error in new.errors}
+    compared = {error.engine for error in new.errors}
+    found: dict[tuple[str, str, str], list[tuple[float, str]]] = {}
+    for was in old.errors:
+        now = after.get((was.engine, was.channel))
+        if was.engine not in compared or (now is None and not alike):
+            continue
+        ratio = _ratio(was, now) if now else inf
+        if 1 / FACTOR <= ratio <= FACTOR:
+            continue
+        kind = "not returned any more:" if now is None else "error in" if ratio > 1 else "smaller error in"
+        text = f"{was.channel} {_size(now)}, was {_size(was)}" if now else was.channel
+        found.setdefault((was.engine, was.group, kind), []).append((-abs(ratio - 1), text))
+    for (engine, group, kind), texts in found.items():
+        named = _few([text for _, text in sorted(texts)])
+        yield Change(f"{engine} {group}: {kind} {named}", worse=alike and not kind.startswith("smaller"))
+
+
+def _ratio(was: _Error, now: _Error) -> float:
+    """Return how many times as large an error is, of what is above rounding, as it was in the baseline."""
+    least = max(ABOVE_FLOOR * (was.floor or 0.0), was.explained or 0.0, ROUNDING)
+    before, after = (inf if error.max is None else max(error.max, least) for error in (was, now))
+    return 1.0 if before == after else after / before
+
+
+def _size(error: _Error) -> str:
+    return "unknown" if error.max is None else f"{error.max:.1e}"
+
+
+def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
+    before, after = ({(peak.name, peak.of): peak for peak in summary.peaks} for summary in (old, new))
+    size: dict[tuple[str, str], float] = {}  # the largest of the same place and unit, as the stroke of a dead point
+    for peak in (*old.peaks, *new.peaks):
+        size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), LEAST), abs(peak.value))
+    found: list[tuple[float, str]] = []
+    for name, of in dict.fromkeys((*before, *after)):
+        was, now = before.get((name, of)), after.get((name, of))
+        if was is None or now is None:
+            found.append((0.0, f"{name} ({of}) {'not in it' if was is None else 'in it alone'}"))
+            continue
+        moved = abs(now.value - was.value) / size[of, was.unit]
+        differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
+        if not moved <= max(LEAST, *differ, 0.0):
+            found.append((-moved, f"{name} ({of}) {now.value:.6g} {now.unit}, was {was.value:.6g}"))
+    if found:
+        yield Change(f"peaks: {_few([text for _, text in sorted(found)])}", worse=alike)
+
+
+def _times(old: Summary, new: Summary) -> Iterator[Change]:
+    """Yield how an engine's times changed, each relative to the fastest engine of its own run; never worse."""
+    before, after = (
+        {(c.engine, c.group, c.level, c.note, c.setting): c.ratio for c in summary.cheapest if c.ratio}
+        for summary in (old, new)
+    )
+    for engine in new.engines:
+        times = median([after[key] / before[key] for key in after if key[0] == engine and key in before] or [1.0])
+        if not 1 / FACTOR <= times <= FACTOR:
+            yield Change(f"{engine}: {times:.2g} times the time, each relative to the fastest engine of its run")

@@ -1,0 +1,99 @@
+"""What GitHub shows of a check: an annotation for each miss, and the summary of the step."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from pathlib import Path
+
+from scenes import InputError, Scene, shipped
+
+from ..judge.errors import shown_groups
+from ..judge.gates import Miss
+from ..judge.judgement import Judgement
+from .lines import line_of
+
+WORKSPACE, SUMMARY = "GITHUB_WORKSPACE", "GITHUB_STEP_SUMMARY"  # environment variables that its runners set
+MOST, LINES = 20, 1000  # linkages of a family, and lines, that a summary shows; it takes a megabyte
+
+
+def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, Sequence[Miss]]) -> None:
+    """Print the annotations, and append to the summary of the step where there is one.
+
+    Args:
+        scene: the linkage.
+        judged: by name what was judged.
+        misses: by name what it misses.
+
+    Raises:
+        InputError: the summary cannot be written.
+    """
+    for name, found in misses.items():
+        causes = judged[name].causes if name in judged else {}
+        for miss in found:
+            print(annotation(scene, name, miss, causes.get(miss.engine, "")))
+    if file := os.environ.get(SUMMARY):
+        off = [name for name in judged if misses[name]] or [*judged]
+        lines = [line for name in off[:MOST] for line in _section(name, judged[name])]
+        lines += [f"- missed: {_plain(miss.text)}" for found in misses.values() for miss in found]
+        try:
+            with Path(file).open("a", encoding="utf-8") as summary:
+                summary.write("\n".join([*lines[:LINES], ""]))
+        except OSError as error:
+            raise InputError(f"{SUMMARY}: {file}: cannot be written ({error.strerror})") from None
+
+
+def annotation(scene: Scene, name: str, miss: Miss, cause: str = "") -> str:
+    """Return the workflow command that marks a miss, in the scene file at the line of the tolerance if it has one.
+
+    Args:
+        scene: the linkage.
+        name: of what was judged.
+        miss: what is to be shown.
+        cause: the likely one, if known.
+    """
+    place: dict[str, object] = {}
+    if scene.file not in shipped():
+        file = Path(scene.file).resolve()
+        root = Path(os.environ.get(WORKSPACE) or Path.cwd()).resolve()
+        place["file"] = file.relative_to(root).as_posix() if file.is_relative_to(root) else file
+        if line := line_of(file, ("tolerances", miss.engine, miss.group)):
+            place["line"] = line
+    place["title"] = f"{name} {miss.engine} {miss.group}".strip()
+    properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in place.items())
+    return f"::error {properties}::{_escaped(f'{miss.text}; likely cause: {cause}' if cause else miss.text)}"
+
+
+def _escaped(text: str, more: str = "") -> str:
+    """Return a text with the code of what would end it in a workflow command, and of more characters."""
+    return "".join(f"%{ord(c):02X}" if c in f"%\r\n{more}" else c for c in text)
+
+
+def _section(name: str, judgement: Judgement) -> Iterator[str]:
+    """Yield the verdict, a row an engine, and what is known besides."""
+    yield from ("", f"### {_plain(name)}: {judgement.agreement.word}", "", _plain(judgement.agreement.sentence), "")
+    yield from _table(judgement)
+    yield from (f"- {_plain(reason)}" for reason in judgement.reasons)
+    yield from (f"- likely cause: {_plain(cause)}" for cause in judgement.causes.values())
+
+
+def _table(judgement: Judgement) -> Iterator[str]:
+    """Yield a row an engine: its status, and by group its error and tolerance, bold where that is missed."""
+    groups = shown_groups(judgement.scene)
+    yield f"| {' | '.join(('engine', 'status', *groups))} |"
+    yield f"|{' --- |' * (2 + len(groups))}"
+    gates = {(gate.engine, gate.group): gate for gate in judgement.held}
+    for m in judgement.measurements:
+        worst, cells = m.worst(), [_plain(m.run.engine), m.run.status.name]
+        for group in groups:
+            gate = gates.get((m.run.engine, group))
+            text = f"{worst[group]:.1e}" if group in worst else "no error known"
+            text += f" of {gate.tolerance:.0e}" if gate else ""
+            cells.append(f"**{text}**" if gate and gate.missed else text)
+        yield f"| {' | '.join(cells)} |"
+    yield ""
+
+
+def _plain(text: str) -> str:
+    """Return a text that Markdown shows as it is, also in a table."""
+    marked = escape(" ".join(text.split()), quote=False)
+    return "".join(f"\\{c}" if c in "\\|`*_[]#" else c for c in marked)

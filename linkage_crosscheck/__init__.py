@@ -1,0 +1,1 @@
+"""What other programs import by the name of the distribution: the pytest plug-in."""

@@ -1,0 +1,229 @@
+"""What changed since a baseline: every change that is put into a summary is named, and nothing else is."""
+
+import json
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from compare.ci.baseline import Change, Summary, changes, read
+from compare.report.files import json_text, summary
+from compare.run import main
+from scenes import InputError, Sampling
+from tests import scene_files
+from tests.comparisons import studied
+
+Json = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def before() -> Json:
+    """Return a summary."""
+    study = studied(scene_files.load("four_bar"), ["analytic", "pymunk"], Sampling(24))
+    found: Json = json.loads(json_text(summary(study)))
+    return found
+
+
+def since(old: Json, new: Json) -> list[Change]:
+    return changes(Summary.model_validate(old), Summary.model_validate(new))
+
+
+def row(table: list[Json], **known: str) -> Json:
+    return next(each for each in table if all(each[name] == value for name, value in known.items()))
+
+
+def grown(by: float) -> Callable[[Json], None]:
+    return lambda s: times(row(s["errors"], engine="pymunk", channel="B.fx"), "max", by)
+
+
+def times(table: Json, key: str, by: float) -> None:
+    table[key] *= by
+
+
+def put(key: str | int, value: object, *way: str | int) -> Callable[[Json], None]:
+    def change(summary: Json) -> None:
+        table: Any = summary
+        for part in way:
+            table = table[part]
+        table[key] = value
+
+    return change
+
+
+def moved(by: float) -> Callable[[Json], None]:
+    return lambda s: times(row(s["peaks"], name="peak speed"), "value", 1 + by)
+
+
+def without(table: str, **known: str) -> Callable[[Json], None]:
+    return lambda s: s[table].remove(row(s[table], **known))
+
+
+def slower(by: float) -> Callable[[Json], None]:
+    def change(summary: Json) -> None:
+        for choice in summary["cheapest"]:
+            if choice["engine"] == "pymunk" and choice.get("ratio"):
+                choice["ratio"] *= by
+
+    return change
+
+
+def error(size: float | None, engine: str = "pymunk") -> Callable[[Json], None]:
+    return lambda s: row(s["errors"], engine=engine, channel="B.fx").update(max=size)
+
+
+WORSE = {
+    "pymunk: crashed, was ok": put("status", "crashed", "engines", "pymunk"),
+    "pymunk reaction: error in B.fx ": grown(2.5),
+    "pymunk reaction: error in B.fx unknown, was ": error(None),
+    "analytic reaction: error in B.fx 3.0e-12, was ": error(3e-12, "analytic"),
+    "pymunk reaction: not returned any more: B.fx": without("errors", engine="pymunk", channel="B.fx"),
+    "peaks: peak speed (T) 3.08": moved(1e-3),
+    "peaks: stroke (T) in it alone": without("peaks", name="stroke"),
+}
+OTHER = {
+    "scene.bodies.crank.mass 0.7, was 0.5": put("mass", 0.7, "scene", "bodies", "crank"),
+    "scene.tolerances.pymunk.position 0.1, was 1e-05": put("position", 0.1, "scene", "tolerances", "pymunk"),
+    "sampling.samples 48, was 24": put("samples", 48, "sampling"),
+    "environment.numpy 9.0, was ": put("numpy", "9.0", "environment"),
+    "pymunk: pymunk 9, was pymunk 7.": put("version", "pymunk 9", "engines", "pymunk"),
+    "pymunk: run at others, was ": put("label", "others", "engines", "pymunk", "settings"),
+    "pymunk: in it alone": lambda s: (s["engines"].pop("pymunk"), s.update(errors=[], cheapest=[])),
+    "pymunk reaction: smaller error in B.fx ": grown(0.4),
+    "pymunk: 3 times the time, ": slower(3.0),
+}
+NOTHING = {
+    "nothing": lambda _: None,
+    "an error of less than twice its size": grown(1.9),
+    "an error at rounding": error(9e-13, "analytic"),
+    "a peak within what the engines differ by": moved(1e-9),
+    "seconds": put("solve", 1e9, "engines", "pymunk", "seconds"),
+    "times in the same ratio": slower(1.5),
+    "the title": put("title", "another", "scene"),
+    "the file": put("file", "elsewhere.toml", "scene"),
+}
+
+
+@pytest.mark.parametrize("text", WORSE)
+def test_what_became_worse(text: str, before: Json) -> None:
+    after = deepcopy(before)
+    WORSE[text](after)
+    (change,) = since(before, after)
+    assert change.worse
+    assert str(change).startswith(f"worse than the baseline: {text}")
+
+
+@pytest.mark.parametrize("text", OTHER)
+def test_what_else_changed(text: str, before: Json) -> None:
+    after = deepcopy(before)
+    OTHER[text](after)
+    (change,) = since(before, after)
+    assert not change.worse
+    assert str(change).startswith(f"changed since the baseline: {text}")
+
+
+@pytest.mark.parametrize("what", NOTHING)
+def test_what_is_no_change(what: str, before: Json) -> None:
+    after = deepcopy(before)
+    NOTHING[what](after)
+    assert since(before, after) == []
+
+
+@pytest.mark.parametrize(("place", "worse"), [("tolerances", True), ("bodies", False), ("sampling", False)])
+def test_only_of_the_same_linkage_and_sampling_are_errors_and_peaks_worse(
+    place: str, worse: bool, before: Json
+) -> None:
+    after = deepcopy(before)
+    change = {
+        "tolerances": put("position", 0.1, "scene", "tolerances", "pymunk"),
+        "bodies": put("mass", 0.7, "scene", "bodies", "crank"),
+        "sampling": put("samples", 48, "sampling"),
+    }[place]
+    for each in (change, grown(2.5), moved(1e-3)):
+        each(after)
+    assert [change.worse for change in since(before, after)] == ([True, True, False] if worse else [False] * 3)
+
+
+def test_many_changes_of_a_kind_are_a_line(before: Json) -> None:
+    after = deepcopy(before)
+    for error in after["errors"]:
+        if error["engine"] == "pymunk" and error["group"] == "reaction":
+            error["max"] *= 5 if error["channel"] == "C.fy" else 3
+    (change,) = since(before, after)
+    assert change.text.startswith("pymunk reaction: error in C.fy ")
+    assert change.text.endswith("; and 5 more")
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("few_settings")
+def test_the_command_names_what_changed_and_stops_where_it_is_worse(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene = str(scene_files.path("slider_crank"))
+    command = [scene, "--engines", "analytic", "--samples", "24", "--check", "--out", str(tmp_path)]
+    assert main(command) == 0
+    file, text = tmp_path / "slider_crank" / "summary.json", "peaks: stroke (B) 2 m, was 2.5"
+    edited = json.loads(file.read_text(encoding="utf-8"))
+    assert "since_baseline" not in edited
+    row(edited["peaks"], name="stroke")["value"] = 2.5
+    file.write_text(json.dumps(edited), encoding="utf-8")
+    assert main([*command, "--baseline", str(tmp_path)]) == 1
+    assert f"slider_crank  missed: worse than the baseline: {text}\n" in capsys.readouterr().out
+    assert json.loads(file.read_text(encoding="utf-8"))["since_baseline"] == [{"text": text, "worse": True}]
+    assert f"Worse than the baseline: {text}" in file.with_name("report.html").read_text(encoding="utf-8")
+
+
+BROKEN = {
+    "": "Invalid JSON",
+    "{": "Invalid JSON",
+    "[" * 100_000: "Invalid JSON",
+    "[]": "expected the summary.json of an earlier run",
+    "{}": "scene. Field required",
+    "\ufeff": "Invalid JSON",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN, ids=lambda text: text[:3] or "empty")
+def test_a_broken_baseline_is_named(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (file := tmp_path / "old.json").write_text(text, encoding="utf-8")
+    assert main(["--baseline", str(file), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"--baseline: {file}: ")
+    assert BROKEN[text] in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (put("max", float("nan"), "errors", 3), "errors.3.max."),
+        (put("max", "large", "errors", 3), "errors.3.max."),
+        (put("errors", {}), "errors."),
+        (put("pymunk", None, "engines"), "engines.pymunk."),
+        (put("differs", [], "peaks", 0), "peaks.0.differs."),
+        (put("name", "toggle_press", "scene"), "expected a result of four_bar, found one of toggle_press"),
+        (lambda s: s["scene"].pop("name"), "expected a result of four_bar, found one of None"),
+    ],
+)
+def test_a_baseline_that_is_not_of_the_scene(
+    change: Callable[[Json], None], text: str, before: Json, tmp_path: Path
+) -> None:
+    change(broken := deepcopy(before))
+    (file := tmp_path / "old.json").write_text(json.dumps(broken), encoding="utf-8")
+    with pytest.raises(InputError, match=text):
+        read(file, scene_files.load("four_bar"))
+
+
+@pytest.mark.parametrize("name", ["missing.json", "."])
+def test_a_baseline_that_is_not_there(name: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot be read"):
+        read(tmp_path / name, scene_files.load("four_bar"))
+
+
+def test_a_baseline_is_of_one_linkage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--vary", "bodies.rod.mass=1:2:2", "--baseline", "old.json"]) == 2
+    assert "--baseline: expected it without --vary" in capsys.readouterr().err
