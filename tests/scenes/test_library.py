@@ -127,7 +127,8 @@ def test_peaucellier_draws_an_exact_straight_line() -> None:
     motion = turned("peaucellier", np.radians(np.linspace(-30, 100, 131)))
     place, velocity = (motion[f"D.{level}x"] + 1j * motion[f"D.{level}y"] for level in ("", "v"))
     to_line = 0.8 + 0.6j  # from O to Q, and to the line
-    assert np.abs((to_line.conjugate() * place).real - (0.250**2 - 0.120**2) / (2 * 0.100)).max() <= 2e-15  # m, rounding
+    distance = (0.250**2 - 0.120**2) / (2 * 0.100)  # m, of the line
+    assert np.abs((to_line.conjugate() * place).real - distance).max() <= 2e-15  # m, rounding
     assert np.abs((to_line.conjugate() * velocity).real).max() <= 1e-14 * np.abs(velocity).max()
     assert np.ptp((to_line.conjugate() * place).imag) > 0.3  # m
 
@@ -154,7 +155,14 @@ SQUEEZER = {
     "reference solution at 0.03 s": SqueezerState(
         (15.81077119629904, 1139.920302151208, -24631.76316945196),
         (0.04082224013073101, 0.5244099658805304, 1.048080741042263),
-        (199.1753333731910, -29.75531228015052, 23.06654119098399, 31.45271365475927, 22.64249232082739, 11.61740700019673),
+        (
+            199.1753333731910,
+            -29.75531228015052,
+            23.06654119098399,
+            31.45271365475927,
+            22.64249232082739,
+            11.61740700019673,
+        ),
         3e-7,
     ),
 }
