@@ -136,6 +136,7 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
     integration.newton.modifiedNewtonJacUpdatePerStep = options.newton is Newton.ONE_A_STEP
     if len(model.bodies) > DENSE:
         model.settings.linearSolver.solverType = engine().LinearSolverType.EigenSparse
+        model.settings.linearSolver.reuseAnalyzedPattern = True  # who is joined to whom is the same in every step
 
 
 def _set_initial(model: ExudynSystem, stretch: Stretch) -> None:

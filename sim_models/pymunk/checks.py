@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 
-from .constraints import LinkageConstraints, Poses, blocks, branch
+from .constraints import LinkageConstraints, Poses, blocks
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
 LARGEST_DRIFT = 1e-6
@@ -82,4 +82,4 @@ def _measure(linkage: LinkageConstraints, q: Poses, positions: Samples) -> tuple
     """Return, for some steps, the sign of det J, |C| of the drive, the largest |C| of the joints."""
     C = np.abs(linkage.gaps(q, positions))
     C[:, 2 * len(linkage.scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
-    return branch(linkage.jacobian(q)), C[:, -1], C[:, :-1].max(axis=1)
+    return linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)

@@ -8,8 +8,9 @@ Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J 
 coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import isinf
 from typing import Any, TypeAlias
 
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.groups import Group, groups
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
@@ -159,13 +161,25 @@ class LinkageConstraints:
         rows = [np.stack([pins.real, pins.imag], axis=2).reshape(n, -1, bodies, 3), guides.reshape(n, -1, bodies, 3)]
         return np.concatenate([*rows, drive], axis=1)[:, :, :-1].reshape(n, 3 * (bodies - 1), -1)
 
+    def branch(self, q: Poses) -> Samples:
+        """Return the sign of det J, shape (n,), times one that is the same for all poses: constant along a branch."""
+        J, signs = self.jacobian(q), np.ones(len(q))
+        for rows, columns, _ in self._groups:
+            signs = signs * determinant_sign(J[:, np.array(rows)[:, None], np.array(columns)])
+        return signs
+
+    @cached_property
+    def _groups(self) -> Sequence[Group]:
+        somewhere = np.random.default_rng(0).normal(size=(1, len(self.members), 3))  # where no entry vanishes by chance
+        return groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
+
 
 def solved(J: Samples, wanted: Samples) -> Poses:
     """Return x in J x = wanted, shape (n, bodies, 3), of J (n, 3 bodies, 3 bodies); NaN where J is singular."""
     try:
         found = np.linalg.solve(J, wanted[..., None])
     except np.linalg.LinAlgError:  # of any of them
-        singular = branch(J) == 0
+        singular = determinant_sign(J) == 0
         found = np.full((*wanted.shape, 1), np.nan)
         found[~singular] = np.linalg.solve(J[~singular], wanted[~singular][..., None])
     return np.reshape(found, (len(J), -1, 3))
@@ -182,8 +196,8 @@ def _moving_body(body: PymunkBody, moved: Inertia) -> MovingBody:
     return MovingBody(arms, body.com - moved.origin, body.mass, body.inertia, moved)
 
 
-def branch(jacobian: Samples) -> Samples:
-    """Return the sign of det J, shape (n,): the same all along one assembly branch."""
+def determinant_sign(jacobian: Samples) -> Samples:
+    """Return the sign of det J, shape (n,)."""
     sign: Samples = np.linalg.slogdet(jacobian).sign
     return sign
 

@@ -16,7 +16,7 @@ from scenes.scene import MotionLaw
 from . import stepping
 from .channels import found_channels, joint_forces, reaction_channels
 from .checks import check_finite, check_impulses, check_path
-from .constraints import LinkageConstraints, Masses, Poses, branch, planes, with_ground
+from .constraints import LinkageConstraints, Masses, Poses, planes, with_ground
 from .drive import with_rates_of_law
 from .loads import Active, active_presses
 from .masses import ballasted_masses, fictitious_masses, own_masses
@@ -74,7 +74,7 @@ class PymunkSimulation:
         start: Poses,
     ) -> None:
         self._scene, self._sampling, self._linkage, self._runs = linkage.scene, sampling, linkage, runs
-        self._stroke_ends, self._branch = stroke_ends, branch(linkage.jacobian(start))
+        self._stroke_ends, self._branch = stroke_ends, linkage.branch(start)
         self._wanted = frozenset(sampling.wanted(linkage.scene))
         self._q: Poses = start
         self._channels: Mapping[str, Samples] = {}

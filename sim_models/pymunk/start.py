@@ -15,7 +15,7 @@ from scenes import Failure, ProcessorBudget, Scene, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import LinkageConstraints, Masses, Poses, branch
+from .constraints import LinkageConstraints, Masses, Poses, determinant_sign
 from .masses import fictitious_masses
 from .misfit import misfit
 
@@ -175,7 +175,7 @@ def _follow(
     linkage: LinkageConstraints, q: Poses, path: Callable[[float], tuple[float, Samples]], largest: float
 ) -> Iterator[Place]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
-    here = branch(linkage.jacobian(q))
+    here = determinant_sign(linkage.jacobian(q))
     budget = ProcessorBudget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
     s, step = 0.0, largest
     while s < 1:
@@ -183,7 +183,7 @@ def _follow(
         position, gaps = path(ahead)
         budget.check(f"{s:.2%} of it is done, in steps of {step:.1e} of it")
         found = _newton(linkage, q, np.array([position]), gaps)
-        if found is not None and branch(linkage.jacobian(found)) == here:
+        if found is not None and determinant_sign(linkage.jacobian(found)) == here:
             q, s, step = found, ahead, min(largest, 2 * step)
             yield position, q
         elif step > SMALLEST_STEP:

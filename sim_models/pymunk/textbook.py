@@ -18,7 +18,7 @@ from scenes.scene import Force
 
 from .channels import found_channels
 from .checks import check_path
-from .constraints import LinkageConstraints, branch
+from .constraints import LinkageConstraints
 from .masses import own_masses
 from .recorders import PropertyRecorder
 from .settings import ERROR_BIAS, SECONDS, TextbookSettings
@@ -49,7 +49,7 @@ def build(scene: Scene, settings: TextbookSettings, request: Request) -> "Textbo
     model = Model(linkage, begin, rates(linkage, begin, float(first.rate)), ERROR_BIAS, "motor")
     model.space.gravity = scene.gravity or (0, 0)
     model.space.iterations = settings.iterations
-    return TextbookSimulation(sampling, linkage, model, steps, branch(linkage.jacobian(pose)))
+    return TextbookSimulation(sampling, linkage, model, steps, linkage.branch(pose))
 
 
 class TextbookSimulation:

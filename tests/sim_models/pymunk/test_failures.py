@@ -12,7 +12,7 @@ from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.checks import check_path
-from sim_models.pymunk.constraints import LinkageConstraints, branch, solved
+from sim_models.pymunk.constraints import LinkageConstraints, solved
 from sim_models.pymunk.engine import DEFAULT, FAST
 from sim_models.pymunk.masses import ballasted_masses
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
@@ -47,7 +47,7 @@ def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> N
 def test_every_step_is_checked(press: Scene) -> None:
     linkage = LinkageConstraints(press, ballasted_masses)
     pose = start(linkage)
-    start_branch = branch(linkage.jacobian(pose))
+    start_branch = linkage.branch(pose)
     run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
     run.advance(ProcessorBudget(60.0, "a test"))
     check_path(linkage, run.record[1:], run.positions, start_branch)
