@@ -7,6 +7,7 @@ import pytest
 import scenes
 from scenes import InputError
 from scenes.scene import ConstantSpeed, Force
+from tests import scene_files
 
 
 def speed_of(scene: scenes.Scene) -> float:
@@ -45,6 +46,15 @@ def test_units_are_free(toggle_press: scenes.Scene) -> None:
     scene = scenes.load("toggle_press", {"units.length": "um", "units.force": "MN"})
     assert scene.ground["P1"][0] == pytest.approx(1e-3 * toggle_press.ground["P1"][0], rel=1e-15)
     assert force_of(scene)[1] == pytest.approx(1e3 * force_of(toggle_press)[1], rel=1e-15)
+
+
+def test_a_body_of_many_points_needs_a_centre_of_mass_with_a_mass_alone() -> None:
+    kinematic = scene_files.without_masses("driven_toggle")
+    plate = max(scene_files.load("driven_toggle", kinematic).bodies.values(), key=lambda body: len(body.points))
+    assert len(plate.points) > 3
+    assert plate.mass is None
+    with pytest.raises(InputError, match=rf"bodies\.{plate.name}: expected 'com' and 'inertia', since it has a mass"):
+        scene_files.load("driven_toggle", {f"bodies.{plate.name}.{what}": None for what in ("com", "inertia")})
 
 
 def test_the_nearest_scene_is_named() -> None:
