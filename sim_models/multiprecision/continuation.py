@@ -19,6 +19,7 @@ from scenes import Failure, ProcessorBudget, Status
 from .blocks import solved
 from .constraints import LinkageEquations
 from .misfit import misfit
+from .rows import angles
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -53,7 +54,8 @@ class Continuation:
     def __init__(self, linkage: LinkageEquations, digits: int, budget: ProcessorBudget) -> None:
         self.linkage, self.budget = linkage, budget
         self.rows = linkage.constraints
-        self._C, self._S = (np.array(part.tolist(), dtype=float) for part in (self.rows.C, self.rows.S))
+        parts = (self.rows.C, self.rows.S, self.rows.U, self.rows.V)
+        self._C, self._S, self._U, self._V = (np.array(part.tolist(), dtype=float) for part in parts)
         self._units = np.array(linkage.units)
         alike = groupby(sorted(_nonlinear(linkage), key=len), key=len)
         self._groups = [np.array([*own]) for _, own in alike]  # the y that are found together, groups of one size each
@@ -167,8 +169,10 @@ class Continuation:
 
     def _varying(self, q: arb_mat) -> Array:
         """Return B in double precision."""
-        B = np.zeros((self.rows.C.nrows(), len(self._S)))
-        for place, slope in self.rows.varying(q).items():
+        angle = np.array([*map(float, angles(q))])
+        B = np.zeros((len(self._C), len(self._S)))
+        B[:, : len(angle)] = -(self._U * np.sin(angle) + self._V * np.cos(angle))
+        for place, slope in self.rows.guided(q).items():
             B[place] = float(slope)
         return B
 

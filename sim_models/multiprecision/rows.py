@@ -93,13 +93,19 @@ class Rows:
 
     def varying(self, q: arb_mat) -> dict[tuple[int, int], arb]:
         """Return B of (2), the part of J that varies, for y = S q alone: the entries that are not zero."""
-        U, V = self._levers(q)
         sin, cos = _sin_cos(q)
-        turned = {(row, body): (U[row, body], V[row, body]) for row, _, body, *_ in self._guides}
-        arms = (self._arms | turned).items()
-        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in arms}
+        B = {(row, body): -(u * sin[body] + v * cos[body]) for (row, body), (u, v) in self._arms.items()}
+        return B | self.guided(q)
+
+    def guided(self, q: arb_mat) -> dict[tuple[int, int], arb]:
+        """Return the entries of B in which slides on moving bodies have a part."""
+        B: dict[tuple[int, int], arb] = {}
+        if not self._guides:
+            return B
+        (U, V), (sin, cos) = self._levers(q), _sin_cos(q)
         for guide in self._guides:
             (x, y), s, c = guide.normal, sin[guide.carrier], cos[guide.carrier]
+            B[guide.row, guide.carrier] = -(U[guide.row, guide.carrier] * s + V[guide.row, guide.carrier] * c)
             B[guide.row, guide.column] = self._size * (x * c - y * s)
             B[guide.row, guide.column + 1] = self._size * (x * s + y * c)
         return B
