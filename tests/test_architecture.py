@@ -18,7 +18,7 @@ from scenes import Engine
 from scenes.engine import Module
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("analytic", "compare", "papers", "scenes", "sim_models")
+PACKAGES = ("analytic", "compare", "linkage_crosscheck", "papers", "scenes", "sim_models")
 
 
 FORBIDDEN = {
@@ -47,7 +47,10 @@ FORBIDDEN = {
     ("compare.study", "compare.report.html"): "from .report import html",
     ("compare.report.html", "compare.run"): "from .. import run",
     ("compare.report.units", "compare.jobs.printing"): "from ..jobs import printing",
+    ("compare.report.units", "compare.ci.github"): "from ..ci import github",
+    ("compare.ci.github", "compare.jobs.printing"): "from ..jobs import printing",
     ("compare.jobs.printing", "compare.run"): "from .. import run",
+    ("compare.run", "linkage_crosscheck.pytest_plugin"): "import linkage_crosscheck.pytest_plugin",
     ("compare.report.page", "papers.page"): "import papers.page",
 }  # importing and imported module -> line
 
