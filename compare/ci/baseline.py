@@ -196,10 +196,10 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
     for peak in (*old.peaks, *new.peaks):
         size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), LEAST), abs(peak.value))
     found: list[tuple[float, str]] = []
-    for name, of in dict.fromkeys((*before, *after)):
-        was, now = before.get((name, of)), after.get((name, of))
-        if was is None or now is None:
-            found.append((0.0, f"{name} ({of}) {'not in it' if was is None else 'in it alone'}"))
+    for (name, of), was in before.items():
+        now = after.get((name, of))
+        if now is None:
+            found.append((0.0, f"{name} ({of}) in it alone"))
             continue
         moved = abs(now.value - was.value) / size[of, was.unit]
         differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
@@ -207,6 +207,8 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
             found.append((-moved, f"{name} ({of}) {now.value:.6g} {now.unit}, was {was.value:.6g}"))
     if found:
         yield Change(f"peaks: {_few([text for _, text in sorted(found)])}", worse=alike)
+    if more := [f"{name} ({of})" for name, of in after if (name, of) not in before]:
+        yield Change(f"peaks not in it: {_few(more)}")
 
 
 def _times(old: Summary, new: Summary) -> Iterator[Change]:

@@ -5,10 +5,13 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
 
+from compare.judge.gates import Miss
+from linkage_crosscheck.pytest_plugin import ChannelGroup
 from tests import scene_files
 
 ROOT = Path(__file__).parents[3]
@@ -89,6 +92,35 @@ def test_a_scene_is_a_test_an_engine_and_group(project: Path) -> None:
     failure = ElementTree.parse(project / "junit.xml").find(".//failure")
     assert failure is not None
     assert OFF in (failure.text or "")
+
+
+JUDGEMENT = SimpleNamespace(
+    verdicts={"exudyn": ("ok", ""), "pymunk": ("diverged", "it ran away"), "mine": ("crashed", "a bug")},
+    misses=[
+        Miss("pymunk", "position", "pymunk's gate"),
+        Miss("exudyn", "reaction", "exudyn's gate"),
+        Miss("mine", "", "mine: crashed: a bug"),
+        Miss("analytic", "", "a doubt"),
+        Miss("", "", "a canary"),
+    ],
+    causes={"pymunk": "the drive lags"},
+)
+
+
+@pytest.mark.parametrize(
+    ("names", "lines"),
+    [
+        (("pymunk", "position"), ["pymunk's gate", "likely cause: the drive lags"]),
+        (("pymunk", "reaction"), ["pymunk: diverged: it ran away", "likely cause: the drive lags"]),
+        (("exudyn", "position"), []),
+        (("exudyn", "reaction"), ["exudyn's gate"]),
+        (("mine", "drive"), ["mine: crashed: a bug"]),
+        (("comparison", ""), ["a doubt", "a canary"]),
+    ],
+)
+def test_every_miss_fails_a_test(names: tuple[str, str], lines: list[str]) -> None:
+    item = SimpleNamespace(_names=names)
+    assert [*ChannelGroup._trouble(item, JUDGEMENT)] == lines  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
