@@ -11,6 +11,8 @@
 
 # Nothing heavy is imported here, so that all of this holds from the first moment on.
 import argparse
+import atexit
+import gc
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -25,6 +27,7 @@ P = ParamSpec("P")
 
 CONSOLE = "linkage-crosscheck"
 TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable
+OBJECTS = 100_000  # that are new before unused ones are looked for: nearly all that imports make stay
 LEAST = 512  # MB of address space: the main job takes 464; with less, libraries end the process as they like
 
 
@@ -101,6 +104,8 @@ def _stop(number: int, _: object) -> None:
 
 def _prepare() -> None:
     """Make the surroundings fit: streams that are closed, or cannot take every letter; threads; memory."""
+    gc.set_threshold(OBJECTS)
+    atexit.register(gc.freeze)  # what is left goes with the process
     for descriptor in range(3):  # or the next file that is opened is what engines print to
         try:
             os.fstat(descriptor)

@@ -12,6 +12,7 @@ import pytest
 
 from compare.engines import registry
 from compare.engines.reference import Reference
+from compare.engines.runner import Run
 from compare.engines.settings import settings_of
 from compare.judge.errors import shown_groups
 from compare.speed.timing import Again, Budget, Times, take_turns
@@ -39,8 +40,8 @@ def only_few_settings() -> Iterator[None]:
     def first(engine: str, *, full: bool) -> Mapping[Settings, str]:
         return dict(islice(settings_of(engine, full=full).items(), 4))
 
-    def once(engines: Sequence[str], again: Again, _: Budget, *others: Any) -> list[Times]:
-        return take_turns(engines, again, Budget(1, 0.0), *others)
+    def once(first: Sequence[Run], again: Again, _: Budget, *others: Any) -> list[Times]:
+        return take_turns(first, again, Budget(1, 0.0), *others)
 
     with pytest.MonkeyPatch.context() as patch:
         for module in ("speed.speed_table", "study"):

@@ -1,6 +1,7 @@
 """What is known of an engine that has not been imported."""
 
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
@@ -28,9 +29,13 @@ class Entry:
     @property
     def version(self) -> str:
         """Return the installed version of what does the work, without importing it."""
-        if self.outside:
-            return self.outside
-        try:
-            return f"{self.distribution} {version(self.distribution)}"
-        except PackageNotFoundError:
-            return "not installed"
+        return self.outside or installed(self.distribution)
+
+
+@cache
+def installed(distribution: str) -> str:
+    """Return what is installed of a distribution, with its version."""
+    try:
+        return f"{distribution} {version(distribution)}"
+    except PackageNotFoundError:
+        return "not installed"

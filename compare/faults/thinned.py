@@ -11,7 +11,6 @@ from scenes import Motion, Sampling, Status
 from scenes.motion import Samples, channels, quantity
 
 from ..engines.reference import Reference, sizes
-from ..engines.registry import Solve
 from ..engines.runner import Run, complete
 from ..judge.errors import GROUPS
 from ..judge.gates import gates, missed
@@ -74,21 +73,7 @@ def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Expla
     samples = {channel: values[rows] for channel, values in run.motion.samples.items()}
     known = Explained(explained.condition[rows], {c: values[rows] for c, values in explained.sensitivity.items()})
     fewer = replace(sampling, samples=count // every, turns=1)
-    remembering = replace(reference, at=_remembering(reference.at))
-    return Thinned(remembering, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
-
-
-def _remembering(solve: Solve) -> Solve:
-    """Return a solver that solves nothing twice."""
-    known: dict[tuple[bytes, bytes], Motion] = {}
-
-    def at(position: Samples, time: Samples) -> Motion:
-        key = position.tobytes(), time.tobytes()
-        if key not in known:
-            known[key] = solve(position, time)
-        return known[key]
-
-    return at
+    return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
 
 
 def refused(spoil: Callable[[Motion], Motion]) -> Noticed:

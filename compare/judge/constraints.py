@@ -12,6 +12,7 @@ freedom and no constraint too many.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..engines.motion_vectors import MotionVectors, Vectors, arms, distances, fi
 Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
 Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
 
+SCENES = 4  # whose constraints are kept
 BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
@@ -138,6 +140,12 @@ class Constraints:
         return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
 
 
+@lru_cache(SCENES)
+def constraints_of(scene: Scene) -> Constraints:
+    """Return the constraints of a scene, prepared once."""
+    return Constraints(scene)
+
+
 def _nonzero(row: Samples) -> list[int]:
     return [number for number, entry in enumerate(row.tolist()) if entry != 0]
 
@@ -170,7 +178,7 @@ def blocks(constraints: Constraints, motion: Motion) -> Iterator[Motion]:
 
 def condition(scene: Scene, motion: Motion) -> Samples:
     """Return the condition number of the Jacobian in the 2-norm at each sample of a motion, shape (n,)."""
-    constraints = Constraints(scene)
+    constraints = constraints_of(scene)
     with np.errstate(divide="ignore"):
         return np.concatenate(
             [np.linalg.cond(constraints.jacobian(constraints.poses(block))) for block in blocks(constraints, motion)]

@@ -18,7 +18,7 @@ from scenes.motion import Samples, force_channels
 
 from ..engines.motion_vectors import MotionVectors, Vectors, inertia
 from ..engines.press_switches import acts, press_forces, sides, stroke_end
-from .constraints import Constraints, Matrices, Poses, blocks, planes
+from .constraints import Constraints, Matrices, Poses, blocks, constraints_of, planes
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Projection:
 
 def projected(scene: Scene, motion: Motion) -> Projection:
     """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose."""
-    constraints = Constraints(scene)
+    constraints = constraints_of(scene)
     ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
     parts = [_projected(constraints, block, ends) for block in blocks(constraints, motion)]
     return Projection(

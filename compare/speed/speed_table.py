@@ -49,8 +49,8 @@ def speed_table(
     """Return one row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
     The error run comes first and warms everything up. Then all settings take turns under the clock, those longest that
-    decide which is the cheapest for some error; those that failed, and those that take longer than the budget has for
-    one, keep the times of their error run. A stop leaves what is done.
+    decide which is the cheapest for some error; those that failed, and slow ones that decide nothing or take longer
+    than the budget has for one, keep the times of their error run. A stop leaves what is done.
     """
     sampling = replace(SAMPLING, channels=channels)
     at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling), runs=runs)
@@ -68,7 +68,7 @@ def speed_table(
         return [timed[n].run if n in failed else run for n, run in zip(numbers, taken, strict=True)]
 
     compared = contests(pd.DataFrame([_row(point, None) for point in timed]))
-    turns = take_turns([p.run.engine for p in timed], again, budget, progress, partial(in_doubt, compared))
+    turns = take_turns([point.run for point in timed], again, budget, progress, partial(in_doubt, compared))
     times = {id(timed[number]): turn for number, turn in enumerate(turns) if number not in failed}
     return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
 

@@ -13,7 +13,7 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
-PATIENCE = 2.0  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+PATIENCE = 0.5  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
 AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
 
 
@@ -63,41 +63,48 @@ class Times:
 
 
 def take_turns(
-    engines: Sequence[str],
+    first: Sequence[Run],
     again: Again,
     budget: Budget,
     progress: Callable[[str], None],
-    in_doubt: Callable[[Sequence[float]], Collection[int]],
+    in_doubt: Callable[[Sequence[float], Sequence[bool]], Collection[int]],
 ) -> list[Times]:
-    """Return the times of every setting, given the engine of each.
+    """Return the times of every setting in the rounds; none of a slow one that decides nothing.
 
     One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
     least number of rounds as far as its share of the patience lasts. After these only those take part that are in
-    doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
-    that are known.
+    doubt, given the fastest solve of every setting, s, and whether it is that of the least number of rounds, and whose
+    fastest time is not known yet. A stop leaves the times that are known.
 
     Args:
-        engines: of every setting; the settings of one are neighbours.
+        first: the run of every setting that warmed it up; the settings of one engine are neighbours.
         again: runs settings of one engine.
         budget: how many rounds.
         progress: called with what is being done.
         in_doubt: the places of the settings whose times matter.
     """
-    times = [Times() for _ in engines]
+    times, engines = [Times() for _ in first], [run.engine for run in first]
+
+    def seconds(n: int) -> float:
+        return times[n].spent / len(times[n].solve) if times[n].solve else first[n].seconds
+
+    def fastest(n: int) -> float:
+        return min(times[n].solve, default=first[n].solve_s)
 
     def batches() -> Iterator[Sequence[int]]:
-        share = max(PATIENCE, budget.seconds) / (len(times) or 1)
-        able = [*range(len(times))]
+        every = range(len(times))
+        share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
         for done in range(LEAST_ROUNDS):
-            able = [n for n in able if (done + 1) * times[n].spent <= max(done, 1) * share]  # with one more like those
+            able = [n for n in able if (done + 1) * seconds(n) <= share]
             progress(f"timing {len(able)} settings, round {done + 1}")
             yield from _by_engine(able, engines)
         spent = sum(record.spent for record in times)
         for done in range(LEAST_ROUNDS, budget.rounds):
-            doubtful = [n for n in in_doubt([min(record.solve) for record in times]) if not times[n].known]
+            sure = [len(times[n].solve) >= LEAST_ROUNDS for n in every]
+            doubtful = [n for n in in_doubt([*map(fastest, every)], sure) if not times[n].known]
             for batch in _by_engine(doubtful, engines):
                 left = budget.seconds - (sum(record.spent for record in times) - spent)
-                before = accumulate([0.0, *(min(times[n].solve) for n in batch)])
+                before = accumulate([0.0, *map(fastest, batch)])
                 if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
                     progress(f"timing {len(doubtful)} settings, round {done + 1}")
                     yield chosen

@@ -23,7 +23,7 @@ from .rows import angles
 
 Array: TypeAlias = NDArray[np.float64]
 
-LARGEST_TURN = radians(2)  # of any body in one step
+LARGEST_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
 # a singular configuration within their root, 1e-8.
 SMALLEST_TURN = 1e-7

@@ -135,7 +135,7 @@ def test_speed_file(results: Path) -> None:
     run_s = speed["build_s"] + speed["solve_median_s"] + speed["read_s"]
     cheap = 2 * LEAST_ROUNDS * run_s <= PATIENCE / len(speed)  # the rounds are not all alike
     assert cheap[speed["engine"] == "analytic"].all()
-    assert (speed["timed_runs"] >= cheap.map({True: LEAST_ROUNDS, False: 1})).all(), "fewer of slow settings alone"
+    assert (speed["timed_runs"][cheap] >= LEAST_ROUNDS).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]

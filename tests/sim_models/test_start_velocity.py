@@ -37,7 +37,7 @@ def spoil_pymunk(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
 
 Spoil = Callable[[pytest.MonkeyPatch, float], None]
 SPOILT: list[tuple[str, Spoil, Settings]] = [
-    *(("exudyn", spoil_exudyn, settings) for settings in (exudyn_model.DEFAULT, *exudyn_model.WORK_PRECISION[:6])),
+    *(("exudyn", spoil_exudyn, settings) for settings in (exudyn_model.DEFAULT, *exudyn_model.WORK_PRECISION[:5])),
     *(("pymunk", spoil_pymunk, settings) for settings in (pymunk_model.DEFAULT, pymunk_model.EXACT)),
 ]
 

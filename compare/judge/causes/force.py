@@ -20,7 +20,7 @@ from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND, Body, PressForce
 
 from ...engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
-from ..constraints import Constraints, blocks
+from ..constraints import blocks, constraints_of
 from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
@@ -59,7 +59,7 @@ class Carried:
     @cached_property
     def _solved(self) -> NDArray[np.float64]:
         """The force channels that each coordinate's share of M q'' - Q gives, shape (n, channels, coordinates)."""
-        constraints = Constraints(self.scene)
+        constraints = constraints_of(self.scene)
         size = np.tile([constraints.size, constraints.size, 1.0], len(self.scene.bodies))
         return np.concatenate(
             [

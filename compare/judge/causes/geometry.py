@@ -10,7 +10,7 @@ from scenes import Motion, Scene
 from scenes.loads import Vector
 from scenes.motion import Samples
 
-from ..constraints import Constraints
+from ..constraints import constraints_of
 from ..perturbation import Input, Path, inputs, put
 from ..projection import projected
 from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted, thinned
@@ -50,7 +50,7 @@ def geometry_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 def affordable(evidence: Evidence) -> Evidence:
     """Return the evidence at so many rows that all slopes are found in seconds: of few bodies all of them."""
     scene = evidence.reference.scene
-    numbers, equations = sum(1 for _ in _changes(evidence)), len(Constraints(scene).units)
+    numbers, equations = sum(1 for _ in _changes(evidence)), len(constraints_of(scene).units)
     return thinned(evidence, int(WORK / (numbers * equations**2)))
 
 

@@ -32,20 +32,27 @@ class Job:
 
 
 def turns(
-    jobs: Sequence[Job], budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]]
+    jobs: Sequence[Job],
+    budget: Budget,
+    in_doubt: Callable[[Sequence[float], Sequence[bool]], Sequence[int]],
+    first: float = 0.0,
 ) -> tuple[list[Times], str]:
-    """Return the times, and the engines in the order in which they ran; a bar ends each batch."""
+    """Return the times, and the engines in the order in which they ran; a bar ends each batch.
+
+    The runs that warmed everything up took `first` s.
+    """
     ran: list[str] = []
+    runs = [Run(job.engine, None, Status.ok, build_s=0.0, solve_s=first, read_s=0.0) for job in jobs]
 
     def again(numbers: Sequence[int]) -> list[Run]:
         ran.extend((*(jobs[number].engine for number in numbers), "|"))
         return [jobs[number].run() for number in numbers]
 
-    times = take_turns([job.engine for job in jobs], again, budget, quiet, in_doubt)
+    times = take_turns(runs, again, budget, quiet, in_doubt)
     return times, "".join(ran)
 
 
-def all_of(times: Sequence[float]) -> Sequence[int]:
+def all_of(times: Sequence[float], _: Sequence[bool]) -> Sequence[int]:
     return range(len(times))
 
 
@@ -81,16 +88,30 @@ def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
 
 
 def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
-    """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for."""
-    for budget, rounds in ((Budget(20, 0.5), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
-        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda _: ())
+    """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for, or one."""
+    for budget, rounds in ((Budget(20, 2.0), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
+        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda *_: ())
         assert [len(of.solve) for of in times] == [3, rounds]
 
 
+def test_a_setting_whose_first_run_took_its_share_is_timed_where_it_decides() -> None:
+    """Its first run took 0.6 s, of a share of 0.5 s; then it is timed until it is known, in rounds 4 to 6."""
+    seen = []
+
+    def never(times: Sequence[float], sure: Sequence[bool]) -> Sequence[int]:
+        seen.append((*times, *sure))
+        return []
+
+    (times,), _ = turns([Job("a", [0.4])], Budget(20, 0.1), never, first=0.6)
+    assert (times.solve, seen[0]) == ([], (0.6, False))
+    (times,), _ = turns([Job("a", [0.4])], Budget(20, 9.0), all_of, first=10.0)
+    assert times.solve == [0.4] * 3
+
+
 def test_a_batch_ends_with_the_budget() -> None:
-    """Two of three settings, of 0.1 s each, begin within 0.15 s."""
-    jobs = [Job("a", [0.2, 0.15, 0.1]) for _ in range(3)]
-    times, ran = turns(jobs, Budget(99, 0.15), all_of)
+    """Two of three settings, of 0.01 s each, begin within 0.015 s."""
+    jobs = [Job("a", [0.02, 0.015, 0.01]) for _ in range(3)]
+    times, ran = turns(jobs, Budget(99, 0.015), all_of)
     assert [len(of.solve) for of in times] == [4, 4, 3]
     assert ran == "aaa|aaa|aaa|aa|"
 
@@ -100,7 +121,8 @@ def test_only_what_is_in_doubt_is_timed_longer() -> None:
     seen = []
     jobs = [Job("a", [1.0]), Job("b", [7.0, 6.0, 5.0, 4.0]), Job("c", [3.0, 2.0, 1.0])]
 
-    def in_doubt(times: Sequence[float]) -> Sequence[int]:
+    def in_doubt(times: Sequence[float], sure: Sequence[bool]) -> Sequence[int]:
+        assert all(sure)
         seen.append(list(times))
         return [1] if times[1] > 4 else []
 

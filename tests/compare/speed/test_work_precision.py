@@ -71,8 +71,12 @@ def test_what_more_rounds_should_make_sure_of() -> None:
     )
     compared = contests(points)
     times = points["solve_min_s"].tolist()
-    assert in_doubt(compared, times) == [0, 1]
-    assert in_doubt(compared, [1.0, 1.1, 1.0, 2.9, 9.0, 1.5]) == []
+    sure = [True] * len(times)
+    assert in_doubt(compared, times, sure) == [0, 1]
+    assert in_doubt(compared, [1.0, 1.1, 1.0, 2.9, 9.0, 1.5], sure) == []
+    assert in_doubt(compared, times, [True, True, False, False, False, False]) == [0, 1, 2, 3]
+    for ratio, found in ((2.5, [0, 1]), (2.7, [])):  # 1.5 times, of which one run was on a busy machine
+        assert in_doubt(compared, [1.0, ratio, 9.0, 30.0, 9.0, 1.5], [False] * 6) == found
 
 
 def test_front() -> None:

@@ -94,10 +94,10 @@ def test_pose_that_is_no_solution_is_not_enclosed(name: str, coordinate: int) ->
     assert failure.value.status is Status.not_converged
 
 
-def test_no_step_is_longer_than_two_degrees() -> None:
+def test_no_step_is_longer_than_six_degrees() -> None:
     simulation = model.build(scenes.load("toggle_press"), model.DEFAULT, Sampling(1))
     simulation.solve()
-    assert simulation.counters["steps"] >= 180
+    assert simulation.counters["steps"] >= 60
 
 
 def test_run_leaves_the_precision_and_says_what_it_did() -> None:
