@@ -38,7 +38,7 @@ NumberOrText = Annotated[float | str, PlainValidator(_number_or_text)]
 class Table(BaseModel):
     """A TOML table: no unknown keys, no silent conversion of types."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
 
 class Units(Table):
@@ -167,7 +167,7 @@ class SceneFile(Table):
     name: Name = Field(description='Of the folder of results: letters, digits and "_", a letter first.')
     title: str = Field("", max_length=limits.TITLE, description="The heading of the report.")
     source: str = Field("", max_length=limits.SOURCE, description="Where its numbers come from.")
-    units: Units = Field(Units.model_validate({}), description="What the numbers of the file are in; SI where absent.")
+    units: Units = Field(default_factory=Units, description="What the numbers of the file are in; SI where absent.")
     gravity: Pair | None = Field(None, description="[x, y] in m/s^2; none where absent.")
     ground: GroundTable = Field(description="What does not move.")
     bodies: dict[Name, BodyTable] = Field(

@@ -203,7 +203,7 @@ class Scene:
         if self.driven_slide is not None:
             return self.length(position, 6)
         unit, size = self.units["angle"]
-        return f"{position / size:.{4 if size <= pi / 180 else 6}f} {unit}"
+        return f"{position / size:z.{4 if size <= pi / 180 else 6}f} {unit}"
 
     def where(self, position: float) -> str:
         """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""

@@ -17,7 +17,10 @@ def unpacked(text: str) -> list[str]:
     """Return the library and all figures of a page, as JSON."""
     packed = dict(re.findall(r'<script type="application/gzip" id="(\w+)">([^<]*)</script>', text))
     figures, library = (gzip.decompress(b64decode(packed[name])).decode() for name in ("figures", "plotly"))
-    return [library, *(json.dumps(figure, separators=(",", ":")) for figure in json.loads(figures))]
+    found = json.loads(figures)
+    for figure in found["figures"]:
+        figure["layout"]["template"] = found["template"]
+    return [library, *(json.dumps(figure, separators=(",", ":")) for figure in found["figures"])]
 
 
 def check_figures(text: str) -> None:

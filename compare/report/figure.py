@@ -3,7 +3,6 @@
 import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
-from functools import cache
 from importlib.resources import files
 from itertools import accumulate, product
 from math import isfinite
@@ -88,9 +87,8 @@ class Figure:
         return self
 
     def json(self, most: int = CURVE) -> str:
-        """Return what plotly's script draws, with at most so many points a curve."""
-        layout = self.layout | {"template": _template()}
-        return json.dumps(_plain({"data": thinned(self.traces, most), "layout": layout}))
+        """Return what plotly's script draws in the look of `template`, with at most so many points a curve."""
+        return json.dumps(_plain({"data": thinned(self.traces, most), "layout": self.layout}))
 
     def checked(self) -> "Checked":
         """Return plotly's own figure.
@@ -121,12 +119,9 @@ def _merge(into: dict[str, Any], attributes: Attributes) -> None:
             into[name] = value
 
 
-@cache
-def _template() -> Attributes:
-    """Return the look of figures by plotly, without the library."""
-    text = (files("plotly") / f"package_data/templates/{TEMPLATE}.json").read_text(encoding="utf-8")
-    template: Attributes = json.loads(text)
-    return template
+def template() -> str:
+    """Return the look of figures by plotly, as JSON, without the library."""
+    return (files("plotly") / f"package_data/templates/{TEMPLATE}.json").read_text(encoding="utf-8")
 
 
 def _plain(value: Any) -> Any:

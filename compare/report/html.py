@@ -18,7 +18,7 @@ from markupsafe import Markup, escape
 from ..engines.environment import environment
 from . import numbers
 from .extremes import CURVE
-from .figure import Figure
+from .figure import Figure, template
 
 HERE = "compare.report"  # the package of the templates that all pages share
 ROWS = 200  # of a table or a list, at most
@@ -49,7 +49,7 @@ def _templates(package: str) -> Environment:
         keep_trailing_newline=True,
     )
     templates.filters |= {"table": shortened, "first": first, "percent": numbers.percent}
-    templates.filters |= {"number": number, "cell": cell}
+    templates.filters |= {"number": number, "cell": cell, "row": table_row}
     templates.filters["packed"] = lambda parts: packed(dumps(parts).encode())
     templates.globals |= {"environment": environment, "library": _library}
     return templates
@@ -73,7 +73,7 @@ def number(value: float, text: str, unit: str = "") -> Markup:
 
 def cell(value: object) -> object:
     """Return what a cell of a table shows."""
-    if value is None or value != value:
+    if value is None or value is pd.NA or value != value:
         return "–"
     return number(value, numbers.short(value)) if isinstance(value, float) else value
 
@@ -97,8 +97,9 @@ class Parts:
 
     @property
     def figures(self) -> str:
-        """All figures, packed; nothing where there are none."""
-        return packed(f"[{','.join(self._figures)}]".encode()) if self._figures else ""
+        """All figures and the look that they share, packed; nothing where there are none."""
+        text = f'{{"template":{template()},"figures":[{",".join(self._figures)}]}}'
+        return packed(text.encode()) if self._figures else ""
 
 
 @dataclass(frozen=True)
@@ -124,8 +125,13 @@ def shortened(table: pd.DataFrame, worst: str = "", whole: str = "the JSON file"
         which = f"with the largest {worst}" if worst else "that come first"
         left_out = f"The {ROWS} rows {which}, of {len(table):,}; all are in {whole}."
         table = table.iloc[np.argsort(size, kind="stable")[:ROWS]]
-    known = table.astype(object).where(table.notna(), None)
-    return Table(columns, [*known.itertuples(index=False, name=None)], left_out)
+    return Table(columns, [*zip(*(column.tolist() for _, column in table.items()), strict=True)], left_out)
+
+
+def table_row(values: Sequence[object]) -> Markup:
+    """Return a row of a table, whose first cell names it."""
+    name, *others = (escape(cell(value)) for value in values)
+    return Markup(f'<tr><th scope="row">{name}</th>{"".join(f"<td>{other}</td>" for other in others)}</tr>')
 
 
 def first(sentences: Iterable[str]) -> list[str]:

@@ -25,7 +25,8 @@ const unpack = async () => {
   library.textContent = await unpacked("plotly");
   const found = JSON.parse(await unpacked("figures"));
   document.head.append(library);
-  figures = found;
+  figures = found.figures;
+  for (const { layout } of figures) layout.template = found.template;
   places.forEach(place => near.observe(place));
 };
 if (places.size) requestAnimationFrame(() => setTimeout(unpack));

@@ -81,10 +81,15 @@ def _as_fast(times: Samples, errors: Samples, steps: Samples, limit: float, tie:
 
 def front(points: pd.DataFrame, error: str, tie: float = TIE) -> pd.DataFrame:
     """Return every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
-    plain = points[points["note"] == ""]
-    times, errors, steps = _numbers(plain, error)
-    best = [int(_as_fast(times, errors, steps, limit, tie)[0]) for limit in errors[~np.isnan(errors)]]
-    return plain.take(list(dict.fromkeys(best))).sort_values("solve_min_s", kind="stable")
+    return points.take(front_places(points, error, tie))
+
+
+def front_places(points: pd.DataFrame, error: str, tie: float = TIE) -> list[int]:
+    """Return the rows of what `front` returns."""
+    plain = np.flatnonzero(points["note"].to_numpy() == "")
+    times, errors, steps = (values[plain] for values in _numbers(points, error))
+    best = {int(_as_fast(times, errors, steps, limit, tie)[0]) for limit in errors[~np.isnan(errors)]}
+    return [int(plain[row]) for row in sorted(best, key=lambda row: (times[row], row))]
 
 
 def choices(speed: pd.DataFrame) -> pd.DataFrame:
@@ -155,7 +160,7 @@ def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float], sure:
     slack = np.log(np.where(sure, DOUBT, BUSY))
     for places in contests:
         ratio = np.array(times)[places] / min(times[place] for place in places)
-        near = np.abs(np.log(ratio / (1 + TIE))) < slack[places]
+        near = (np.abs(np.log(ratio / (1 + TIE))) < slack[places]) & (ratio > 1)
         if near.any():
             doubtful |= {int(place) for place in places[near | (ratio == 1)]}
     return sorted(doubtful)

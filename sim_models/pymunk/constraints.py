@@ -214,4 +214,6 @@ def planes(q: Poses) -> tuple[Complex, Complex]:
 
 def _point_gradients(r: Complex) -> Complex:
     """Return d(z + r)/d(x, y, theta) of points at the arms r, shape (..., 3)."""
-    return np.stack([np.ones_like(r), np.full_like(r, 1j), 1j * r], axis=-1)
+    gradients = np.empty((*r.shape, 3), dtype=np.complex128)
+    gradients[..., 0], gradients[..., 1], gradients[..., 2] = 1, 1j, 1j * r
+    return gradients

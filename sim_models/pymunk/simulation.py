@@ -53,12 +53,13 @@ def build(scene: Scene, settings: PymunkSettings, request: Request) -> "PymunkSi
     Where no forces are requested, they have fictitious masses and fewer sweeps.
     """
     sampling, with_forces = equal_steps(request), loaded(scene, settings, request)
-    linkage, pose = begun(scene, masses_of(scene, settings, request))
+    masses = masses_of(scene, settings, request)
+    linkage, pose = begun(scene, masses)
     if not (with_forces or settings.fictitious or settings.extra == "motor"):
         settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
     ends = stroke_ends(scene)
     strides = [ceil(settings.steps / sampling.samples) * 2**level for level in range(settings.levels)]
-    runs = [stepping.build(linkage, pose, ends, sampling, n, settings, loaded=with_forces) for n in strides]
+    runs = [stepping.build(scene, masses, ends, sampling, n, settings, loaded=with_forces) for n in strides]
     return PymunkSimulation(sampling, linkage, runs, ends, pose)
 
 

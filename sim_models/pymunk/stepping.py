@@ -2,21 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import ceil
 
 import numpy as np
 
-from scenes import Failure, ProcessorBudget, Sampling
+from scenes import Failure, ProcessorBudget, Sampling, Scene
 from scenes.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
 from .applied_forces import AppliedForces
-from .constraints import LinkageConstraints, Poses
+from .constraints import LinkageConstraints, Masses, Poses
 from .loads import Active
 from .recorders import BatchRecorder, PropertyRecorder, Recorder
 from .settings import PymunkSettings
 from .space import Model, pair
-from .start import move, rates
+from .start import begun, move, rates
 
 # Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The error of the rates
 # decays within four steps, if the sweeps converge and each step corrects the whole error; that of the impulses with the
@@ -24,6 +25,7 @@ from .start import move, rates
 # longer to decay outlasts the run as well. Where the linkage does not assemble that far back, fewer steps leave the
 # first acceleration less exact.
 PRE_ROLL, LEAST_PRE_ROLL = 5, 3
+STARTS = 32  # that are kept; the settings that every run measures have nine
 FIRST_SWEEPS = 10  # times those of a later step
 
 
@@ -38,8 +40,8 @@ class Steps:
 
 
 def build(
-    linkage: LinkageConstraints,
-    start: Poses,
+    scene: Scene,
+    masses: Masses,
     stroke_ends: Sequence[float],
     sampling: Sampling,
     stride: int,
@@ -52,10 +54,10 @@ def build(
     Raises:
         Failure: cannot_assemble, for the steps before t = 0; unsupported, the settings.
     """
-    scene = linkage.scene
+    linkage, _ = begun(scene, masses)
     dt, count = float(sampling.times(scene)[1]) / stride, stride * sampling.samples * sampling.turns
     wanted = min(ceil(PRE_ROLL / settings.corrected(dt)), max(PRE_ROLL, stride * sampling.samples))
-    pre_roll, pose = _before(linkage, start, dt, wanted)
+    pre_roll, pose = _before(scene, masses, dt, wanted)
     # The last rate follows from the position one step after the end.
     driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
     model = Model(linkage, pose, rates(linkage, pose, float(driven.rate[0])), settings.error_bias(dt), settings.extra)
@@ -145,13 +147,14 @@ class Integration:
             body.velocity = pair(rate * along)
 
 
-def _before(linkage: LinkageConstraints, start: Poses, dt: float, wanted: int) -> tuple[int, Poses]:
-    """Return the number of steps before t = 0, as wanted or fewer, and the pose there.
+@lru_cache(STARTS)
+def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, Poses]:
+    """Return the number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps.
 
     Raises:
         Failure: cannot_assemble, with the drive's position.
     """
-    drive = linkage.scene.drive
+    drive, (linkage, start) = scene.drive, begun(scene, masses)
     for steps in (wanted, LEAST_PRE_ROLL):
         try:
             return steps, move(linkage, start, drive.start, float(drive.at(-steps * dt).position))

@@ -12,7 +12,7 @@ from scenes.motion import Samples
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
 from ...judge.errors import group_floors
-from ...speed.work_precision import contenders, families, front, groups, solved
+from ...speed.work_precision import contenders, families, front_places, groups, solved
 from ...study import Study
 from ..figure import Figure
 from ..style import BOUND, FLOOR, GREY, cell, colour, draw, error_axes, grid, layout, marker
@@ -53,16 +53,15 @@ def _panels(study: Study, found: Sequence[str]) -> Iterator[Figure]:
     lines = {engine: [rows for _, rows in families(of, "steps")] for engine, of in own.items()}
     settings = [(*found, _hover(study, found[-1])) for found in contenders(points)]
     notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
+    others = points[points["engine"] != REFERENCE] if found else points
+    fronts = ("Pareto front", points, "#000000"), ("Pareto front without the reference", others, "#b8860b")
     for kind in ("max", "rms"):
         figure = grid(found, min(COLUMNS, len(found)) or 1)
         for panel, group in enumerate(found):
             error, where = f"{group}_{kind}", cell(panel, COLUMNS)
             floor = floors.get(group, np.nan)
             draw(figure, FLOOR, [speed["ms"].min(), speed["ms"].max()], [floor] * 2, *where, line=BOUND)
-            for name, rows, shade in (
-                ("Pareto front", points, "#000000"),
-                ("Pareto front without the reference", points[points["engine"] != REFERENCE], "#b8860b"),
-            ):
+            for name, rows, shade in fronts:
                 line = {"color": shade, "width": 7, "shape": "hv"}
                 draw(figure, name, *_front(rows, error), *where, line=line, opacity=0.2, hoverinfo="skip")
             for engine, number in engines.items():
@@ -81,12 +80,14 @@ def _panels(study: Study, found: Sequence[str]) -> Iterator[Figure]:
 
 def _front(points: pd.DataFrame, error: str) -> tuple[Samples, Samples]:
     """Return the front as steps: for every time, ms, the least error that can be had, from the first setting on."""
-    best = front(points, error, tie=0)
-    times, errors = best["ms"].to_numpy(), best[error].to_numpy()
-    if len(best):
-        times = np.concatenate([times[:1], times, [points["ms"].max()]])
-        errors = np.concatenate([[points[error].max()], errors, errors[-1:]])
-    return times, errors
+    times, errors = points["ms"].to_numpy(), points[error].to_numpy()
+    best = front_places(points, error, tie=0)
+    if not best:
+        return times[:0], errors[:0]
+    return (
+        np.concatenate([times[best[:1]], times[best], [np.nanmax(times)]]),
+        np.concatenate([[np.nanmax(errors)], errors[best], errors[best[-1:]]]),
+    )
 
 
 def _hover(study: Study, rows: pd.DataFrame) -> dict[str, Any]:
