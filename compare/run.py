@@ -46,6 +46,10 @@ def _run(options: argparse.Namespace) -> int:
         from .ci import baseline  # late, as below
 
         options.baseline = {scene.name: baseline.read(options.baseline, scene) for scene in scenes}
+    if options.result:
+        from .results.result import read_results  # late, as below
+
+        options.result = read_results(scenes, options.result)
     for scene, request in zip(scenes, requests, strict=True):
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
@@ -83,6 +87,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
         ("accuracy", "many linkages take the engines' defaults"),
         ("channels", "the numbers are of all of them"),
         ("baseline", "a baseline is of one linkage"),
+        ("result", "a result is of one linkage"),
     ):
         if several and getattr(options, name):
             raise InputError(f"arguments: --{name}: expected it without {several[0]}, since {why}")

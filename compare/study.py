@@ -17,6 +17,7 @@ from .judge.escalation import offers, promising
 from .judge.floor import establish
 from .judge.judgement import Judgement, Offers, judgement
 from .judge.measure import Measurement
+from .results.result import Result
 from .speed import work_precision
 from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
@@ -73,8 +74,11 @@ def study(
     budget: Budget,
     progress: Callable[[str], None],
     accuracy: Accuracy = "balanced",
+    results: Sequence[Result] = (),
 ) -> Study:
-    """Solve a scene by every engine named, measure, gate, and time. A stop leaves what is done.
+    """Solve a scene by every engine named, measure, gate, and time; results of other programs are judged beside them.
+
+    A stop leaves what is done.
 
     Where the accuracy is a number, the settings that the engines offer are measured before one of them is chosen.
 
@@ -93,12 +97,13 @@ def study(
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
         if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
-            judged = judgement(reference, engines, sampling, _offers(accuracy, pd.DataFrame()), report, runs)
+            judged = judgement(reference, engines, sampling, _offers(accuracy, pd.DataFrame()), report, runs, results)
             speed = speed_table(reference, able, budget, report, sampling.channels, runs)
         else:
             speed = speed_table(reference, able, budget, report, sampling.channels, runs)
-            judged = judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs)
-    judged.reasons.extend(_left_out(engines, judged.measurements, able, speed, budget))
+            judged = judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
+    names = [*engines, *(result.run.engine for result in results)]
+    judged.reasons.extend(_left_out(names, judged.measurements, able, speed, budget))
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
     known = {field.name: getattr(judged, field.name) for field in fields(judged)}
     return Study(**known, motion=motion, speed=speed)
@@ -137,10 +142,10 @@ def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
 
 
 def _left_out(
-    engines: Sequence[str], measurements: list[Measurement], able: list[str], speed: pd.DataFrame, budget: Budget
+    names: Sequence[str], measurements: list[Measurement], able: list[str], speed: pd.DataFrame, budget: Budget
 ) -> Iterator[str]:
     """Yield what is not there because the user stopped."""
-    if left := engines[len(measurements) :]:
+    if left := names[len(measurements) :]:
         yield f"stopped before running {', '.join(left)}"
     settings = sum(len(settings_of(engine, full=budget.full)) for engine in able)
     if len(speed) < settings:

@@ -28,7 +28,7 @@ from .engine import Engine, Failure, Settings, Simulation, Status
 from .errors import InputError
 from .motion import Motion
 from .reader import LIBRARY, load, numbers_in, shipped
-from .request import Positions, Request, Sampling
+from .request import Instants, Positions, Request, Rows, Sampling
 from .scene import Scene
 from .starter import write_starter
 
@@ -37,10 +37,12 @@ __all__ = [
     "Engine",
     "Failure",
     "InputError",
+    "Instants",
     "Motion",
     "Positions",
     "ProcessorBudget",
     "Request",
+    "Rows",
     "Sampling",
     "Scene",
     "Settings",

@@ -184,6 +184,7 @@ class SceneFile(Table):
     sketch: SketchTable = Field(description="Rough positions, which show how the bodies are assembled.")
     output: OutputTable = Field(description="The point that the report is about.")
     tolerances: dict[Name, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")
+    results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
 
 
 class LadderFile(Table):

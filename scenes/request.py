@@ -84,4 +84,25 @@ class Positions(_Channels):
         return np.array(self.positions)
 
 
-Request: TypeAlias = Sampling | Positions
+@dataclass(frozen=True)
+class Instants(_Channels):
+    """Samples at instants that somebody else chose, in any steps: those of a result that was computed elsewhere."""
+
+    instants: tuple[float, ...]  # s, increasing
+
+    @property
+    def count(self) -> int:
+        """The number of samples, n."""
+        return len(self.instants)
+
+    def times(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself
+        """Return the instants, shape (n,), s."""
+        return np.array(self.instants)
+
+    def commanded(self, scene: Scene) -> Samples:
+        """Return the positions that the drive commands at those instants, shape (n,), rad or m."""
+        return scene.drive.at(self.times(scene)).position
+
+
+Request: TypeAlias = Sampling | Positions  # of a model
+Rows: TypeAlias = Request | Instants  # of anything that is compared

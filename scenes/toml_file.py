@@ -24,35 +24,50 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
     shown = one_line(str(name_or_path)) or "''"
     path = known.get(str(name_or_path), Path(name_or_path))
     try:
-        tables = tomllib.loads(_text(path))
+        text = read_text(path, FILE_BYTES)
+        if _LONG_KEY.search(text):
+            raise InputError(f"expected keys of {KEY_PARTS} parts at most, found one of more")
+        tables = tomllib.loads(text)
         _check_values(tables, ())
     except FileNotFoundError:
         raise InputError(f"{shown}: no such {kind} or file{nearest(path.stem, known)}") from None
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{shown}: not valid TOML: {str(error) or type(error).__name__}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{shown}: expected a text file in UTF-8, and byte {error.start} is none") from None
-    except OSError as error:
-        raise InputError(f"{shown}: cannot be read ({error.strerror})") from None
-    except ValueError as error:  # a zero in the path, or an integer of thousands of digits
+    except ValueError as error:  # an integer of thousands of digits
         raise InputError(f"{shown}: cannot be read ({error})") from None
     except InputError as error:
         raise InputError(f"{shown}: {error}") from None
     return tables
 
 
-def _text(path: Path) -> str:
-    mode = path.stat().st_mode
-    if not stat.S_ISREG(mode):
-        raise InputError(f"expected a text file, found {_KINDS.get(stat.S_IFMT(mode), 'a device')}")
-    with path.open("rb") as file:
-        content = file.read(FILE_BYTES + 1)
-    if len(content) > FILE_BYTES:
-        raise InputError(f"expected a file of {FILE_BYTES} bytes at most, found one of more")
-    text = content.decode("utf-8-sig")  # with the mark that some editors put first, or without
-    if _LONG_KEY.search(text):
-        raise InputError(f"expected keys of {KEY_PARTS} parts at most, found one of more")
-    return text
+def read_text(path: Path, most: int) -> str:
+    """Return what a text file holds.
+
+    Args:
+        path: of the file.
+        most: bytes that are read.
+
+    Raises:
+        FileNotFoundError: there is none.
+        InputError: it cannot be read, is larger, or is no text in UTF-8; the message does not name it.
+    """
+    try:
+        mode = path.stat().st_mode
+        if not stat.S_ISREG(mode):
+            raise InputError(f"expected a text file, found {_KINDS.get(stat.S_IFMT(mode), 'a device')}")
+        with path.open("rb") as file:
+            content = file.read(most + 1)
+        if len(content) > most:
+            raise InputError(f"expected a file of {most} bytes at most, found one of more")
+        return content.decode("utf-8-sig")  # with the mark that some editors put first, or without
+    except FileNotFoundError:
+        raise
+    except UnicodeDecodeError as error:
+        raise InputError(f"expected a text file in UTF-8, and byte {error.start} is none") from None
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror})") from None
+    except ValueError as error:  # a zero in the path
+        raise InputError(f"cannot be read ({error})") from None
 
 
 def _check_values(value: object, place: tuple[object, ...]) -> None:

@@ -4,6 +4,7 @@ The usual ones are known here: to import pint, and have it read its definitions,
 """
 
 import re
+from collections.abc import Iterable
 from functools import cache, lru_cache
 from math import nan, pi
 from typing import TYPE_CHECKING
@@ -47,19 +48,37 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
     speed, other = (_SLIDING, _TURNING) if slides else (_TURNING, _SLIDING)
     for name, (si, usual) in (_USUAL | {"speed": speed}).items():
         unit = getattr(units, name) or si
-        wrong = ""
-        if not _PRODUCT.fullmatch(unit):
-            wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
-        elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
-            wrong = f"is not a unit of {name} that is known"
-            if name == "speed" and _factor(unit, other[0]) > 0:
-                kind, has = ("crank", "has") if slides else ("slider", "has no")
-                wrong = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
-        if wrong:
-            shown = one_line(unit, 40)
-            raise InputError(f"units.{name}: '{shown}' {wrong}{nearest(shown, usual)}")
-        factors[name] = unit, _factor(unit, si)
+        hint = ""
+        if name == "speed" and _PRODUCT.fullmatch(unit) and _factor(unit, other[0]) > 0:
+            kind, has = ("crank", "has") if slides else ("slider", "has no")
+            hint = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
+        factors[name] = unit, factor(unit, si, name, f"units.{name}", usual, hint)
     return factors
+
+
+def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = (), hint: str = "") -> float:
+    """Return how many of the SI unit a unit is.
+
+    Args:
+        unit: a product of powers of unit names.
+        si: the SI unit, in which pint has it: `m/s`.
+        name: of the quantity, for the message.
+        place: where the unit is in its file.
+        usual: units to suggest the nearest of.
+        hint: what is wrong with one that is none of the quantity, where more is known.
+
+    Raises:
+        InputError: the text is no unit of the quantity; the message has its place in the file and the nearest unit.
+    """
+    wrong = ""
+    if not _PRODUCT.fullmatch(unit):
+        wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
+    elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
+        wrong = hint or f"is not a unit of {name} that is known"
+    if wrong:
+        shown = one_line(unit, 40)
+        raise InputError(f"{place}: '{shown}' {wrong}{nearest(shown, usual) if usual else ''}")
+    return _factor(unit, si)
 
 
 @lru_cache(100)

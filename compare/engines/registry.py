@@ -64,6 +64,11 @@ def check_names(names: Iterable[str]) -> None:
             raise InputError(f"--engines: no engine '{name}'{nearest(name, ENTRIES)}")
 
 
+def gives_everything(name: str) -> bool:
+    """Return whether an engine gives every channel; a result of another program gives those of its file."""
+    return name in ENTRIES and ENTRIES[name].everything
+
+
 def engine(name: str) -> Engine[Any]:
     """Return an engine's module, imported now; one that cannot be, as an engine whose every run fails."""
     entry = ENTRIES[name]

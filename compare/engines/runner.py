@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from scenes import Engine, Failure, Motion, Request, Scene, Settings, Status
+from scenes import Engine, Failure, Motion, Request, Rows, Scene, Settings, Status
 from scenes.motion import kinematic_channels, quantity
 
 from . import registry
@@ -128,19 +128,19 @@ def _finite(motion: Motion | None) -> Motion | None:
     return motion if motion is not None and np.isfinite([*motion.samples.values()]).all() else None
 
 
-def complete(outcome: Run, scene: Scene, request: Request) -> Run:
+def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
     """Return the run, its status corrected where its motion is not what was asked for."""
     if outcome.status is not Status.ok or outcome.motion is None:
         return outcome
     try:
-        _check_complete(scene, request, outcome.motion, everything=registry.ENTRIES[outcome.engine].everything)
+        _check_complete(scene, request, outcome.motion, everything=registry.gives_everything(outcome.engine))
     except Failure as failure:
         motion = _finite(failure.motion)
         return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=motion)
     return outcome
 
 
-def _check_complete(scene: Scene, request: Request, motion: Motion, *, everything: bool) -> None:
+def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: bool) -> None:
     """Refuse a result that is short, holds NaN, is of other instants, repeats rows, or lacks a channel.
 
     A channel may be missing for a reason where the engine gives not every quantity, and none such of another joint.
@@ -174,7 +174,7 @@ def _check_complete(scene: Scene, request: Request, motion: Motion, *, everythin
     _check_rows(scene, request, motion)
 
 
-def _check_rows(scene: Scene, request: Request, motion: Motion) -> None:
+def _check_rows(scene: Scene, request: Rows, motion: Motion) -> None:
     """Refuse a row that repeats the one before in all that moves, while the drive does not stand still."""
     commanded = request.commanded(scene)
     moves = kinematic_channels(scene)[2:]  # but for time and drive

@@ -35,12 +35,12 @@ def canaries(judgement: Judgement) -> list[str]:
     """Return what the comparison lets through, a line each; none where no run is ok or the reference is in doubt.
 
     Args:
-        judgement: the runs just judged, of which the ok ones are broken in turn.
+        judgement: the runs just judged, of which the engines' ok ones are broken in turn.
 
     Returns:
         One sentence for each broken copy that the comparison takes for a good one.
     """
-    ok = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion is not None]
+    ok = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion is not None and not m.own]
     if not ok or judgement.reference.floor.doubt:
         return []
     copies = [thinned(judgement.reference, judgement.sampling, run, judgement.explained) for run in ok]

@@ -38,7 +38,8 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:
         with stoppable() as stopping:
-            result = study(scene, options.engines, request, budget, progress, options.accuracy or "balanced")
+            accuracy = options.accuracy or "balanced"
+            result = study(scene, options.engines, request, budget, progress, accuracy, options.result)
             if options.full:
                 result = _in_full(result, options, progress)
             stopped = stopping()

@@ -129,7 +129,8 @@ def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
 def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
     size = max(_size(judged, m) for m in confirming)
     verb = "agrees" if len(confirming) == 1 else "agree"
-    channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
+    everything = judged.sampling.channels is None and all(m.own is None for m in confirming)
+    channels = "every channel" if everything else "every channel asked for"
     engines = _listed([m.run.engine for m in confirming])
     to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
     return f"{engines} {verb} with {_name(judged)}{to} in {channels}"
@@ -157,8 +158,8 @@ def _cause(judged: "Judgement", measurement: Measurement) -> str:
 
 
 def _why(measurement: Measurement) -> str:
-    run, entry = measurement.run, registry.ENTRIES[measurement.run.engine]
-    if entry.missing:
+    run, entry = measurement.run, registry.ENTRIES.get(measurement.run.engine)
+    if entry is not None and entry.missing:
         return "cannot be run" if entry.trouble else "is not installed"
     return FAILED.get(run.status, "contradicts itself")
 

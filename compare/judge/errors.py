@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling, Scene
+from scenes import Motion, Rows, Scene
 from scenes.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
@@ -21,6 +21,7 @@ from ..engines import registry
 from ..engines.axis import axis
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
+from ..engines.runner import ON_TIME
 from .round_off import Explained
 
 GROUPS: Mapping[str, str] = (
@@ -52,10 +53,10 @@ class Comparison:
     position: Samples  # of the drive, rad or m, commanded
     axis: Samples  # where the samples are on the axis of tables and curves
     toggle: NDArray[np.bool_]  # where the output nearly stands still
-    samples_a_turn: int
+    last_turn: NDArray[np.bool_]
 
 
-def compare(reference: Reference, sampling: Sampling, motion: Motion) -> Comparison:
+def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     """Measure one engine's motion against the reference at the engine's own instants.
 
     Raises:
@@ -74,7 +75,7 @@ def compare(reference: Reference, sampling: Sampling, motion: Motion) -> Compari
         position,
         axis(scene).of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
-        sampling.samples,
+        commanded["time"] >= commanded["time"][-1] - (1 + ON_TIME) * scene.drive.cycle,
     )
 
 
@@ -119,7 +120,7 @@ def error_table(
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
     names = [*comparison.actual]
     floor = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in names])
-    last_turn, toggle = slice(-comparison.samples_a_turn - 1, None), np.flatnonzero(comparison.toggle)
+    last_turn, toggle = comparison.last_turn, np.flatnonzero(comparison.toggle)
     figures = {
         "max": [_largest(error) for error in actual.values()],
         "unexplained": [_largest(known[channel]) for channel in names],

@@ -16,8 +16,10 @@ from ..engines.reference import Reference, relative_errors
 from ..engines.registry import ORACLE, REFERENCE
 from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
+from ..results.result import Result
 from .agreement import Agreement, agreement
 from .escalation import escalated
+from .foreign import assess_result
 from .gates import Gate, Miss, gate_table, gates, missed
 from .measure import Measurement, measure
 from .peaks.peaks import Peak, peaks
@@ -107,6 +109,7 @@ def judgement(
     offers: Offers,
     progress: Callable[[str], None],
     runs: Runs = runner,
+    results: Sequence[Result] = (),
 ) -> Judgement:
     """Run every engine at the settings chosen for it, and at others if these fail; a stop leaves what is done.
 
@@ -117,6 +120,7 @@ def judgement(
         offers: by engine the settings to try, in that order, and a sentence why, or nothing.
         progress: called with what is being done.
         runs: what runs the engines.
+        results: of other programs, which come after the engines.
     """
     scene, explained = reference.scene, explain(reference, sampling)
     reasons = [*warnings(reference)]
@@ -132,6 +136,10 @@ def judgement(
             measured, tried = escalated(at, offered)
             reasons.extend(filter(None, (why, tried)))
             yield measured
+        for result in results:
+            progress(f"comparing {result.run.engine}")
+            reasons.extend(result.notes)
+            yield assess_result(reference, result.asked_for(sampling.channels))
 
     reference, measurements = _voted(reference, list(kept(main_runs())))
     held = list(gates(scene, measurements, sampling.channels))
@@ -166,7 +174,7 @@ def _doubted(core: Measurement, doubt: str) -> Measurement:
 def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
     """Return whether two runs of the same instants are within the sum of their promises of each other."""
     runs = one.run, other.run
-    if any(run.motion is None or run.settings is None for run in runs):
+    if one.own != other.own or any(run.motion is None or run.settings is None for run in runs):
         return False
     motions = [run.motion for run in runs if run.motion is not None]
     promises = sum(run.settings.promise for run in runs if run.settings is not None)

@@ -1,11 +1,12 @@
 """One engine, one setting: run it, compare it, check it, judge it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
-from scenes import Failure, Sampling, Scene, Settings, Status
+from scenes import Failure, Instants, Rows, Sampling, Scene, Settings, Status
 
 from ..engines import runner
 from ..engines.reference import Reference, stroke
@@ -26,6 +27,7 @@ class Measurement:
     checks: list[Check]
     errors: pd.DataFrame  # one row a channel
     finer: str = ""  # settings that fail too, and what they leave of the error, where that is hardly any
+    own: Instants | None = None  # what was asked of a result of another program
 
     def worst(self, figure: str = "max") -> dict[str, float]:
         """Return the largest of a column of the errors by channel group; a NaN counts as the largest."""
@@ -57,16 +59,29 @@ def measure(
     return assess(reference, sampling, runs.run(engine, reference.scene, sampling, settings), explained)
 
 
-def assess(reference: Reference, sampling: Sampling, outcome: Run, explained: Explained | None = None) -> Measurement:
+def assess(
+    reference: Reference,
+    sampling: Rows,
+    outcome: Run,
+    explained: Explained | None = None,
+    excused: Callable[[list[Check]], list[Check]] = list,
+) -> Measurement:
     """Hold a run against what was asked for, its own output, the reference, and what its settings promise.
 
     A reference that is in doubt is not held against another engine.
+
+    Args:
+        reference: of the scene.
+        sampling: what was asked for.
+        outcome: the run.
+        explained: errors that need no other explanation; None for those of round-off.
+        excused: what leaves of the checks' findings what the run has no excuse for.
     """
     scene = reference.scene
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
         return Measurement(outcome, None, [], pd.DataFrame())
-    found = checks(scene, outcome.motion, reference.stroke)
+    found = excused(checks(scene, outcome.motion, reference.stroke))
     verdict = judged(outcome, found)
     try:
         explained = explained or explain(reference, sampling)

@@ -6,11 +6,11 @@ have the condition once in them, accelerations thrice.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from scenes import Sampling
+from scenes import Rows
 from scenes.motion import Samples
 
 from ..engines.reference import Reference
@@ -27,6 +27,7 @@ class Explained:
 
     condition: Samples  # of the constraint Jacobian, shape (n,)
     sensitivity: Mapping[str, Samples]  # by channel, each of shape (n,)
+    written: Mapping[str, Samples] = field(default_factory=dict)  # the same of what is written at decimals
 
     @property
     def decidable(self) -> bool:
@@ -35,14 +36,17 @@ class Explained:
 
     def error(self, channel: str) -> Samples:
         """Return the largest error of a channel that needs no explanation, shape (n,)."""
-        return np.maximum(EPS * self.condition, self.sensitivity[channel])
+        return np.maximum(EPS * self.condition, self.sensitivity[channel]) + self.written.get(channel, 0.0)
 
     def left_over(self, errors: Mapping[str, Samples]) -> dict[str, Samples]:
         """Return errors by channel, zero where they need no explanation; NaN is not explained."""
-        return {channel: np.where(error <= self.error(channel), 0.0, error) for channel, error in errors.items()}
+        return {
+            channel: np.where(error <= self.error(channel), 0.0, error - self.written.get(channel, 0.0))
+            for channel, error in errors.items()
+        }
 
 
-def explain(reference: Reference, sampling: Sampling) -> Explained:
+def explain(reference: Reference, sampling: Rows) -> Explained:
     """Return what is explained at the samples of a run, as commanded.
 
     Raises:

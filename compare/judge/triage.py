@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from scenes import Motion, Sampling, Status
+from scenes import Motion, Rows, Status
 
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
@@ -18,6 +18,7 @@ from .causes.sample import incomplete, sample_causes
 from .measure import Measurement
 
 ROUNDING = 1e-11  # relative, a sample
+FEWEST = 4  # rows, of which a course can be judged
 STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere
 PRICE = 0.25  # of what is left over, for each number that was fitted
 
@@ -40,7 +41,7 @@ class Cause:
 UNKNOWN = Cause(Kind.unknown, "", "", "the cause is unknown")
 
 
-def cause(reference: Reference, sampling: Sampling, motion: Motion) -> Cause:
+def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
     """Return the likely cause of the distance of a motion from what it should be.
 
     Args:
@@ -48,6 +49,8 @@ def cause(reference: Reference, sampling: Sampling, motion: Motion) -> Cause:
         sampling: what was asked for.
         motion: what an engine returned.
     """
+    if len(motion["time"]) < FEWEST:
+        return UNKNOWN
     if found := incomplete(reference, sampling, motion):
         kind, place, sentence = found
         return Cause(kind, place, "", sentence)
@@ -108,14 +111,14 @@ def sentence(engine: str, found: Cause, others_agree: bool) -> str:
 
 
 def sentences(
-    reference: Reference, sampling: Sampling, measurements: Sequence[Measurement], off: Collection[str] = ()
+    reference: Reference, sampling: Rows, measurements: Sequence[Measurement], off: Collection[str] = ()
 ) -> dict[str, str]:
     """Return a line for each engine that is not ok and returned a motion; where the core is in doubt, for it alone.
 
     Args:
         reference: of the scene, after all engines have been heard.
-        sampling: what was asked for.
-        measurements: one an engine.
+        sampling: what was asked of the engines.
+        measurements: one an engine, or a result of another program.
         off: engines that are ok and miss a tolerance.
     """
     if doubt := reference.floor.doubt:
@@ -123,7 +126,7 @@ def sentences(
     failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2
     return {
-        m.run.engine: sentence(m.run.engine, _too_coarse(m) or cause(reference, sampling, m.run.motion), alone)
+        m.run.engine: sentence(m.run.engine, _too_coarse(m) or cause(reference, m.own or sampling, m.run.motion), alone)
         for m in failed
         if m.run.motion is not None
     }

@@ -129,21 +129,29 @@ def over_angle(study: Study, panel: Panel) -> Figure:
     over = axis(study.scene).of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
         draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
-    stride = max(study.sampling.samples // MARKERS, 1)
     floor = _floor(study, panel)
     for number, m in enumerate(study.measurements):
         if m.run.motion is None or m.comparison is None or any(c not in m.run.motion for c in panel.judged):
             continue
-        engine = m.run.engine
-        rows = slice(number * stride, None, len(study.measurements) * stride)
+        engine, there = m.run.engine, m.comparison.axis if m.own else over
+        rows = _marked(study, number)
         for curve in panel.curves:
-            draw(figure, engine, over[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
+            draw(figure, engine, there[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
             line = {"color": colour(number), "width": 1.3}
-            draw(figure, f"{engine} error", over, error(study, panel, m.comparison), 2, group=engine, line=line)
+            draw(figure, f"{engine} error", there, error(study, panel, m.comparison), 2, group=engine, line=line)
     if floor:
         draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
     figure.update_yaxes(title=panel.axis, row=1, col=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, row=2, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
+
+
+def _marked(study: Study, number: int) -> slice:
+    """Return the samples that have a marker: of engines in turn, of a result of its own instants by itself."""
+    own = study.measurements[number].own
+    if own is not None:
+        return slice(None, None, max(own.count // MARKERS, 1))
+    stride = max(study.sampling.samples // MARKERS, 1)
+    return slice(number * stride, None, len(study.measurements) * stride)

@@ -115,6 +115,8 @@ def _named(measured: Measurement) -> str:
     """Return an engine's name with its version; for the reference, whose version is a package's, what it is."""
     run = measured.run
     version = run.version.partition(",")[0]
+    if measured.own:
+        return f"{run.engine} ({version})" if version else run.engine
     return f"{run.engine} (reference)" if run.engine == REFERENCE else version or run.engine
 
 

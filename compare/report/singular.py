@@ -66,7 +66,7 @@ def over_distance(study: Study) -> Figure | None:
     runs = {
         (number, m.run.engine): m.comparison.actual
         for number, m in enumerate(study.measurements)
-        if m.comparison is not None and m.run.engine != REFERENCE
+        if m.comparison is not None and m.run.engine != REFERENCE and m.own is None
     }  # errors by channel
     channels = {group: [c for c in study.explained.sensitivity if GROUPS[quantity(c)] == group] for group in PLOTTED}
     groups = [group for group in PLOTTED if channels[group]]

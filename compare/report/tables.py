@@ -1,8 +1,9 @@
 """The report's tables, as data frames, and its sentences: for `summary.json`, the page and the terminal."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from enum import Enum
+from json import dumps
 from math import degrees, nan, pi
 from typing import get_type_hints
 
@@ -105,6 +106,8 @@ def settings(study: Study) -> pd.DataFrame:
 def _value(value: object) -> object:
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return dumps(value, ensure_ascii=False)
     return value.value if isinstance(value, Enum) else value
 
 

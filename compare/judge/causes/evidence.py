@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Sampling
+from scenes import Failure, Motion, Rows
 from scenes.motion import Samples, quantity
 
 from ...engines.reference import Reference, relative_errors, sizes
@@ -239,7 +239,7 @@ def _at(evidence: Evidence, kept: NDArray[np.intp]) -> Evidence:
     return replace(evidence, true=true, rows=evidence.rows[kept])
 
 
-def evidence(reference: Reference, sampling: Sampling, motion: Motion) -> Evidence:
+def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
     """Return a motion beside what the drive commands, at rows evenly spread and at those about the worst."""
     position, time = sampling.commanded(reference.scene), sampling.times(reference.scene)
     rows = np.arange(sampling.count)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Motion, Sampling, Scene
+from scenes import Motion, Rows, Scene
 from scenes.motion import quantity
 
 from ...engines.reference import Reference
@@ -18,7 +18,7 @@ NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what 
 FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 
 
-def incomplete(reference: Reference, sampling: Sampling, motion: Motion) -> tuple[Kind, str, str] | None:
+def incomplete(reference: Reference, sampling: Rows, motion: Motion) -> tuple[Kind, str, str] | None:
     """Return kind, place and sentence of what is not there to be compared."""
     wanted = sampling.wanted(reference.scene)
     missing = [c for c in wanted if c not in motion and c not in motion.unsupported]
@@ -41,7 +41,7 @@ def incomplete(reference: Reference, sampling: Sampling, motion: Motion) -> tupl
     return None
 
 
-def _instants(scene: Scene, sampling: Sampling, motion: Motion, off: float) -> tuple[Kind, str, str]:
+def _instants(scene: Scene, sampling: Rows, motion: Motion, off: float) -> tuple[Kind, str, str]:
     """Return what is wrong with the instants."""
     steps = np.diff(motion["time"])
     if (steps == 0).any():

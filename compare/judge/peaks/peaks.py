@@ -1,19 +1,20 @@
 """The designer's numbers of a judged scene, and by how much its engines differ on each."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import nan
 
 import numpy as np
 
-from scenes import Motion, Sampling
+from scenes import Motion, Request
 from scenes.motion import Samples, channels
 
 from ...engines.axis import axis
 from ...engines.press_switches import press_forces
 from ...engines.reference import Reference
 from ...engines.registry import REFERENCE
+from ...engines.runner import ON_TIME
 from ..measure import Measurement
 from .curves import Curve, curves
 from .numbers import Number, numbers
@@ -37,7 +38,7 @@ class Peak:
     differs: Mapping[str, float]  # by engine that returned what it takes, relative to the number, see `peaks`
 
 
-def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measurement]) -> list[Peak]:
+def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measurement]) -> list[Peak]:
     """Return the numbers that the channels asked for have, refined between the samples.
 
     An engine's difference is that of the number of its own samples from the number of the reference at the positions
@@ -60,7 +61,7 @@ def peaks(reference: Reference, sampling: Sampling, measurements: Sequence[Measu
     )
     over = axis(scene).channel
     differences = {
-        m.run.engine: _differences(reference, sampling, m.run.motion)
+        m.run.engine: _differences(reference, m.run.motion)
         for m in measurements
         if m.run.motion is not None and m.comparison is not None and m.run.engine != REFERENCE
     }
@@ -92,13 +93,13 @@ def _place(number: Number, motion: Motion, over: Samples) -> tuple[float, float]
     return float(over[number.row]), number.curve.direction(motion, int(number.row))
 
 
-def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> dict[str, float]:
+def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
     """Return an engine's difference by the name of the number; NaN where one of them lacks it in a cycle."""
-    scene, n = reference.scene, sampling.samples
+    scene = reference.scene
     found = curves(scene, reference.scale, motion)
     largest: dict[str, float] = {}
-    for turn in np.unique(np.linspace(0, sampling.turns - 1, min(sampling.turns, TURNS)).astype(int)):
-        own = Motion({c: samples[turn * n : (turn + 1) * n + 1] for c, samples in motion.samples.items()})
+    for rows in _cycles(motion["time"] / scene.drive.cycle):
+        own = Motion({c: samples[rows] for c, samples in motion.samples.items()})
         at = reference.at(own[scene.drive_channel], own["time"])
         true = reference.fitting(own, at, reference.acts(at))
         theirs = {number.name: number for number in numbers(scene, found, own)}
@@ -107,6 +108,14 @@ def _differences(reference: Reference, sampling: Sampling, motion: Motion) -> di
             shown = np.maximum(off / number.size, _floor(reference, number.curve)) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
     return largest
+
+
+def _cycles(cycles: Samples) -> Iterator[slice]:
+    """Yield the rows of whole cycles, evenly spread over those that have passed since the first row."""
+    passed = cycles - cycles[0] + ON_TIME
+    turns = int(passed[-1])
+    for turn in np.unique(np.linspace(0, turns - 1, min(turns, TURNS)).astype(int)):
+        yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * ON_TIME)))
 
 
 def _floor(reference: Reference, curve: Curve) -> float:

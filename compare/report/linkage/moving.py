@@ -51,11 +51,10 @@ class Moving:
     @cached_property
     def engines(self) -> dict[str, tuple[Measurement, Motion]]:
         """By engine with a motion of all samples, but for the reference: its measurement and motion."""
-        count = len(self.study.motion["time"])
         return {
             m.run.engine: (m, m.run.motion)
             for m in self.study.measurements
-            if m.run.engine != REFERENCE and m.run.motion is not None and len(m.run.motion["time"]) == count
+            if m.run.engine != REFERENCE and m.own is None and m.run.motion is not None and m.comparison is not None
         }
 
     @property

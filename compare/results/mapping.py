@@ -1,0 +1,128 @@
+"""How a result's columns are read: the file beside it, or a table of the scene."""
+
+from collections.abc import Mapping
+from os.path import isfile
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationError
+
+from scenes import InputError, Scene
+from scenes.errors import nearest, one_line
+from scenes.format import Number, Pair, Positive, Table, explain
+from scenes.limits import SOURCE
+from scenes.motion import UNITS, quantity
+from scenes.reader import tables_of
+from scenes.toml_file import read_toml
+from scenes.units import factor
+
+Text = Annotated[str, Field(max_length=SOURCE)]
+BASE = {"length": "m", "angle": "rad", "force": "N", "time": "s"}
+
+
+class UnitsTable(Table):
+    """What the columns are in, where they name nothing else; SI where absent."""
+
+    length: str = Field("m", description="Of places, and of the frame's origin.")
+    angle: str = Field("rad", description="Of angles, also the frame's.")
+    force: str = Field("N", description="Of forces; moments are in force times length.")
+    time: str = Field("s", description="Of instants; rates are in length or angle over time.")
+
+
+class FrameTable(Table):
+    """The result's frame, as seen from the scene's."""
+
+    origin: Pair = Field((0.0, 0.0), description="Where its origin is.")
+    angle: Number = Field(0.0, description="How far its x axis is turned, counter-clockwise.")
+    mirrored: bool = Field(False, description="Whether its y axis is turned clockwise from its x axis.")
+
+
+class ColumnTable(Table):
+    """A column that is more than its name."""
+
+    column: Text = Field(description="Its name.")
+    unit: str | None = Field(None, description="Of its numbers.")
+    sign: Literal[1, -1] = Field(1, description="-1 where it is positive the other way.")
+    zero: Number = Field(0.0, description="What it reads where the channel is zero, as where a log starts late.")
+
+
+class MappingFile(Table):
+    """A whole mapping."""
+
+    made_by: Text = Field("", description="Who made the result.")
+    made_with: Text = Field("", description="By which program, in which version.")
+    separator: Literal[",", ";", "\t"] | None = Field(None, description="Between columns.")
+    decimal: Literal[".", ","] | None = Field(None, description="Before the decimals.")
+    units: UnitsTable = Field(UnitsTable.model_validate({}), description="Of the columns.")
+    frame: FrameTable = Field(FrameTable.model_validate({}), description="Of places, vectors and angles.")
+    backwards: bool = Field(False, description="Whether its drive runs the other way, from the last row to the first.")
+    other_side: list[Text] = Field([], description='Joints, sliders or "drive" whose forces are on the other body.')
+    promise: Positive = Field(1e-3, lt=1, description="The largest relative error, besides that of its decimals.")
+    columns: dict[str, Text | ColumnTable] = Field({}, description="By channel; where absent those named as channels.")
+
+
+def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
+    """Return how a result is read, and where that is written; without either all is as in this project's own files.
+
+    Raises:
+        InputError: the mapping cannot be read, or holds what no mapping has, or there are two.
+    """
+    beside = f"{file.parent / file.stem}.toml"
+    in_scene = tables_of(scene.file).get("results", {}).get(name)
+    there = isfile(beside)  # noqa: PTH113 - Path raises for odd names
+    if there and in_scene is not None:
+        raise InputError(f"{one_line(beside)}: the scene has a mapping too, results.{name}; expected one of them")
+    where, tables = f"{scene.file}: results.{name}", in_scene or {}
+    if there:
+        where, tables = beside, read_toml(beside, {}, "mapping")
+    try:
+        return MappingFile.model_validate(tables), where
+    except ValidationError as error:
+        raise InputError(f"{one_line(where)}: {explain(error, MappingFile)}") from None
+
+
+def factors(units: UnitsTable) -> Mapping[str, float]:
+    """Return by SI unit of channels what to multiply numbers by that are in the units of a mapping.
+
+    Raises:
+        InputError: one of them is no unit.
+    """
+    m, rad, newton, s = (factor(getattr(units, name), si, name, f"units.{name}") for name, si in BASE.items())
+    return {
+        **{"m": m, "rad": rad, "s": s, "N": newton, "N*m": newton * m},
+        **{"m/s": m / s, "m/s^2": m / s**2, "rad/s": rad / s, "rad/s^2": rad / s**2},
+    }
+
+
+def own_factor(channel: str, unit: str) -> float:
+    """Return what to multiply the numbers of a column by that names its unit.
+
+    Raises:
+        InputError: it is no unit of the channel's quantity.
+    """
+    si = UNITS[quantity(channel)]
+    return factor(unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
+
+
+def named_columns(columns: tuple[str, ...], known: tuple[str, ...]) -> dict[str, str | ColumnTable]:
+    """Return the columns that are named as channels are in this project's files: `P5.y [mm]`, or `P5.y`.
+
+    Raises:
+        InputError: there is none.
+    """
+    found: dict[str, str | ColumnTable] = {}
+    for column in columns:
+        channel, _, unit = column.partition(" [")
+        if channel in known:
+            found[channel] = ColumnTable.model_validate({"column": column, "unit": unit.removesuffix("]") or None})
+    if not found:
+        shown = f", found {one_line(', '.join(columns), 100)}"
+        raise InputError(f"expected a mapping beside it, or columns named as channels, {known[0]} and so on{shown}")
+    return found
+
+
+def check_channels(names: Mapping[str, object], known: tuple[str, ...]) -> None:
+    """Raise InputError for the first name that is no channel of the scene."""
+    for name in names:
+        if name not in known:
+            raise InputError(f"columns.{one_line(name, 60)}: no such channel of the scene{nearest(name, known)}")

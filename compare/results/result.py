@@ -1,0 +1,255 @@
+"""A result of another program as a run: its numbers in SI, in the frame and by the signs of this project's channels."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import numpy as np
+
+from scenes import InputError, Instants, Motion, Scene, Settings, Status, limits
+from scenes.errors import nearest, one_line
+from scenes.format import NAME
+from scenes.motion import UNITS, Samples, channels, force_channels, quantity
+from scenes.scene import ConstantSpeed
+
+from ..engines import registry
+from ..engines.runner import Run
+from .mapping import ColumnTable, MappingFile, check_channels, factors, mapping_of, named_columns, own_factor
+from .table import Table, read_table
+
+Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
+
+VALUES = 25_000_000  # rows times channels
+VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
+TURNED = ("angle", "crank_angle")
+MIRRORED = ("omega", "alpha", "guide_force", "guide_moment", "torque")  # and angles, and y
+REVERSED = ("vx", "vy", "omega")  # where time runs the other way
+EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ
+
+
+@dataclass(frozen=True)
+class Provenance(Settings):
+    """Where a result comes from and how it was read, in place of an engine's settings."""
+
+    file: Annotated[str, "the file it was read from"] = ""
+    sha256: Annotated[str, "of the file"] = ""
+    made_by: Annotated[str, "who made it"] = ""
+    made_with: Annotated[str, "with what"] = ""
+    mapping_in: Annotated[str, "where the mapping of its columns is written"] = ""
+    mapping: Annotated[Mapping[str, Any], "how its columns are read"] = field(default_factory=dict, compare=False)
+
+
+@dataclass(frozen=True)
+class Result:
+    """A result of another program."""
+
+    run: Run
+    request: Instants  # its own instants, and the channels that it has
+    half_decimals: Mapping[str, Samples]  # by channel, of shape (n,), SI: what its numbers may be off as written
+    notes: tuple[str, ...]  # what a reader must know
+
+    def asked_for(self, asked: frozenset[str] | None) -> "Result":
+        """Return the result with those of its channels alone that are asked for."""
+        given = self.request.channels or frozenset()
+        if asked is None or self.run.motion is None:
+            return self
+        samples = {c: v for c, v in self.run.motion.samples.items() if c not in given or c in asked}
+        return replace(
+            self,
+            request=replace(self.request, channels=given & asked),
+            run=replace(self.run, motion=Motion(samples)),
+        )
+
+
+def read_results(scenes: Sequence[Scene], texts: Sequence[str]) -> list[Result]:
+    """Read the results that arguments name, see `read_result`.
+
+    Raises:
+        InputError: one cannot be read, two have one name, or there are several scenes.
+    """
+    if len(scenes) > 1:
+        raise InputError(f"arguments: --result: expected one scene, which it is of, found {len(scenes)}")
+    names = [name_and_file(text)[0] for text in texts]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"arguments: --result: two results are named '{name}'; expected a name for each")
+    return [read_result(scenes[0], text) for text in texts]
+
+
+def read_result(scene: Scene, text: str) -> Result:
+    """Read a result.
+
+    Args:
+        scene: the linkage that it is of.
+        text: NAME=FILE.csv, the argument of `--result`; its mapping is beside it, or in the scene.
+
+    Returns:
+        The result in SI, in the scene's frame, its rows in the order of the time.
+
+    Raises:
+        InputError: the file or its mapping cannot be read, or do not fit the scene or each other.
+    """
+    name, file = name_and_file(text)
+    mapping, where = mapping_of(scene, name, file)
+    try:
+        table = read_table(file, mapping.separator, mapping.decimal)
+        if not mapping.columns:
+            mapping = mapping.model_copy(update={"columns": named_columns(table.columns, channels(scene))})
+        return mapped(scene, name, file, table, mapping, where)
+    except InputError as error:
+        raise InputError(f"{one_line(str(file))}: {error}") from None
+
+
+def name_and_file(text: str) -> tuple[str, Path]:
+    """Return what an argument NAME=FILE.csv names.
+
+    Raises:
+        InputError: it is none such, or the name is an engine's.
+    """
+    name, equals, file = text.partition("=")
+    if not (equals and file and re.fullmatch(NAME, name) and len(name) <= limits.NAME):
+        found = one_line(text, 60)
+        raise InputError(f"--result: expected NAME=FILE.csv, the name of letters, digits and '_', found '{found}'")
+    if name in registry.ENTRIES:
+        raise InputError(f"--result: '{name}' is the name of an engine; expected another")
+    return name, Path(file)
+
+
+def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFile, where: str) -> Result:
+    """Return a table as a result, read by a mapping.
+
+    Raises:
+        InputError: they do not fit the scene or each other.
+    """
+    known = channels(scene)
+    check_channels(mapping.columns, known)
+    rows = len(table.texts[0])
+    if rows * len(mapping.columns) > VALUES:
+        raise InputError(f"expected {VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
+    found, halves = _in_si(table, mapping)
+    _to_frame(found, halves, mapping)
+    _on_this_side(scene, found, mapping.other_side)
+    if mapping.backwards:
+        found = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in found.items()}
+        halves = {c: values[::-1] for c, values in halves.items()}
+    with_drive = scene.drive_channel in found
+    _on_time(scene, found, halves, backwards=mapping.backwards)
+    given = [channel for channel in known if channel in found]
+    own = frozenset(given) - {"time", scene.drive_channel}
+    if not own:
+        raise InputError(f"columns: expected one channel more than the time and {scene.drive_channel} at least")
+    drive = scene.drive.at(found["time"]).position
+    notes = []
+    if len(own) < len(known) - 2:
+        notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
+    if scene.drive_channel in found:
+        found[scene.drive_channel] = _nearest_turn(scene, found[scene.drive_channel], drive)
+    if not with_drive:
+        notes.append(f"{name} gives no {scene.drive_channel}; it is taken as commanded")
+    motion = Motion({c: found.get(c, drive) for c in known if c in found or c == scene.drive_channel})
+    origin = Provenance(
+        file.name,
+        promise=mapping.promise,
+        drive_promise=mapping.promise,
+        file=one_line(str(file)),
+        sha256=table.sha256,
+        made_by=one_line(mapping.made_by),
+        made_with=one_line(mapping.made_with),
+        mapping_in=one_line(where),
+        mapping=mapping.model_dump(exclude_defaults=True, exclude={"made_by", "made_with", "promise"}),
+    )
+    run = Run(name, origin, Status.ok, version=origin.made_with, motion=motion)
+    return Result(run, Instants(tuple(found["time"].tolist()), channels=own), halves, tuple(notes))
+
+
+def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
+    """Return the columns in SI, and what their numbers may be off as written."""
+    units = factors(mapping.units)
+    found, halves = Columns(), Columns()
+    for channel, given in mapping.columns.items():
+        column = ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
+        values, half = table.numbers(column.column)
+        by = units[UNITS[quantity(channel)]] if column.unit is None else own_factor(channel, column.unit)
+        found[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
+    return found, halves
+
+
+def _to_frame(found: Columns, halves: Columns, mapping: MappingFile) -> None:
+    """Turn places, vectors and angles into the scene's frame."""
+    frame, units = mapping.frame, factors(mapping.units)
+    origin, angle, way = units["m"] * complex(*frame.origin), units["rad"] * frame.angle, -1 if frame.mirrored else 1
+    turn = np.exp(1j * angle)
+    for channel in [*found]:
+        stem, _, kind = channel.rpartition(".")
+        if kind in TURNED:
+            found[channel] = angle + way * found[channel]
+        elif kind in MIRRORED:
+            found[channel] = way * found[channel]
+        elif kind in VECTORS or kind in VECTORS.values():
+            _turn(found, halves, stem, kind, turn, way, origin)
+
+
+def _turn(found: Columns, halves: Columns, stem: str, kind: str, turn: complex, way: int, origin: complex) -> None:
+    """Turn a vector, once, at its first component."""
+    x, y = next((f"{stem}.{x}", f"{stem}.{y}") for x, y in VECTORS.items() if kind in (x, y))
+    both = x in found and y in found
+    if not both and abs(turn - 1) > 0:
+        raise InputError(f"columns.{stem}.{kind}: expected both components of a vector in a frame that is turned")
+    if both and kind in VECTORS.values():
+        return
+    zero = np.zeros(1)
+    vector = turn * (found.get(x, zero) + way * 1j * found.get(y, zero)) + (origin if x.endswith(".x") else 0)
+    c, s = abs(turn.real), abs(turn.imag)
+    a, b = halves.get(x, zero), halves.get(y, zero)
+    for channel, values, half in ((x, vector.real, c * a + s * b), (y, vector.imag, s * a + c * b)):
+        if channel in found:
+            found[channel], halves[channel] = values, half
+
+
+def _on_this_side(scene: Scene, found: Columns, other_side: Sequence[str]) -> None:
+    """Turn forces round that are given as those on the other body."""
+    stems = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}
+    for pattern in other_side:
+        if not any(fnmatchcase(stem, pattern) for stem in stems.values()):
+            shown = one_line(pattern, 60)
+            raise InputError(f"other_side: no joint, slider or drive '{shown}'{nearest(shown, stems.values())}")
+    for channel, stem in stems.items():
+        if channel in found and any(fnmatchcase(stem, pattern) for pattern in other_side):
+            found[channel] = -found[channel]
+
+
+def _on_time(scene: Scene, found: Columns, halves: Columns, *, backwards: bool) -> None:
+    """Complete the instants, s, of rows that have a position of the drive alone, and check their order."""
+    drive, by = scene.drive, scene.drive_channel
+    if "time" in found:
+        if backwards:
+            found["time"] = -found["time"]
+    elif not isinstance(drive, ConstantSpeed):
+        raise InputError("columns.time: missing; the drive follows a motion law")
+    elif by not in found:
+        raise InputError(f"columns: expected time, or {by}")
+    else:
+        position = found[by]
+        if scene.driven_slide is None and drive.repeats:
+            position = np.unwrap(position)
+        time = (position - drive.start) / drive.speed
+        found["time"] = time - np.floor(time[0] / drive.cycle + 1e-9) * drive.cycle if drive.repeats else time
+        halves["time"] = halves[by] / abs(drive.speed)
+        found.pop(by)
+    steps = np.diff(found["time"])
+    if not (steps > 0).all():
+        row = int((~(steps > 0)).argmax())
+        way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
+        raise InputError(f"row {row + 3}: expected a later instant than in the row before{way}")
+    if len(steps) > 1 and np.ptp(steps) <= EQUAL * 2 * halves["time"].max():
+        halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded
+
+
+def _nearest_turn(scene: Scene, position: Samples, commanded: Samples) -> Samples:
+    """Return a crank's angle counted on from turn to turn, whatever turn each row is written in."""
+    if scene.driven_slide is not None:
+        return position
+    return position + 2 * np.pi * np.round((commanded - position) / (2 * np.pi))

@@ -1,0 +1,169 @@
+"""A result of another program stands beside the engines: read by its mapping, judged, named where it is wrong."""
+
+import json
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.judge.foreign import assess_result
+from compare.judge.gates import gates
+from compare.judge.measure import Measurement
+from compare.results.result import read_result
+from compare.run import main
+from scenes import Scene
+from tests import scene_files
+from tests.comparisons import References, only_few_settings
+from tests.foreign import ELSEWHERE, MAPPED, Writer, channels, instants, write
+
+
+@pytest.fixture(scope="module")
+def press() -> Scene:
+    return scenes.load("toggle_press")
+
+
+def judged(scene: Scene, file: Path, references: References) -> Measurement:
+    return assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
+
+
+@pytest.mark.parametrize(
+    ("decimals", "promise", "least", "most"),
+    [(".17g", 1e-9, 0.0, 1e-13), (".10e", 1e-9, 1e-12, 1e-9), (".6g", 1e-9, 1e-7, 1e-4), (".6f", 1e-9, 1e-7, 1e-4)],
+)
+def test_it_agrees_as_well_as_it_is_written(
+    press: Scene, tmp_path: Path, references: References, decimals: str, promise: float, least: float, most: float
+) -> None:
+    """In millimetres, degrees and kilonewtons, a turned and mirrored frame, on the other side, at its own instants.
+
+    The errors are those of the decimals, and whatever is above them is that of doubles.
+    """
+    writer = replace(ELSEWHERE, decimals=decimals)
+    own = instants(press)
+    assert np.ptp(np.diff(own)) > 0.1 * np.diff(own).mean()
+    file = write(tmp_path, writer.texts(writer.columns(press, own, channels(press))), f"promise = {promise}\n{MAPPED}")
+    found = judged(press, file, references)
+    assert found.run.status.name == "ok", found.run.reason
+    worst = found.worst()
+    assert worst.keys() >= {"position", "velocity", "acceleration", "reaction", "torque"}
+    assert all(least <= worst[group] <= most for group in worst if group != "drive"), worst
+    assert all(error <= 1e-13 for error in found.worst("unexplained").values())
+    assert {check.check for check in found.checks} >= {"closure", "Newton", "Euler", "power", "reaction"}
+
+
+@pytest.mark.parametrize("channel", ["P4.y", "P4.vx", "P5.ay", "rod.angle", "toggle.alpha", "P3.fx", "drive.torque"])
+def test_decimals_excuse_no_more_than_half_of_the_last(
+    press: Scene, tmp_path: Path, references: References, channel: str
+) -> None:
+    """A channel that is off by three of its last decimals, and a promise below these, is not ok; one is excused."""
+    writer = replace(ELSEWHERE, decimals=".4f")
+    columns = writer.columns(press, np.linspace(0, 0.9, 37), channels(press))
+    sizes = {}
+    for last, status in ((0.0, "ok"), (3.0, "inaccurate")):
+        off = columns | {channel: columns[channel] + last * 1e-4}
+        file = write(tmp_path, writer.texts(off), f"promise = 1e-9\n{MAPPED}")
+        found = judged(press, file, references)
+        sizes[last] = found.errors.set_index("channel")["unexplained"][channel]
+        assert found.run.status.name in (status, "inconsistent" if last else status), found.run.reason
+    assert sizes[0.0] <= 1e-13 < 1e-9 < sizes[3.0]
+
+
+def test_the_reference_is_evaluated_at_its_instants_and_never_interpolated(
+    press: Scene, tmp_path: Path, references: References
+) -> None:
+    """Four rows anywhere in the third turn are as good as a whole cycle; one is enough."""
+    writer = Writer()
+    for own in (np.array([2.111, 2.2, 2.5003, 2.9]), np.array([0.3217])):
+        file = write(tmp_path, writer.texts(writer.columns(press, own, ["P5.y", "P5.ay"])), "promise = 1e-12")
+        found = judged(press, file, references)
+        assert found.run.status.name == "ok", found.run.reason
+        assert found.run.motion is not None
+        assert np.array_equal(found.run.motion["time"], own)
+        assert set(found.errors["channel"]) == {"P5.y", "P5.ay", "crank_angle"}
+
+
+def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, references: References) -> None:
+    """Against the drive from 200 degrees on, counted modulo one turn: velocities are the opposite then."""
+    scene = scenes.load("four_bar")
+    time = np.linspace(1.6, 0.2, 61) * scene.drive.cycle
+    angle = scene.drive.at(time).position
+    columns = Writer().columns(scene, time, ["T.x", "T.y", "T.vx", "T.vy", "T.ax", "crank.angle"])
+    shown = {
+        "crank_angle": np.degrees(angle) % 360,
+        **{c: -columns[c] if ".v" in c else columns[c] for c in columns if c != "time"},
+    }
+    texts = Writer(decimals=".14g").texts(shown)
+    for mapping, status in (("backwards = true", "ok"), ("", "expected a later instant")):
+        file = write(tmp_path, texts, mapping)
+        toml = file.with_suffix(".toml")
+        toml.write_text(toml.read_text().replace('crank_angle" = "c0"', 'crank_angle" = {column = "c0", unit = "deg"}'))
+        if status == "ok":
+            found = judged(scene, file, references)
+            assert found.run.status.name == "ok", found.run.reason
+            assert found.worst()["velocity"] < 1e-12
+        else:
+            with pytest.raises(scenes.InputError, match=status):
+                read_result(scene, f"theirs={file}")
+
+
+def test_a_law_needs_the_time_and_a_late_log_has_its_zero(tmp_path: Path, references: References) -> None:
+    scene = scene_files.load("turning_law")
+    writer = Writer()
+    columns = writer.columns(scene, instants(scene), [f"{scene.output}.x", f"{scene.output}.vy", "crank_angle"])
+    late = columns | {"time": columns["time"] + 12.5}
+    file = write(tmp_path, writer.texts(late), "")
+    toml = file.with_suffix(".toml")
+    toml.write_text(toml.read_text().replace('"time" = "c0"', '"time" = {column = "c0", zero = 12.5}'))
+    assert judged(scene, file, references).run.status.name == "ok"
+    toml.write_text(f'columns = {{"{scene.output}.x" = "c1", "crank_angle" = "c3"}}')
+    with pytest.raises(scenes.InputError, match=r"columns\.time: missing; the drive follows a motion law"):
+        read_result(scene, f"theirs={file}")
+
+
+def test_a_run_reports_where_a_result_comes_from(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It stands beside the engines in each table, in the page, in the gates and in `summary.json`."""
+    monkeypatch.chdir(tmp_path)
+    scene = scenes.load("four_bar")
+    writer = replace(ELSEWHERE, decimals=".6f")
+    good = write(tmp_path, writer.texts(writer.columns(scene, instants(scene), channels(scene))), MAPPED, "good")
+    columns = Writer().columns(scene, scene.drive.cycle * np.linspace(0, 1, 49), ["T.x", "T.y"])
+    bad = write(tmp_path, Writer().texts(columns | {"T.y": -columns["T.y"]}), "", "bad")
+    with only_few_settings():
+        asked = ["four_bar", "--engines", "analytic", "--samples", "36", "--check"]
+        status = main([*asked, "--out", "out", f"--result=bench={good}", f"--result=other={bad}"])
+    printed = capsys.readouterr().out
+    assert status == 1
+    assert "missed: other: " in printed
+    assert "likely cause: other: T.y has the opposite sign" in printed
+    assert "bench gives no crank_angle; it is taken as commanded" in printed
+    assert "other gives 2 of " in printed
+    summary = json.loads(Path("out/four_bar/summary.json").read_text())
+    origin = summary["engines"]["bench"]["settings"]
+    assert origin["sha256"] == sha256(good.read_bytes()).hexdigest()
+    assert (origin["made_by"], origin["made_with"]) == ("A. Designer", "Mechanica 7")
+    assert origin["mapping"]["frame"]["mirrored"] is True
+    assert origin["mapping"]["columns"]["time"] == "c0"
+    assert summary["engines"]["bench"]["status"] == "ok"
+    assert {row["engine"] for row in summary["errors"]} == {"analytic", "bench", "other"}
+    assert any("other" in peak["differs"] for peak in summary["peaks"]), "it has a whole cycle"
+    page = Path("out/four_bar/report.html").read_text()
+    assert origin["sha256"] in page
+    assert "bench (Mechanica 7)" in page
+    assert "bench error" in page
+    assert len(Path("out/four_bar/motion.bench.csv").read_text().splitlines()) == 91
+    again = read_result(scene, "back=out/four_bar/motion.bench.csv")
+    assert set(again.run.motion.samples if again.run.motion else ()) == {"time", "crank_angle", *channels(scene)}
+
+
+def test_a_declared_tolerance_is_its_gate(press: Scene, tmp_path: Path, references: References) -> None:
+    """Its group's tolerance is held against what its decimals do not explain."""
+    columns = Writer().columns(press, instants(press), ["P5.y", "P5.vy"])
+    off = columns | {"P5.y": columns["P5.y"] + 1e-6 * references("toggle_press").stroke}
+    held = replace(press, tolerances={"theirs": {"position": 5e-7, "velocity": 5e-7}})
+    found = judged(held, write(tmp_path, Writer().texts(off), ""), references)
+    assert found.run.status.name == "ok"
+    assert {gate.group: gate.missed for gate in gates(held, [found])} == {"position": True, "velocity": False}
