@@ -1,7 +1,7 @@
 """Results as other programs write them: the analytic motion in other units, another frame, and at decimals."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +25,6 @@ class Writer:
     mirrored: bool = False
     other_side: bool = False  # whether all forces are those on the other body
     decimals: str = ".17g"
-    names: Mapping[str, str] = field(default_factory=dict)  # of columns, by channel
-    renamed: Callable[[str], str] = str
 
     def columns(self, scene: Scene, times: Samples, channels: list[str]) -> dict[str, Samples]:
         """Return what it writes, by channel: the motion at instants, s, which is in its units and frame."""

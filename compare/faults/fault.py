@@ -14,7 +14,7 @@ from scenes.motion import Samples, quantity
 from ..engines.motion_vectors import MotionVectors
 from ..engines.reference import Reference, sizes
 from ..engines.runner import Run
-from ..judge.causes.evidence import stem
+from ..judge.causes.parts import stem
 from ..judge.errors import GROUPS
 
 Item = TypeVar("Item")

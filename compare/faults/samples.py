@@ -13,7 +13,8 @@ from scenes import Failure, Motion
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
-from ..judge.causes.evidence import Kind, stem
+from ..judge.causes.evidence import Kind
+from ..judge.causes.parts import stem
 from ..judge.errors import GROUPS
 from . import spoilt_motion as spoilt
 from .fault import OF_BODIES, Clean, Fault

@@ -1,5 +1,6 @@
 """The likely cause of a disagreement, in one sentence: the simplest that explains nearly all of it, or none."""
 
+import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -15,11 +16,14 @@ from .causes.geometry import affordable, geometry_causes
 from .causes.load import load_causes
 from .causes.read_out import read_out_causes
 from .causes.sample import incomplete, sample_causes
+from .causes.whole import whole_causes
 from .measure import Measurement
 
 ROUNDING = 1e-11  # relative, a sample
 FEWEST = 4  # rows, of which a course can be judged
 STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere
+PLURAL = re.compile(r"^(all [\w ]+s) (has its|has|is) ")
+VERBS = {"has its": "have their ", "has": "have ", "is": "are "}
 PRICE = 0.25  # of what is left over, for each number that was fitted
 
 
@@ -76,6 +80,7 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
 def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from sample_causes(evidence)
     yield from read_out_causes(evidence)
+    yield from whole_causes(evidence)
 
 
 def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -102,7 +107,12 @@ def likeliest(evidence: Evidence) -> Cause:
         return UNKNOWN
     causes = ranked(evidence)
     best = causes[0][2] if causes and causes[0][1] <= NEARLY_ALL else noisy(evidence) or strayed(evidence)
-    return Cause(best.kind, best.place, best.amount, best.sentence) if best else UNKNOWN
+    return Cause(best.kind, best.place, best.amount, _in_plural(best.sentence)) if best else UNKNOWN
+
+
+def _in_plural(sentence: str) -> str:
+    """Return a sentence whose verb fits what it is of: `all forces have`, but `rod's force has`."""
+    return PLURAL.sub(lambda found: f"{found[1]} {VERBS[found[2]]}", sentence)
 
 
 def sentence(engine: str, found: Cause, others_agree: bool) -> str:

@@ -233,10 +233,9 @@ def _on_time(scene: Scene, found: Columns, halves: Columns, *, backwards: bool) 
         raise InputError(f"columns: expected time, or {by}")
     else:
         position = found[by]
-        if scene.driven_slide is None and drive.repeats:
-            position = np.unwrap(position)
-        time = (position - drive.start) / drive.speed
-        found["time"] = time - np.floor(time[0] / drive.cycle + 1e-9) * drive.cycle if drive.repeats else time
+        if scene.driven_slide is None and not (np.diff(position) * drive.speed > 0).all():
+            position = np.unwrap(position)  # it is counted modulo one turn
+        found["time"] = (position - drive.start) / drive.speed
         halves["time"] = halves[by] / abs(drive.speed)
         found.pop(by)
     steps = np.diff(found["time"])

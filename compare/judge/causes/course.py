@@ -6,22 +6,11 @@ import numpy as np
 
 from scenes.motion import Samples, quantity
 
-from .evidence import (
-    EXPLAINED,
-    NEARLY_ALL,
-    Channels,
-    Evidence,
-    Hypothesis,
-    Kind,
-    Part,
-    common,
-    factor_of_change,
-    fitted,
-    place_of,
-    stem,
-)
+from .evidence import EXPLAINED, NEARLY_ALL, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
+from .parts import Part, common, place_of, stem
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
+CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
 LEAST_BEND = 1e-3  # of a second difference
 WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
@@ -50,7 +39,10 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         late = predict(np.zeros(1), start)
         return evidence.left(late) if late else np.inf
 
-    start = min((sign * k * step for k in (0.0, *SAMPLES_LATE) for sign in (1, -1)), key=left)
+    drive = evidence.reference.scene.drive
+    starts = [k * step for k in (0.0, *SAMPLES_LATE)]
+    starts += [k * drive.cycle for k in CYCLES_LATE] * drive.repeats
+    start = min((sign * by for by in starts for sign in (1, -1)), key=left)
     (by,), late = fitted(evidence, lambda by: predict(by, start), np.full(1, 1e-4 * step), 4)
     if late:
         by += start

@@ -86,6 +86,9 @@ def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[
         for what, position in ways.items():
             predicted = _solved(evidence, other, position)
             yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", predicted, 1)
+            if how == "backwards":  # and its channel is as commanded
+                others = {channel: predicted[channel] for channel in predicted if channel != scene.drive_channel}
+                yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", others)
 
 
 def _entries(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:

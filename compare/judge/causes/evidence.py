@@ -17,6 +17,7 @@ from scenes import Failure, Motion, Rows
 from scenes.motion import Samples, quantity
 
 from ...engines.reference import Reference, relative_errors, sizes
+from .parts import ANGLES, FORCES, Part, parts
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
@@ -26,7 +27,6 @@ NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
 EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 
 Channels = Mapping[str, Samples]
-Part = tuple[str, tuple[str, ...]]  # what channels are called, and their names
 
 
 class Kind(StrEnum):
@@ -156,63 +156,7 @@ class Evidence:
     @cached_property
     def parts(self) -> list[Part]:
         """Channels that a read-out treats alike, with what they are called: a channel, a vector, all of a body, ..."""
-        found: dict[frozenset[str], str] = {}
-        for name, of in _NAMES:
-            grouped: dict[str, list[str]] = {}
-            for channel in self.names:
-                if key := of(channel):
-                    grouped.setdefault(key, []).append(channel)
-            for key, channels in grouped.items():
-                found.setdefault(frozenset(channels), name.format(key))
-        drive = self.reference.scene.drive_channel
-        found.setdefault(frozenset(self.names), "all")
-        found.setdefault(frozenset(self.names) - {drive}, "all but the drive")
-        return [(name, tuple(c for c in self.names if c in channels)) for channels, name in found.items()]
-
-
-ANGLES = ("angle", "crank_angle")  # modulo one turn
-VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity", "ax": "acceleration"}
-VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}
-GENERAL = VECTORS | {"angle": "position", "omega": "velocity", "alpha": "acceleration"}
-GENERAL |= dict.fromkeys(("guide_force", "guide_moment", "torque", "force"), "force")
-FORCES = ("fx", "fy", "guide_force", "guide_moment", "torque", "force")
-PLURAL = {"position": "poses", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
-
-
-def stem(channel: str) -> str:
-    """Return whose channel it is: a point, a joint, a body, or the drive."""
-    return channel.rpartition(".")[0] or "drive"
-
-
-def common(channels: Iterable[str]) -> str:
-    """Return whose channels they are: one's, or `all`."""
-    stems = {stem(channel) for channel in channels}
-    return stems.pop() if len(stems) == 1 else "all"
-
-
-def place_of(part: Part) -> str:
-    """Return the body, joint or point that all channels of a part are of, `drive`, or `all`."""
-    return common(part[1])
-
-
-def _vector(channel: str) -> str:
-    kind = VECTORS.get(quantity(channel), "")
-    return kind and f"{stem(channel)}'s {kind}"
-
-
-_NAMES = (
-    ("{}", lambda channel: channel),
-    ("{}", _vector),
-    ("{}", stem),
-    ("all {}", quantity),
-    ("all {}s of points", lambda channel: VECTORS.get(quantity(channel), "").replace("velocity", "velocitie")),
-    ("all {}", lambda channel: PLURAL.get(GENERAL.get(quantity(channel), ""), "")),
-    ("all {}", lambda channel: "rates" if GENERAL.get(quantity(channel)) in ("velocity", "acceleration") else ""),
-    ("all {}", lambda channel: "reactions" if quantity(channel) in FORCES[:4] else ""),
-    ("all turning{:.0}", lambda channel: "s" if quantity(channel) in ("angle", "omega", "alpha") else ""),
-    ("all along {}", lambda channel: quantity(channel)[-1] if quantity(channel) in VECTORS else ""),
-    ("all of the {}", lambda channel: "" if quantity(channel) in FORCES else "motion"),
-)
+        return parts(self.names, self.reference.scene.drive_channel)
 
 
 def away_from_switches(evidence: Evidence) -> Evidence:

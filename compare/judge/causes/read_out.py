@@ -10,19 +10,8 @@ from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
 from ...engines.motion_vectors import MotionVectors, Vectors
-from .evidence import (
-    ANGLES,
-    EXPLAINED,
-    Channels,
-    Evidence,
-    Hypothesis,
-    Kind,
-    Part,
-    factor,
-    factor_of_change,
-    place_of,
-    stem,
-)
+from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor, factor_of_change
+from .parts import ANGLES, FORCES, Part, place_of, stem
 
 NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
 FACTORS = {
@@ -64,6 +53,7 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         return
     mirrored = name == "all along y" or name == "all along x"
     what = "points the other way" if mirrored else "has the opposite sign"
+    what += ", as on the other body" * (len(channels) > 1 and all(quantity(c) in FORCES for c in channels))
     kind = Kind.frame if mirrored else Kind.sign
     yield Hypothesis(kind, place, "", f"{name} {what}", {c: -true[c] for c in channels})
     for unit in (180 / pi, pi / 180) if {quantity(c) for c in channels} <= {*ANGLES} else ():
@@ -73,10 +63,21 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
     if known is None and all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
         return  # an offset would do as well
-    amount = f"{times:.4g}" if known is None else ("" if times >= 0 else "-") + FACTORS[known]
+    amount = f"{times:.4g}" if known is None else ("" if times >= 0 else "-") + _unit(known, channels)
     predicted = {c: times * true[c] for c in channels}
     sentence = f"{name} is {times:.4g} times what it should be"
+    sentence += f", {amount}" * ("in place of" in amount)
     yield Hypothesis(Kind.unit, place, amount, sentence, predicted, int(known is None or times < 0))
+
+
+def _unit(factor: float, channels: tuple[str, ...]) -> str:
+    """Return the name of a known factor of channels."""
+    of_forces = all(quantity(channel) in FORCES for channel in channels)
+    return (
+        {1e3: "N in place of kN", 1e-3: "kN in place of N"}.get(factor, FACTORS[factor])
+        if of_forces
+        else FACTORS[factor]
+    )
 
 
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -188,7 +189,18 @@ def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
                 yield Hypothesis(kind, one, other, f"{one} and {other} are swapped", predicted)
 
 
-_ORDERS = ({"x", "y"}, {"vx", "vy"}, {"ax", "ay"}, {"fx", "fy"}, {"angle"}, {"omega"}, {"alpha"}, {"guide_force"})
+_ORDERS = (
+    {"x", "y", "vx", "vy", "ax", "ay"},
+    {"angle", "omega", "alpha"},
+    {"x", "y"},
+    {"vx", "vy"},
+    {"ax", "ay"},
+    {"fx", "fy"},
+    {"angle"},
+    {"omega"},
+    {"alpha"},
+    {"guide_force"},
+)
 
 
 def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:

@@ -10,7 +10,8 @@ from scenes.motion import quantity
 
 from ...engines.reference import Reference
 from ...engines.runner import ON_TIME
-from .evidence import ANGLES, Evidence, Hypothesis, Kind, common
+from .evidence import Evidence, Hypothesis, Kind
+from .parts import ANGLES, common
 
 FEW = 0.1  # of the samples
 MOST = 0.8  # of the channels, that a spoilt row spoils

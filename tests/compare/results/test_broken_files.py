@@ -1,0 +1,170 @@
+"""Tables and mappings that are broken: one line each, exit status 2, and no traceback."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from compare.results import table
+from compare.run import main
+from scenes import Scene
+from tests import scene_files
+from tests.comparisons import SLOW
+from tests.foreign import Writer, instants, write
+
+CHANNELS = ["B.x", "B.y", "rod.omega", "B.fx"]
+Broken = tuple[bytes, str]  # a table, and its mapping
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return scene_files.load("offset_slider_crank")
+
+
+@pytest.fixture(scope="module")
+def good(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Broken:
+    """Return a table and its mapping with nothing wrong."""
+    columns = Writer().columns(scene, instants(scene, 12), CHANNELS)
+    file = write(tmp_path_factory.mktemp("good"), Writer(decimals=".6f").texts(columns), "", separator=";")
+    return file.read_bytes(), file.with_suffix(".toml").read_text()
+
+
+def refused(folder: Path, broken: Broken, capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the line by which a table is refused."""
+    file = folder / "theirs.csv"
+    file.write_bytes(broken[0])
+    file.with_suffix(".toml").write_text(broken[1], encoding="utf-8")
+    path = str(scene_files.path("offset_slider_crank"))
+    status = main([path, "--engines", "analytic", "--result", f"theirs={file}", "--out", str(folder / "out")])
+    printed = capsys.readouterr()
+    assert status == 2, printed
+    assert printed.out == ""
+    assert not (folder / "out").exists()
+    (line,) = printed.err.splitlines()
+    assert "internal error" not in line
+    return line
+
+
+def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text, mapping = good[0].decode(), good[1]
+    rows = text.splitlines()
+    cells = [row.split(";") for row in rows]
+
+    def joined(rows: list[list[str]]) -> bytes:
+        return "\n".join(";".join(row) for row in rows).encode()
+
+    def with_cell(cell: str) -> bytes:
+        return joined([*cells[:4], [*cells[4][:2], cell, *cells[4][3:]], *cells[5:]])
+
+    cases: list[tuple[bytes, str, str]] = [
+        (b"", mapping, "expected either commas, semicolons or tabs between the column names, found none"),
+        (rows[0].encode(), mapping, "expected a row of numbers below the names, found none"),
+        (text.encode("utf-16"), mapping, "expected a text file in UTF-8, and byte 0 is none"),
+        (text.replace("c0", "größe").encode("latin-1"), mapping, "expected a text file in UTF-8, and byte 2 is none"),
+        (text.replace(";", "|").encode(), mapping, "commas, semicolons or tabs between the column names, found none"),
+        (text.replace("c0;c1", "c0;c,1").encode(), mapping, "found commas and semicolons; 'separator' in the mapping"),
+        (text.replace("c1", "d1").encode(), mapping, "no column 'c1'; one of c0, c2, c3, c4, d1"),
+        (text.replace("c1", "c2").encode(), mapping, "no column 'c1'"),
+        (text.replace("c1", "c0").encode(), mapping, "column 'c0' is there 2 times"),
+        (with_cell(""), mapping, "row 5, column 'c2': expected a number up to 1e+30, found nothing"),
+        (with_cell("nan"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found 'nan'"),
+        (with_cell("1e99"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found '1e99'"),
+        (with_cell("12 mm"), mapping, "found '12 mm'"),
+        (with_cell("1.234,5"), mapping, "expected decimal points or decimal commas, found both"),
+        (joined([cells[0], *cells[:0:-1]]), mapping, "row 3: expected a later instant than in the row before; 'backw"),
+        (joined([*cells, cells[-1]]), mapping, "row 14: expected a later instant than in the row before"),
+        (joined([*cells, [*cells[-1], "1"]]), mapping, "not a table: Expected 5 fields in line 14, saw 6"),
+        (text.encode(), mapping + '"B.z" = "c1"', "columns.B.z: no such channel of the scene; did you mean 'B.y'?"),
+        (text.encode(), 'columns = {"time" = "c0"}', "expected one channel more than the time and crank_angle"),
+        (text.encode(), 'columns = {"B.x" = "c1"}', "columns: expected time, or crank_angle"),
+        (
+            text.encode(),
+            f'units = {{length = "furlongz"}}\n{mapping}',
+            "units.length: 'furlongz' is not a unit of leng",
+        ),
+        (text.encode(), f'unit = "mm"\n{mapping}', "unit: unknown key; did you mean 'units'?"),
+        (text.encode(), f'other_side = ["rodd"]\n{mapping}', "other_side: no joint, slider or drive 'rodd'"),
+        (text.encode(), f"promise = 0\n{mapping}", "promise: expected greater than 0, found 0"),
+        (text.encode(), "", "expected a mapping beside it, or columns named as channels"),
+    ]
+    for number, (table_text, own, words) in enumerate(cases):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        assert words in refused(folder, (table_text, own), capsys), words
+
+
+@pytest.mark.parametrize(
+    ("argument", "words"),
+    [
+        ("theirs", "expected NAME=FILE.csv"),
+        ("analytic=a.csv", "'analytic' is the name of an engine"),
+        ("../x=a.csv", "expected NAME=FILE.csv"),
+        ("theirs=missing.csv", "missing.csv: no such file"),
+        ("theirs=.", "expected a text file, found a folder"),
+        (f"theirs={'x' * 5000}", "File name too long"),
+    ],
+)
+def test_an_argument_that_names_no_table(argument: str, words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["four_bar", "--result", argument]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert words in line
+
+
+def test_a_file_that_is_too_large(
+    good: Broken, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(table, "BYTES", 500)
+    assert "expected a file of 500 bytes at most, found one of more" in refused(tmp_path, good, capsys)
+
+
+WORDS = [b"nan", b"inf", b"-inf", b"NULL", b"1e999", b"0x1", b"1_0", b"--", b"1.2.3", b"''", b"1,5,", b"+", b"e5"]
+
+
+def _spoilt(text: bytes, draw: st.DataObject) -> bytes:
+    """Return a table with something in it that no table has."""
+    rows = [row.split(b";") for row in text.splitlines()]
+    row, column = draw.draw(st.integers(1, len(rows) - 1)), draw.draw(st.integers(0, len(rows[0]) - 1))
+
+    def cell(value: bytes) -> None:
+        rows[row][column] = value
+
+    ways: dict[str, Callable[[], object]] = {
+        "bytes": lambda: cell(draw.draw(st.binary(min_size=1, max_size=4)) + b"\xff"),
+        "words": lambda: cell(draw.draw(st.sampled_from(WORDS))),
+        "empty": lambda: cell(b""),
+        "zero bytes": lambda: cell(b"1\x002"),
+        "a column less": lambda: [each.pop(column) for each in rows],
+        "a column twice": lambda: rows.__setitem__(slice(None), [[*each, each[column]] for each in rows]),
+        "a cell less": lambda: rows[row].pop(column),
+        "a cell more": lambda: rows[row].insert(column, b"1.0"),
+        "rows swapped": lambda: rows.insert(1, rows.pop()),
+        "a row twice": lambda: rows.insert(row, rows[row]),
+        "cut": lambda: rows.__delitem__(slice(1, None)),
+        "another separator": lambda: rows.__setitem__(slice(None), [[b"|".join(each)] for each in rows]),
+        "mixed decimals": lambda: cell(b"1.234,5"),
+        "quotes": lambda: cell(b'"' + rows[row][column]),
+        "UTF-16": lambda: rows.__setitem__(slice(None), [[b"\xff\xfe" + b"c\0"]]),
+        "long": lambda: cell(b"1" * draw.draw(st.integers(40, 20_000))),
+    }  # fmt: skip
+    ways[draw.draw(st.sampled_from(sorted(ways)))]()
+    return b"\n".join(b";".join(each) for each in rows) + b"\n"
+
+
+@SLOW
+@given(draw=st.data())
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_200_broken_files(
+    draw: st.DataObject, good: Broken, tmp_path_factory: pytest.TempPathFactory, capsys: pytest.CaptureFixture[str]
+) -> None:
+    refused(tmp_path_factory.mktemp("broken"), (_spoilt(good[0], draw), good[1]), capsys)
+
+
+def test_random_text_is_no_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    random = np.random.default_rng(5)
+    for number in range(20):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        refused(folder, (random.integers(1, 127, 2000).astype(np.uint8).tobytes(), 'columns = {"time" = "a"}'), capsys)
