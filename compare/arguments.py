@@ -20,7 +20,7 @@ USAGE = (
     " [--channels LIST] [--accuracy A] [--full] [--check] [--open] [--list] [--new NAME]"
     " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
     " [--monte-carlo N [--seed K]] [--format github] [--baseline FILE]"
-    " [--result NAME=FILE.csv ...]"
+    " [--result NAME=FILE.csv ...] [--result-mapping NAME=FILE.csv]"
 )
 
 MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
@@ -68,6 +68,9 @@ def parser() -> argparse.ArgumentParser:
         default=[],
         metavar="NAME=FILE.csv",
         help="judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]",
+    )
+    parser.add_argument(
+        "--result-mapping", metavar="NAME=FILE.csv", help="print a mapping that fits a result's columns, and end"
     )
     parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
     parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")

@@ -42,6 +42,11 @@ def _run(options: argparse.Namespace) -> int:
     scenes = [load(name) for name in options.scenes]
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
+    if options.result_mapping:
+        from .results.proposal import proposed  # late, as below
+
+        print(proposed(scenes[0], options.result_mapping), end="")
+        return 0
     if options.baseline:
         from .ci import baseline  # late, as below
 

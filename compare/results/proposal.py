@@ -1,0 +1,215 @@
+"""A mapping proposed for a table: its columns held against the reference's channels; printed, and never used unasked.
+
+Each column c is fitted by a line to each channel v, c = p v + q, at instants that a rising column gives, late by an
+unknown time, in frames that may be turned, mirrored and shifted. What is left of c shows how sure a pair is; p is its
+unit and sign, q its zero.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, InputError, Scene
+from scenes.motion import UNITS, Samples, channels, quantity
+from scenes.scene import ConstantSpeed
+
+from ..engines import registry
+from .proposal_text import ANGLES, KNOWN, Axis, Pair, as_toml
+from .result import MIRRORED, VECTORS, name_and_file
+from .table import Table, read_table
+
+FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
+LATE = 24  # parts of a cycle in which the table may begin
+LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
+FITS = 1e-2  # of a column: what a channel leaves of it at most
+SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
+NEAR = 2e-3  # relative: of a unit, a frame's angle
+
+
+def proposed(scene: Scene, text: str) -> str:
+    """Return a mapping for a table, as TOML with a remark on how sure each line is.
+
+    Args:
+        scene: the linkage.
+        text: NAME=FILE.csv.
+
+    Raises:
+        InputError: it cannot be read, or no column rises as a time or the crank's angle does.
+    """
+    _, file = name_and_file(text)
+    try:
+        table = read_table(file, None, None)
+        names, columns = _numbers(table)
+        solve = registry.reference(scene)
+        axis, lag = _nearest(scene, solve, names, columns)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    except Failure as failure:
+        raise InputError(f"{scene.file}: {failure.reason}") from None
+    rest = [k for k, name in enumerate(names) if name != axis.column]
+    time = axis.time + lag
+    true = solve(scene.drive.at(time).position, time).samples
+    turn = _turn(true, columns[rest])
+    frames = [(turn + k * pi / 2, mirrored) for mirrored in (False, True) for k in range(4)]
+    ways = [(*_paired(_seen(true, scene, *frame), columns[rest]), frame) for frame in frames]
+    pairs, seconds, _, frame = min(ways, key=lambda way: way[2])
+    return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame)) + "\n"
+
+
+def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
+    """Return the names and numbers of the columns that have nothing else, at some rows."""
+    found: dict[str, Samples] = {}
+    for name in table.columns:
+        try:
+            found[name] = table.numbers(name)[0]
+        except InputError:
+            continue
+    if not found:
+        raise InputError("expected columns of numbers, found none")
+    count = len(table.texts[0])
+    if count < FEWEST:
+        raise InputError(f"expected {FEWEST} rows at least to propose a mapping from, found {count}")
+    rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
+    return [*found], np.array([values[rows] for values in found.values()])
+
+
+def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> Iterator[Axis]:
+    drive = scene.drive
+    for name, values in zip(names, columns, strict=True):
+        if (np.diff(values) > 0).all():
+            for unit, size in KNOWN["s"].items():
+                yield Axis("time", name, unit, size * values)
+        if isinstance(drive, ConstantSpeed) and scene.driven_slide is None:
+            for unit, size in ANGLES.items():
+                time = (np.unwrap(size * values) - drive.start) / drive.speed
+                if (np.diff(time) > 0).all():
+                    yield Axis("crank_angle", name, unit, time)
+
+
+def _nearest(
+    scene: Scene, solve: registry.Solve, names: Sequence[str], columns: NDArray[np.float64]
+) -> tuple[Axis, float]:
+    """Return the axis and the lag, s, at which the channels leave least of all columns."""
+    from scipy.optimize import minimize_scalar
+
+    cycle, repeats = scene.drive.cycle, scene.drive.repeats
+
+    def left(axis: Axis, lag: float) -> float:
+        others = columns[[k for k, name in enumerate(names) if name != axis.column]]
+        try:
+            true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
+        except Failure:
+            return np.inf
+        bases = [np.array([true[f"{c[:-1]}{q}"] for q in "xy"]) if c[-1] == "x" else true[c][np.newaxis] for c in true
+                 if c in channels(scene)[2:] and c[-1] != "y"]  # fmt: skip
+        return float(np.log10(np.min([_left(base, others) for base in bases], axis=0) + 1e-14).mean())
+
+    axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= MOST]
+    if not axes or len(names) < 2:
+        raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
+    lags = np.arange(LATE if repeats else 1) * cycle / LATE
+    _, number, lag = min((left(axis, float(lag)), k, float(lag)) for k, axis in enumerate(axes) for lag in lags)
+    axis, step = axes[number], cycle / LATE
+    if repeats and lag:
+        found = minimize_scalar(
+            lambda by: left(axis, by),
+            bounds=(lag - step, lag + step),
+            method="bounded",
+            options={"xatol": 1e-9 * cycle},
+        )
+        lag = float(found.x)
+    lag = lag - cycle if lag > cycle / 2 else lag
+    return axis, lag if abs(lag) > 1e-7 * cycle else 0.0
+
+
+def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
+    """Return what of each column is left by the line, or the plane, nearest to it, as a share of its square."""
+    centred = columns - columns.mean(axis=1, keepdims=True)
+    whole = (centred**2).sum(axis=1)
+    q, r = np.linalg.qr((base - base.mean(axis=1, keepdims=True)).T)
+    q = q[:, np.abs(np.diag(r)) > 1e-9 * np.abs(base).max()]
+    share: Samples = 1 - ((centred @ q) ** 2).sum(axis=1) / np.where(whole > 0, whole, np.inf)
+    return np.clip(np.where(whole > 0, share, 1.0), 0.0, 1.0)
+
+
+def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
+    """Return the angle of the frame but for right angles: the one that most columns have to a vector they fit."""
+    angles = []
+    for x in (c for c in true if quantity(c) in VECTORS):
+        base = np.array([true[x], true[f"{x[:-1]}y"]])
+        base = base - base.mean(axis=1, keepdims=True)
+        if np.linalg.cond(base) < 1e3:
+            for column in columns[_left(base, columns) < SAME]:
+                a, b = np.linalg.lstsq(base.T, column - column.mean(), rcond=None)[0]
+                angles.append(4 * np.arctan2(b, a))
+    apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(angles, angles))))
+    turn = float(np.angle(np.exp(1j * angles[int((apart <= NEAR).sum(axis=1).argmax())]))) / 4 if angles else 0.0
+    return turn if abs(turn) > NEAR else 0.0
+
+
+def _seen(true: Mapping[str, Samples], scene: Scene, turn: float, mirrored: bool) -> dict[str, Samples]:
+    """Return the channels in another frame about the same origin."""
+    seen, way = {}, (-1 if mirrored else 1)
+    for c in channels(scene)[2:]:
+        kind = quantity(c)
+        if kind in VECTORS or kind in VECTORS.values():
+            vector = (true[f"{c[:-1]}x"] + 1j * true[f"{c[:-1]}y"]) * np.exp(-1j * turn)
+            seen[c] = np.asarray(vector.real if kind[-1] == "x" else way * vector.imag)
+        else:
+            seen[c] = (
+                way * (np.unwrap(true[c]) - turn) if kind == "angle" else (way if kind in MIRRORED else 1) * true[c]
+            )
+    return seen
+
+
+def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], dict[int, float], float]:
+    """Return the pairs that cost least together, what the next best channel leaves of each column, and the cost."""
+    from scipy.optimize import linear_sum_assignment
+
+    found = _pairs(seen, columns)
+    costs = np.array([[_cost(pair) for pair in row] for row in found])
+    rows, chosen = linear_sum_assignment(costs)
+    pairs = [found[k][c] for k, c in zip(rows, chosen, strict=True)]
+    seconds = {
+        int(k): min((p.left for n, p in enumerate(found[k]) if n != c and p.unit), default=1.0)
+        for k, c in zip(rows, chosen, strict=True)
+    }
+    return [pair for pair in pairs if pair.left <= FITS], seconds, float(costs[rows, chosen].sum())
+
+
+def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
+    """Return how each column fits each channel."""
+    values = np.array([*seen.values()])
+    v, c = (each - each.mean(axis=1, keepdims=True) for each in (values, columns))
+    squares = (v**2).sum(axis=1)
+    moves = squares > 1e-18 * (values**2).sum(axis=1)
+    p = c @ v.T / np.where(moves, squares, np.inf)
+    zeros = columns.mean(axis=1)[:, np.newaxis] - p * values.mean(axis=1)
+    whole = (c**2).sum(axis=1)[:, np.newaxis]
+    left = np.sqrt(np.clip(1 - p**2 * squares / np.where(whole > 0, whole, np.inf), 0.0, 1.0))
+    zeros[np.abs(zeros) <= np.maximum(NEAR * np.ptp(columns, axis=1), 1e-12)[:, np.newaxis]] = 0.0
+    return [
+        [_pair(channel, k, *(float(of[k, n]) for of in (p, left, zeros))) for n, channel in enumerate(seen)]
+        for k in range(len(columns))
+    ]
+
+
+def _pair(channel: str, column: int, p: float, left: float, zero: float) -> Pair:
+    """Return how a column fits a channel; without a unit where it fits in none that is known."""
+    size = 1 / abs(p) if p else np.inf
+    near = {unit: abs(size / known - 1) for unit, known in KNOWN[UNITS[quantity(channel)]].items()}
+    unit = min(near, key=near.__getitem__)
+    return Pair(channel, column, left, unit if near[unit] <= max(NEAR, left) else "", 1 if p > 0 else -1, zero)
+
+
+def _cost(pair: Pair) -> float:
+    """Return the price of a pair: what it leaves, in powers of ten, an unknown unit, an opposite sign, a zero."""
+    free = quantity(pair.channel) in ("x", "y", "angle")
+    return (
+        float(np.log10(pair.left + 1e-9))
+        + 4 * (not pair.unit)
+        + 0.5 * (pair.sign < 0)
+        + 0.5 * (bool(pair.zero) and not free)
+    )
