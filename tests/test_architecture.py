@@ -10,6 +10,7 @@ import pytest
 import analytic.engine
 import sim_models.casadi.engine
 import sim_models.exudyn.engine
+import sim_models.mujoco.engine
 import sim_models.multiprecision.engine
 import sim_models.pinocchio.engine
 import sim_models.pymunk.engine
@@ -119,6 +120,7 @@ ENGINES: tuple[Engine[Any], ...] = (  # mypy holds each module to the protocol
     sim_models.exudyn.engine,
     sim_models.pymunk.engine,
     sim_models.casadi.engine,
+    sim_models.mujoco.engine,
     sim_models.pinocchio.engine,
     sim_models.multiprecision.engine,
 )

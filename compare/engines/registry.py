@@ -38,6 +38,7 @@ _DAE = "multibody DAE with Lagrange multipliers"
 _IMPULSES = "impulses, block Gauss-Seidel"
 _LAGRANGE = "Lagrange's equations, every derivative by automatic differentiation"
 _RECURSIONS = "joint coordinates, closed loops, recursive Newton-Euler"
+_SOFT = "springs and dampers for joints, made as hard as a step allows"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
 _CERTIFY = "'linkage-crosscheck[certify]'"
 ENTRIES = {
@@ -47,6 +48,7 @@ ENTRIES = {
         ("exudyn", _DAE, "sim_models.exudyn", "exudyn", "exudyn", "exudyn"),
         ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
         ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
+        ("mujoco", _SOFT, "sim_models.mujoco", "mujoco", "mujoco", "'linkage-crosscheck[mujoco]'"),
         ("pinocchio", _RECURSIONS, "sim_models.pinocchio", "pinocchio", "pin", "'linkage-crosscheck[pinocchio]'"),
         ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
     )

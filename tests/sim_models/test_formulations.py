@@ -10,6 +10,7 @@ import pytest
 
 import scenes
 from compare.engines import registry
+from compare.judge.measure import checked_run
 from scenes import Failure, Positions, Sampling, Status
 from tests import scene_files
 from tests.agreement import TOLERANCE, kind
@@ -17,7 +18,8 @@ from tests.comparisons import SLOW
 
 from .formulations import off, run
 
-ENGINES = ("casadi", "pinocchio")
+EXACT = ("casadi", "pinocchio")  # without steps of the time, but for their ladders
+ENGINES = (*EXACT, "mujoco")
 QUICK = ("quick_return", "stephenson_six_bar")
 ALL = (*scenes.shipped(), *scene_files.MECHANISMS, "wedge_of_points", "oldham", "two_rods", "busy")
 
@@ -29,7 +31,12 @@ def engine(request: pytest.FixtureRequest) -> Any:
     return registry.engine(request.param)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in ALL])
+only_exact = pytest.mark.parametrize("engine", EXACT, indirect=True)
+by_scene = pytest.mark.parametrize("name", [pytest.param(n, marks=() if n in QUICK else SLOW) for n in ALL])
+
+
+@only_exact
+@by_scene
 def test_every_channel_is_exact(engine: Any, name: str) -> None:
     for channel, error in off(engine, name).items():
         assert error <= (1e-12 if name in QUICK else 50 * TOLERANCE[kind(channel)]), (
@@ -37,14 +44,22 @@ def test_every_channel_is_exact(engine: Any, name: str) -> None:
         )  # the clamps' forces: 1e-12
 
 
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+@by_scene
+def test_every_channel_is_within_the_promise(engine: Any, name: str) -> None:
+    for channel, error in off(engine, name).items():
+        assert error <= engine.DEFAULT.promise, channel
+
+
 @SLOW
 def test_the_ladder_is_of_the_order_of_theory(engine: Any) -> None:
-    ladder = [settings for settings in engine.WORK_PRECISION if settings.order][:3]
+    ladder = [settings for settings in engine.WORK_PRECISION if settings.order][1:4]
     worst = [max(off(engine, "quick_return", settings).values()) for settings in ladder]
     orders = -np.diff(np.log(worst)) / np.diff(np.log([settings.steps for settings in ladder]))
     assert np.abs(orders - ladder[0].order).max() <= 0.3, orders  # of the leading term alone it would be zero
 
 
+@only_exact
 def test_static_forces_have_the_signs_of_the_channels(engine: Any) -> None:
     """A massless slider-crank under a load on a corner: two-force members, and moments about the slider's pin."""
     slider = {"bodies.slider.mass": 0, "bodies.slider.points.E": [0.2, 0.1]}
@@ -60,6 +75,7 @@ def test_static_forces_have_the_signs_of_the_channels(engine: Any) -> None:
     assert np.abs(m["drive.torque"] - 100 * m["B.vx"] / 2).max() <= limit
 
 
+@only_exact
 def test_positions_are_answered_directly(engine: Any) -> None:
     scene, sampling = scenes.load("four_bar"), Sampling(12)
     at = Positions(tuple(sampling.commanded(scene).tolist()), channels=frozenset({"T.x", "T.ay"}))
@@ -76,11 +92,15 @@ def test_forces_are_not_found_where_nobody_asks(engine: Any) -> None:
     kinematic = scene_files.load("loaded_four_bar", scene_files.without_masses("loaded_four_bar"))
     weighed, motion = run(engine, scene_files.load("loaded_four_bar")), run(engine, kinematic)
     assert "drive.torque" not in motion
-    assert np.array_equal(motion["T.ay"], weighed["T.ay"])
+    assert np.abs(motion["T.ay"] - weighed["T.ay"]).max() <= engine.DEFAULT.promise * np.abs(weighed["T.ay"]).max()
 
 
 PLATE = {"A-B": 350, "A-D": 300, "B-D": 120, "B-G": 30, "A-G": 345, "D-K": 60, "G-K": 20}
-MEETING = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": 0.1}
+SPRING = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": 0.1}
+MEETING: scene_files.Changes = {
+    **{"bodies.crank.mass": 1, "bodies.rod.mass": 1},
+    **{"ground.points.P": [4, 0], "springs": [SPRING]},
+}
 ENDINGS: dict[str, tuple[str, scene_files.Changes, Status, str]] = {
     "locks": ("toggle_press", {"bodies.rod.lengths.P4-P5": 200}, Status.cannot_assemble, "past crank angle 166.08"),
     "apart": ("toggle_press", {"bodies.rocker.lengths.O-P3": 3000}, Status.cannot_assemble, "stays open by"),
@@ -92,7 +112,7 @@ ENDINGS: dict[str, tuple[str, scene_files.Changes, Status, str]] = {
     ),
     "redundant": ("redundant", {}, Status.unsupported, "1 constraints repeat others"),
     "change point": ("parallelogram", {}, Status.not_converged, "3.14159"),
-    "no direction": ("slider_crank", {"ground.points.P": [4, 0], "springs": [MEETING]}, Status.nonfinite, "spring"),
+    "no direction": ("slider_crank", MEETING, Status.nonfinite, "spring"),
 }
 
 
@@ -105,6 +125,22 @@ def test_what_cannot_be_solved_is_refused(engine: Any, ending: str) -> None:
     assert reason in raised.value.reason
 
 
+def test_what_an_engine_lacks_is_refused() -> None:
+    engine = registry.engine("mujoco")
+    pytest.importorskip("mujoco")
+    for request, scene in ((Sampling(72), "slider_crank"), (Positions((0.0, 0.1)), "four_bar")):
+        with pytest.raises(Failure) as raised:
+            run(engine, scene_files.load(scene), request=request)
+        assert raised.value.status is Status.unsupported
+
+
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_the_defaults_of_mujoco_tear_the_loops_apart(engine: Any) -> None:
+    """Its constraints at their defaults are reported as what they are, by the engine or by the checks."""
+    settings = next(settings for settings in engine.WORK_PRECISION if not settings.hard)
+    assert checked_run("mujoco", scenes.load("toggle_press"), Sampling(72), settings).status is not Status.ok
+
+
 @SLOW
 @pytest.mark.parametrize("name", ["parallel_bars", "held_twice"])
 def test_constraints_that_repeat_others_are_no_endless_search(engine: Any, name: str) -> None:
@@ -113,8 +149,9 @@ def test_constraints_that_repeat_others_are_no_endless_search(engine: Any, name:
     assert raised.value.status is Status.unsupported
 
 
+@only_exact
 def test_steps_that_leave_the_branch_are_noticed(engine: Any) -> None:
-    """Seven steps a turn are too long where the rod is nearly square to the guide."""
+    """Seven steps a turn jump over the two degrees where the rod is too short; they come out on another branch."""
     scene = scene_files.load("toggle_press", {"bodies.rod.lengths.P4-P5": 248.95})
     with pytest.raises(Failure) as raised:
         run(engine, scene, engine.at_steps(7), Sampling(7))
