@@ -38,7 +38,7 @@ def main() -> None:
     text = [
         "# The optional engines",
         "Made by `python benchmarks/formulations.py`. Largest relative errors against the analytic core by group, and"
-        " the processor time of the solve by position.",
+        " the processor time of the solve by position: beside other work on the machine, so that ratios count.",
         f"## Every shipped scene, {SAMPLING.samples} samples, default settings",
         pd.DataFrame(shipped).drop(columns="setting").to_markdown(index=False),
         f"## Speed against error: the toggle press, {LADDER.samples} samples",

@@ -82,10 +82,8 @@ class Poses:
             group, fits = scene.aligned[name], 0j
             for other in sorted(group - {GROUND}):
                 shown = [point for point in scene.bodies[other].points if point in drawn]
-                own, seen = (
-                    np.array([of(p) for p in shown]) for of in (lambda p, o=other: linkage.local(o, p), drawn.get)
-                )
-                fits += np.vdot(own - own.mean(), seen - seen.mean()) if shown else 0j
+                own = np.array([linkage.local(other, point) for point in shown])
+                fits += np.vdot(own - own.mean(), [drawn[point] for point in shown]) if shown else 0j
             turned = position if scene.driven_slide is None and scene.drive.body in group else float(np.angle(fits))
             angle = 0.0 if GROUND in group else turned
             shown = [point for point in scene.bodies[name].points if point in drawn]
