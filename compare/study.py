@@ -54,7 +54,7 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     Raises:
         InputError: the reference cannot solve the scene.
     """
-    _prepared(scene)
+    _prepared(scene, _able(engines))
     with workers([*engines, ORACLE], lambda: None) as runs:
         reference = establish(scene, sampling.channels, runs)
         speed = pd.DataFrame()
@@ -93,7 +93,7 @@ def study(
         progress(doing)
 
     report(doing)
-    _prepared(scene)
+    _prepared(scene, able)
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
         if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
@@ -109,9 +109,10 @@ def study(
     return Study(**known, motion=motion, speed=speed)
 
 
-def _prepared(scene: Scene) -> None:
-    """Import what is slow to, the core and the library of motion laws, before the processes are begun that share it."""
-    registry.engine(REFERENCE)
+def _prepared(scene: Scene, engines: Sequence[str]) -> None:
+    """Import what the processes share before they are begun: the core, the library of motion laws, the settings."""
+    for name in (REFERENCE, *engines):
+        registry.engine(name)
     _ = scene.drive.extent
 
 

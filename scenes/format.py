@@ -167,7 +167,7 @@ class SceneFile(Table):
     name: Name = Field(description='Of the folder of results: letters, digits and "_", a letter first.')
     title: str = Field("", max_length=limits.TITLE, description="The heading of the report.")
     source: str = Field("", max_length=limits.SOURCE, description="Where its numbers come from.")
-    units: Units = Field(default_factory=Units, description="What the numbers of the file are in; SI where absent.")
+    units: Units = Field(Units.model_validate({}), description="What the numbers of the file are in; SI where absent.")
     gravity: Pair | None = Field(None, description="[x, y] in m/s^2; none where absent.")
     ground: GroundTable = Field(description="What does not move.")
     bodies: dict[Name, BodyTable] = Field(

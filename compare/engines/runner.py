@@ -47,22 +47,22 @@ class Runs(Protocol):
         """Build, solve and read; see `run`."""
 
     def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings], /) -> list[Run]:
-        """Run one after the other, for the times alone; see `timed`."""
+        """Build and solve one after the other, for the times alone; see `timed`."""
 
 
-def run(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
-    """Build, solve and read, each timed apart; `settings` of None means the engine's default.
+def run(name: str, scene: Scene, request: Request, settings: Settings | None = None, *, reads: bool = True) -> Run:
+    """Build, solve and, if asked to, read, each timed apart; `settings` of None means the engine's default.
 
     What comes back is not looked at, see `complete`.
     """
     try:
-        return attempt(name, scene, request, settings)
+        return attempt(name, scene, request, settings, reads=reads)
     except MemoryError as error:
         return Run(name, settings, Status.crashed, described(error), "engine", registry.ENTRIES[name].version)
 
 
-def attempt(name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
-    """Return what `run` does.
+def attempt(name: str, scene: Scene, request: Request, settings: Settings | None = None, *, reads: bool = True) -> Run:
+    """Return what `run` does, or without reading.
 
     Raises:
         MemoryError: there was not enough.
@@ -74,7 +74,7 @@ def attempt(name: str, scene: Scene, request: Request, settings: Settings | None
     try:
         engine = registry.engine(name)
         failed = replace(failed, settings=settings or engine.DEFAULT, version=text_of(engine.version()))
-        return _solved(engine, scene, request, failed)  # the version is known: no clock times an import
+        return _solved(engine, scene, request, failed, reads=reads)  # the version is known: no clock times an import
     except MemoryError:
         raise
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
@@ -82,11 +82,11 @@ def attempt(name: str, scene: Scene, request: Request, settings: Settings | None
 
 
 def timed(name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
-    """Run one after the other, for the times alone: no motion comes back."""
-    return [replace(run(name, scene, request, each), motion=None) for each in settings]
+    """Build and solve one after the other, for the times alone: no motion is read."""
+    return [run(name, scene, request, each, reads=False) for each in settings]
 
 
-def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) -> Run:
+def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *, reads: bool) -> Run:
     """Return the run, or the failed one completed by what the engine reports."""
     try:
         started = process_time()
@@ -94,7 +94,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) ->
         on_wall, built = perf_counter(), process_time()
         simulation.solve()
         solved, done_on_wall = process_time(), perf_counter()
-        motion = simulation.read()
+        motion = simulation.read() if reads else None
         read = process_time()
     except Failure as failure:
         computed = None if failure.motion is None else _finite(_plain(failure.motion))
@@ -105,7 +105,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run) ->
         status=Status.ok,
         reason="",
         found_by="",
-        motion=_plain(motion),
+        motion=None if motion is None else _plain(motion),
         build_s=built - started,
         solve_s=solved - built,
         read_s=read - solved,

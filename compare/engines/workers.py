@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from multiprocessing import current_process
 from typing import NamedTuple
@@ -66,7 +65,7 @@ class Workers:
         return outcome
 
     def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
-        """Run one after the other in the engine's process, for the times alone; see `runner.timed`."""
+        """Build and solve one after the other in the engine's process, for the times alone; see `runner.timed`."""
         return self._runs(name, Job(scene, request, settings, timed=True))
 
     def _runs(self, name: str, job: Job) -> list[Run]:
@@ -107,8 +106,7 @@ def _done(name: str, job: Job | None) -> list[Run]:
     if job is None:
         registry.engine(name).version()
         return []
-    runs = (runner.attempt(name, job.scene, job.request, settings) for settings in job.settings)
-    return [replace(run, motion=None) if job.timed else run for run in runs]
+    return [runner.attempt(name, job.scene, job.request, each, reads=not job.timed) for each in job.settings]
 
 
 @contextmanager

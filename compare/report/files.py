@@ -200,6 +200,10 @@ def json_text(value: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else None
+    if type(value) in (str, int, bool):  # nearly all that is left
+        return value
     if is_dataclass(value):
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -210,6 +214,4 @@ def _plain(value: Any) -> Any:
         return value.name
     if isinstance(value, Iterable) and not isinstance(value, str):
         return [_plain(item) for item in value]
-    if isinstance(value, float):
-        return float(value) if isfinite(value) else None
     return value.item() if hasattr(value, "item") else value

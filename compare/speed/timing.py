@@ -37,7 +37,6 @@ class Times:
 
     build: list[float] = field(default_factory=list)
     solve: list[float] = field(default_factory=list)
-    read: list[float] = field(default_factory=list)
     wall: list[float] = field(default_factory=list)  # of the solve, by a clock on the wall
 
     def add(self, run: Run) -> None:
@@ -45,7 +44,6 @@ class Times:
         for record, seconds in (
             (self.build, run.build_s),
             (self.solve, run.solve_s),
-            (self.read, run.read_s),
             (self.wall, run.wall_s),
         ):
             record.append(seconds)
@@ -53,7 +51,7 @@ class Times:
     @property
     def spent(self) -> float:
         """The processor time of all runs."""
-        return sum(self.build) + sum(self.solve) + sum(self.read)
+        return sum(self.build) + sum(self.solve)
 
     @property
     def known(self) -> bool:
@@ -67,14 +65,14 @@ def take_turns(
     again: Again,
     budget: Budget,
     progress: Callable[[str], None],
-    in_doubt: Callable[[Sequence[float], Sequence[bool]], Collection[int]],
+    in_doubt: Callable[[Sequence[float]], Collection[int]],
 ) -> list[Times]:
     """Return the times of every setting in the rounds; none of a slow one that decides nothing.
 
     One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
     least number of rounds as far as its share of the patience lasts. After these only those take part that are in
-    doubt, given the fastest solve of every setting, s, and whether it is that of the least number of rounds, and whose
-    fastest time is not known yet. A stop leaves the times that are known.
+    doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
+    that are known.
 
     Args:
         first: the run of every setting that warmed it up; the settings of one engine are neighbours.
@@ -86,7 +84,7 @@ def take_turns(
     times, engines = [Times() for _ in first], [run.engine for run in first]
 
     def seconds(n: int) -> float:
-        return times[n].spent / len(times[n].solve) if times[n].solve else first[n].seconds
+        return times[n].spent / len(times[n].solve) if times[n].solve else first[n].build_s + first[n].solve_s
 
     def fastest(n: int) -> float:
         return min(times[n].solve, default=first[n].solve_s)
@@ -100,8 +98,7 @@ def take_turns(
             yield from _by_engine(able, engines)
         spent = sum(record.spent for record in times)
         for done in range(LEAST_ROUNDS, budget.rounds):
-            sure = [len(times[n].solve) >= LEAST_ROUNDS for n in every]
-            doubtful = [n for n in in_doubt([*map(fastest, every)], sure) if not times[n].known]
+            doubtful = [n for n in in_doubt([*map(fastest, every)]) if not times[n].known]
             for batch in _by_engine(doubtful, engines):
                 left = budget.seconds - (sum(record.spent for record in times) - spent)
                 before = accumulate([0.0, *map(fastest, batch)])

@@ -28,8 +28,7 @@ TIE = 0.5
 # What is named may change from run to run where a ratio is near the limit of a tie; up to this one it is called level
 # all the same: two runs whose times are up to a sixth apart differ in what they name only where both call it level.
 NEAR = 0.75
-# Ratio of the limit of a tie to a time, below which more rounds might move it across: after some, and before.
-DOUBT, BUSY = 1.15, 1.75
+DOUBT = 1.75  # ratio of the limit of a tie to a time, below which a busy machine might have moved it across
 ABOVE_FLOOR = 10.0  # times the floor: there the floor is a tenth of the error at most
 LEAST_POINTS = 3  # of a fit, so that it has a residual
 STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as this
@@ -150,17 +149,15 @@ def contests(speed: pd.DataFrame) -> list[NDArray[np.intp]]:
     return [np.array(places) for places in dict.fromkeys(found) if len(places) > 1]
 
 
-def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float], sure: Sequence[bool]) -> list[int]:
+def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
     """Return the settings whose times, s, more rounds should make sure of, by their places.
 
-    Those are near the limit up to which settings of a contest are level, and the fastest of that contest. A time that
-    is not sure, of few runs, may be that of a busy machine.
+    Those are near the limit up to which settings of a contest are level, and the fastest of that contest.
     """
     doubtful: set[int] = set()
-    slack = np.log(np.where(sure, DOUBT, BUSY))
     for places in contests:
         ratio = np.array(times)[places] / min(times[place] for place in places)
-        near = (np.abs(np.log(ratio / (1 + TIE))) < slack[places]) & (ratio > 1)
+        near = (np.abs(np.log(ratio / (1 + TIE))) < np.log(DOUBT)) & (ratio > 1)
         if near.any():
             doubtful |= {int(place) for place in places[near | (ratio == 1)]}
     return sorted(doubtful)

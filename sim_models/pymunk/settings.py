@@ -108,7 +108,6 @@ WORK_PRECISION: tuple[AnySettings, ...] = (
     FAST,
     *(_run(steps, 1, 100) for steps in (72, 144, 288)),
     _run(144, 2, 150),
-    _run(72, 3, 300),
     DEFAULT,
     _textbook(60),
 )
@@ -119,7 +118,7 @@ LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_fictitious(steps, 4, 20) for steps in (72, 144)),
     *(_run(steps, 1, 100) for steps in (576, 1152, 2304, 4608, 9216)),
     *(_run(steps, 2, 150) for steps in (72, 288, 576)),
-    *(_run(steps, 3, 300) for steps in (144, 288)),
+    *(_run(steps, 3, 300) for steps in (72, 144, 288)),
     *(_run(steps, 4, 300) for steps in (72, 144)),
     EXACT,
     *(_run(steps, 1, 100, ", 50% correction", correction=0.5, order=2) for steps in (144, 360, 720)),

@@ -167,7 +167,7 @@ def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
     table.loc[3, "max"] = np.nan
     shown = shortened(table, "max", "errors.csv")
     assert len(shown.rows) == ROWS
-    assert shown.rows[:2] == [("c3", None), ("c999", 999.0)]
+    assert [channel for channel, _ in shown.rows[:2]] == ["c3", "c999"]
     assert "c700" not in [channel for channel, _ in shown.rows]
     assert shown.left_out == f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv."
     assert first(map(str, range(1000)))[ROWS].startswith("And 800 more")

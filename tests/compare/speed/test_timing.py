@@ -20,21 +20,18 @@ class Job:
     engine: str
     solves: Sequence[float]
     build: float = 0.0
-    reading: float = 0.0
     done: int = 0
 
     def run(self) -> Run:
         solve = self.solves[min(self.done, len(self.solves) - 1)]
         self.done += 1
-        return Run(
-            self.engine, None, Status.ok, build_s=self.build, solve_s=solve, read_s=self.reading, wall_s=2 * solve
-        )
+        return Run(self.engine, None, Status.ok, build_s=self.build, solve_s=solve, wall_s=2 * solve)
 
 
 def turns(
     jobs: Sequence[Job],
     budget: Budget,
-    in_doubt: Callable[[Sequence[float], Sequence[bool]], Sequence[int]],
+    in_doubt: Callable[[Sequence[float]], Sequence[int]],
     first: float = 0.0,
 ) -> tuple[list[Times], str]:
     """Return the times, and the engines in the order in which they ran; a bar ends each batch.
@@ -52,7 +49,7 @@ def turns(
     return times, "".join(ran)
 
 
-def all_of(times: Sequence[float], _: Sequence[bool]) -> Sequence[int]:
+def all_of(times: Sequence[float]) -> Sequence[int]:
     return range(len(times))
 
 
@@ -61,10 +58,10 @@ def test_settings_take_turns_in_batches_of_one_engine() -> None:
     assert ran == "aa|b|c|" * 3
 
 
-def test_build_solve_and_read_are_timed_apart() -> None:
-    (times,), _ = turns([Job("a", [2.0], build=1.0, reading=8.0)], Budget(10, inf), all_of)
-    assert (times.build, times.solve, times.read, times.wall) == ([1.0] * 3, [2.0] * 3, [8.0] * 3, [4.0] * 3)
-    assert times.spent == 33
+def test_build_and_solve_are_timed_apart() -> None:
+    (times,), _ = turns([Job("a", [2.0], build=1.0)], Budget(10, inf), all_of)
+    assert (times.build, times.solve, times.wall) == ([1.0] * 3, [2.0] * 3, [4.0] * 3)
+    assert times.spent == 9
 
 
 def test_rounds_go_on_until_the_fastest_time_is_known() -> None:
@@ -90,7 +87,7 @@ def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
 def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
     """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for, or one."""
     for budget, rounds in ((Budget(20, 2.0), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
-        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda *_: ())
+        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda _: ())
         assert [len(of.solve) for of in times] == [3, rounds]
 
 
@@ -98,12 +95,12 @@ def test_a_setting_whose_first_run_took_its_share_is_timed_where_it_decides() ->
     """Its first run took 0.6 s, of a share of 0.5 s; then it is timed until it is known, in rounds 4 to 6."""
     seen = []
 
-    def never(times: Sequence[float], sure: Sequence[bool]) -> Sequence[int]:
-        seen.append((*times, *sure))
+    def never(times: Sequence[float]) -> Sequence[int]:
+        seen.append([*times])
         return []
 
     (times,), _ = turns([Job("a", [0.4])], Budget(20, 0.1), never, first=0.6)
-    assert (times.solve, seen[0]) == ([], (0.6, False))
+    assert (times.solve, seen[0]) == ([], [0.6])
     (times,), _ = turns([Job("a", [0.4])], Budget(20, 9.0), all_of, first=10.0)
     assert times.solve == [0.4] * 3
 
@@ -121,8 +118,7 @@ def test_only_what_is_in_doubt_is_timed_longer() -> None:
     seen = []
     jobs = [Job("a", [1.0]), Job("b", [7.0, 6.0, 5.0, 4.0]), Job("c", [3.0, 2.0, 1.0])]
 
-    def in_doubt(times: Sequence[float], sure: Sequence[bool]) -> Sequence[int]:
-        assert all(sure)
+    def in_doubt(times: Sequence[float]) -> Sequence[int]:
         seen.append(list(times))
         return [1] if times[1] > 4 else []
 

@@ -48,7 +48,7 @@ def test_every_step_is_checked(press: Scene) -> None:
     linkage = LinkageConstraints(press, ballasted_masses)
     pose = start(linkage)
     start_branch = linkage.branch(pose)
-    run = build(linkage, pose, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
+    run = build(press, ballasted_masses, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
     run.advance(ProcessorBudget(60.0, "a test"))
     check_path(linkage, run.record[1:], run.positions, start_branch)
     good = run.record.copy()
