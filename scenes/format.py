@@ -38,6 +38,7 @@ NumberOrText = Annotated[float | str, PlainValidator(_number_or_text)]
 class Table(BaseModel):
     """A TOML table: no unknown keys, no silent conversion of types."""
 
+    # A file's tables are built together when the first one is read, not each by itself on import.
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
 
 
