@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
@@ -140,6 +140,10 @@ class Solver:
     def forces(self) -> bool:
         """Whether any channel wanted is a force."""
         return self.request.wants_forces(self.scene)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what it is made of; what follows from that has functions that no other process can be sent."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def reactions(self, k: Kinematics) -> Reactions:
         """Return the reactions that are wanted, or none."""
