@@ -16,7 +16,7 @@ from .press_switches import Acts, acts, fixed, press_forces, stroke_end
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
 REST = 1e-6  # of S w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
-REMEMBERED, FEW = 8, 4096  # motions, of samples at most
+REMEMBERED, FEW = 4, 4096  # motions, of samples at most
 PLACES = {"x", "y", "angle"}  # quantities whose magnitude depends on where one counts from
 
 
@@ -85,6 +85,10 @@ class Remembering:
         if len(position) <= FEW:
             self.known.append((position.copy(), time.copy(), motion))
         return motion
+
+    def __reduce__(self) -> tuple[type["Remembering"], tuple[registry.Solve]]:
+        """Have what it remembers stay in this process."""
+        return Remembering, (self.solve,)
 
 
 def found(scene: Scene) -> Reference:

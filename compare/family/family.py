@@ -1,6 +1,7 @@
 """A family of linkages: one scene with other numbers, each member solved by the reference and cross-checked."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
@@ -117,5 +118,5 @@ def _member(
     """
     reference = solved(scene, runs=runs)
     judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
-    kept = replace(judged, reference=replace(reference, cycle=Motion({})))  # its curves are enough
+    kept = replace(judged, reference=replace(reference, at=copy(reference.at), cycle=Motion({})))  # curves are enough
     return Member(change, Status.ok.name, "", cycle(judged), kept)

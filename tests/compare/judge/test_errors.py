@@ -1,5 +1,6 @@
 """Errors against the reference: each must show on a result that has it."""
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -8,14 +9,14 @@ import pytest
 import scenes
 from compare.engines.motion_vectors import MotionVectors
 from compare.engines.press_switches import acts, stroke_end
-from compare.engines.reference import Floor, Reference
+from compare.engines.reference import Floor, Reference, Remembering
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare, error_table
 from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Motion, Sampling, Status
-from scenes.motion import channels, quantity
+from scenes.motion import Samples, channels, quantity
 from scenes.scene import Force, PressForce
 from tests.comparisons import SAMPLING, Plug, References, changed, commanded, of_scene, row_of, size_of, vector_of
 
@@ -280,3 +281,20 @@ def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
     may = acts(state, load, -1.48)
     assert may.all(axis=0).tolist() == [False, True, False]
     assert may.any(axis=0).tolist() == [False, True, True]
+
+
+def test_a_reference_solves_nothing_twice(reference: Reference) -> None:
+    """Its copy begins anew: what a family keeps of its members holds no motion twice."""
+    solved: list[Samples] = []
+
+    def solve(position: Samples, time: Samples) -> Motion:
+        solved.append(position)
+        return reference.at(position, time)
+
+    at, position = Remembering(solve), np.linspace(0, 1, 5)
+    first = at(position, position)
+    assert at(position.copy(), position.copy()) is first
+    assert at(position, position + 1e-9) is not first
+    assert len(solved) == 2
+    copy(at)(position, position)
+    assert len(solved) == 3
