@@ -49,7 +49,7 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
     for name, (si, usual) in (_USUAL | {"speed": speed}).items():
         unit = getattr(units, name) or si
         hint = ""
-        if name == "speed" and _PRODUCT.fullmatch(unit) and _factor(unit, other[0]) > 0:
+        if name == "speed" and unit not in usual and _PRODUCT.fullmatch(unit) and _factor(unit, other[0]) > 0:
             kind, has = ("crank", "has") if slides else ("slider", "has no")
             hint = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
         factors[name] = unit, factor(unit, si, name, f"units.{name}", usual, hint)
