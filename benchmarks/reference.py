@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 from benchmarks.readme import markdown
 from compare import arguments, command_line
 from compare.family import grid
+from compare.results.mapping import MappingFile
 from scenes import Status, limits, motion
 from scenes.format import SceneFile
 
@@ -45,10 +46,9 @@ def page() -> str:
 def _parts() -> Iterator[str]:
     yield HEAD
     yield "## Scene file\n\nNumbers are in the units of the file. A key that is not needed may be left out."
-    for name, model in _tables("", SceneFile):
-        if name:
-            yield f"### `{name}`\n\n{_sentence(model)}"
-        yield _keys(model)
+    yield from _file(SceneFile)
+    yield "## Mapping of a result\n\nThe file beside a table, for `--result`; numbers are in its own units."
+    yield from _file(MappingFile)
     yield "## Limits\n\n" + _table(("of", "at most"), ((what, f"{most:,}") for what, most in LIMITS))
     yield "## Channels\n\n" + _docstring(motion)
     units = ((f"`{quantity}`", unit) for quantity, unit in motion.UNITS.items())
@@ -56,6 +56,13 @@ def _parts() -> Iterator[str]:
     yield "## Statuses\n\n" + _table(("status", "meaning"), ((f"`{each.name}`", each.value) for each in Status))
     yield "## Command line\n\n" + _table(("option", "meaning"), _options())
     yield "## Exit statuses\n\n" + _docstring(command_line)
+
+
+def _file(model: type[BaseModel]) -> Iterator[str]:
+    for name, table in _tables("", model):
+        if name:
+            yield f"### `{name}`\n\n{_sentence(table)}"
+        yield _keys(table)
 
 
 def _tables(path: str, model: type[BaseModel]) -> Iterator[tuple[str, type[BaseModel]]]:

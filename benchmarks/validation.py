@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from benchmarks.readme import markdown
 from compare.engines.reference import Reference
 from compare.judge.floor import establish
 from compare.judge.foreign import assess_result
@@ -62,9 +63,7 @@ def main() -> int:
     table = pd.DataFrame(found).rename(columns={"error": "largest error", "of_tolerance": "of its tolerance"})
     for column in ("largest error", "of its tolerance"):
         table[column] = table[column].map("{:.1e}".format)
-    lines = [table.columns, ["---"] * len(table.columns), *table.to_numpy(str)]
-    page = "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
-    options.out.write_text(HEAD + page, encoding="utf-8")
+    options.out.write_text(f"{HEAD}{markdown(table)}\n", encoding="utf-8")
     print(table.drop(columns="source").to_string(index=False))
     return int(any(each.status != "ok" or not each.of_tolerance <= 1 for each in found))
 
