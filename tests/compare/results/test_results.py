@@ -167,3 +167,21 @@ def test_a_declared_tolerance_is_its_gate(press: Scene, tmp_path: Path, referenc
     found = judged(held, write(tmp_path, Writer().texts(off), ""), references)
     assert found.run.status.name == "ok"
     assert {gate.group: gate.missed for gate in gates(held, [found])} == {"position": True, "velocity": False}
+
+
+def test_the_mapping_may_be_in_the_scene(tmp_path: Path, references: References) -> None:
+    """Beside the table or in the scene, and not in both."""
+    names = ["T.x", "A.vy"]
+    plain = scene_files.load("offset_slider_crank")
+    writer = Writer(length=1e-3)
+    file = write(tmp_path, writer.texts(writer.columns(plain, instants(plain, 20), names)), "")
+    beside = file.with_suffix(".toml")
+    columns = {channel: f"c{k}" for k, channel in enumerate(["time", *names])}
+    table = {"theirs": {"units": {"length": "mm"}, "columns": columns}}
+    scene = scenes.load(scene_files.write(tmp_path, "offset_slider_crank", {"results": table}))
+    with pytest.raises(scenes.InputError, match=r"the scene has a mapping too, results\.theirs"):
+        read_result(scene, f"theirs={file}")
+    beside.unlink()
+    found = judged(scene, file, references)
+    assert found.run.status.name == "ok", found.run.reason
+    assert getattr(found.run.settings, "mapping_in", "").endswith("results.theirs")
