@@ -4,6 +4,7 @@ It is imported by pytest in every project of an environment, where `compare` and
 this package nothing is imported before a scene file is collected, or the fixture asked for.
 """
 
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from functools import cached_property
@@ -29,6 +30,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--linkage-engines", metavar="A,B", default=ENGINES, help=f"engines that solve them ({ENGINES})")
     group.addoption("--linkage-samples", metavar="N", default=SAMPLES, help=f"samples a cycle of the drive ({SAMPLES})")
     parser.addini("linkage_scenes", "patterns of scene files to collect where they are not named", type="args")
+
+
+def pytest_load_initial_conftests(early_config: pytest.Config, args: list[str]) -> None:
+    """Take the option and fixtures of the engines' contract, where that is what is asked for."""
+    if any(re.match(r"compare\.contract(\.test_|::|$)", argument) for argument in args):
+        early_config.pluginmanager.import_plugin("compare.contract.asked")
 
 
 def pytest_configure(config: pytest.Config) -> None:

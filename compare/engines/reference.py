@@ -179,7 +179,7 @@ def relative_errors(motion: Motion, true: Motion, scale: Mapping[str, float]) ->
     Angles are compared modulo one turn. The time is an input, and what only one model returns has no scale: neither is
     compared.
     """
-    judged = [channel for channel in motion.samples if channel != "time" and channel in scale]
+    judged = [channel for channel in motion.samples if channel != "time" and channel in scale and channel in true]
     errors: dict[str, Samples] = {}
     for channel in judged:
         stem, axis = channel[:-1], channel[-1]

@@ -78,8 +78,8 @@ def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = 
 def agreement(judged: "Judgement") -> Agreement:
     """Return whether the models agree.
 
-    They agree where the judgement is ok and an engine besides the reference is; in part, where no model contradicts
-    another and some of them, or arbitrary precision, confirm the reference.
+    They agree where the judgement is ok, and other engines confirm every channel of the reference; in part, where no
+    model contradicts another and some of them, or arbitrary precision, confirm the reference.
     """
     others = [m for m in judged.measurements if m.run.engine != REFERENCE]
     confirming = [m for m in others if m.run.status is Status.ok]
@@ -93,7 +93,11 @@ def agreement(judged: "Judgement") -> Agreement:
         sentence = f"{alone}; {_certified(judged, _name(judged))}."
         return Agreement(Word.in_part if certified else Word.not_solved, sentence)
     sentence = f"{_confirmed(judged, confirming)}; {_certified(judged, 'it')}."
-    if judged.ok:
+    given = {channel for m in confirming if m.run.motion for channel in m.run.motion.samples}
+    unchecked = [channel for channel in judged.sampling.wanted(judged.scene) if channel not in given]
+    if unchecked:
+        sentence += f" No other engine that is ok gives {unchecked[0]}{', among others' if len(unchecked) > 1 else ''}."
+    if judged.ok and not unchecked:
         count = len(judged.held)
         met = {0: "", 1: " The tolerance is met."}.get(count, f" All {count} tolerances are met.")
         return Agreement(Word.agrees, sentence + met)
@@ -132,6 +136,8 @@ def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
     everything = judged.sampling.channels is None and all(m.own is None for m in confirming)
     channels = "every channel" if everything else "every channel asked for"
     engines = _listed([m.run.engine for m in confirming])
+    if any(m.run.motion and m.run.motion.unsupported for m in confirming):
+        channels += " that it gives" if len(confirming) == 1 else " that each gives"
     to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
     return f"{engines} {verb} with {_name(judged)}{to} in {channels}"
 

@@ -154,10 +154,13 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     against = [m for m in measurements if m.run.found_by == "reference" and m.run.engine not in (REFERENCE, ORACLE)]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
-        if reference.floor.by_channel or not any(_agree(reference, *pair) for pair in combinations(against, 2)):
+        pairs = [pair for pair in combinations(against, 2) if _agree(reference, *pair)]
+        if reference.floor.by_channel or not pairs:
             return reference, measurements
-        names = " and ".join(m.run.engine for m in against)
-        doubt = f"the core alone differs, suspect the core: {names} agree with each other"
+        names = " and ".join(dict.fromkeys(m.run.engine for pair in pairs for m in pair))
+        ok = [m.run.engine for m in measurements if m.run.status is Status.ok and m.run.engine != REFERENCE]
+        alone = f"{' and '.join(ok)} and the core differ from others" if ok else "the core alone differs"
+        doubt = f"{alone}, suspect the core: {names} agree with each other"
         by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [

@@ -15,6 +15,7 @@ from compare.judge.judgement import Judgement
 from compare.judge.measure import Measurement, measure
 from compare.judge.round_off import explain
 from scenes import Failure, Motion, Status
+from scenes.motion import quantity
 from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded
 
 Judge = Callable[..., Judgement]
@@ -162,3 +163,18 @@ def test_one_call_has_verdict_and_numbers() -> None:
     result = compare.check("four_bar", engines=("analytic", "exudyn"), samples=72)
     assert result.agreement.word == "agrees"
     assert {"stroke", "peak drive torque"} <= {peak.name for peak in result.peaks}
+
+
+def test_what_no_other_engine_gives_is_not_confirmed(judge: Judge, reference: Reference) -> None:
+    """By an engine that finds points alone."""
+    motion = commanded(reference)
+    given = {channel: values for channel, values in motion.samples.items() if quantity(channel) not in ("fx", "fy")}
+    points = Motion(given, dict.fromkeys(motion.samples.keys() - given.keys(), "it finds no forces"))
+    verdict = plain(agreement(judge(points, ("analytic", "stub"))))
+    assert verdict.word is Word.in_part
+    assert verdict.sentence.startswith("stub agrees with the closed form to 14 digits in every channel that it gives; ")
+    assert verdict.sentence.endswith(" No other engine that is ok gives O.fx, among others.")
+    both = plain(agreement(judge(points)))
+    assert both.word is Word.agrees
+    assert both.sentence.startswith("exudyn and stub agree with the closed form to ")
+    assert "in every channel that each gives; " in both.sentence

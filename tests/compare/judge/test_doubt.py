@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.typing import ArrayLike
 
@@ -12,8 +13,12 @@ import analytic
 import compare
 import scenes
 from compare.engines import registry
-from compare.judge.judgement import Judgement
-from scenes import InputError, Motion, Scene
+from compare.engines.reference import Reference
+from compare.engines.runner import Run
+from compare.judge.judgement import Judgement, _voted
+from compare.judge.measure import Measurement
+from scenes import InputError, Motion, Scene, Settings, Status
+from tests.comparisons import commanded
 
 Spoil = Callable[[Motion], Motion]
 
@@ -105,3 +110,27 @@ def test_one_simulator_alone_is_not_believed(monkeypatch: pytest.MonkeyPatch) ->
     assert result.verdicts["exudyn"][0] in ("inaccurate", "inconsistent")
     assert result.verdicts["pymunk"] == ("ok", "")
     assert np.isfinite(result.errors["max"]).all()
+
+
+def test_of_many_engines_those_that_agree_are_named(reference: Reference) -> None:
+    """Without a floor: two that agree with each other, one wrong in its own way, and one that the core agrees with."""
+    motion = commanded(reference)
+    settings, floorless = Settings("", promise=1e-3), replace(reference, floor=replace(reference.floor, by_channel={}))
+
+    def off(engine: str, by: float) -> Measurement:
+        samples = {channel: values * (1.0 + by) for channel, values in motion.samples.items()}
+        status, found_by = (Status.inaccurate, "reference") if by else (Status.ok, "")
+        return Measurement(
+            Run(engine, settings, status, "", found_by, motion=Motion(samples)), None, [], pd.DataFrame()
+        )
+
+    apart = [off("analytic", 0.0), off("exudyn", 0.1), off("pymunk", 0.5), off("casadi", 0.1001)]
+    alone, measured = _voted(floorless, apart)
+    assert alone.floor.doubt == "the core alone differs, suspect the core: exudyn and casadi agree with each other"
+    assert [m.run.status for m in measured] == [Status.inaccurate, *[Status.ok] * 3]
+    divided, _ = _voted(floorless, [*apart, off("pinocchio", 0.0)])
+    assert divided.floor.doubt.startswith(
+        "pinocchio and the core differ from others, suspect the core: exudyn and casadi "
+    )
+    each_by_itself, _ = _voted(floorless, [off("analytic", 0.0), *(off(f"{by}", by) for by in (0.1, 0.2, 0.3, 0.4))])
+    assert not each_by_itself.floor.doubt

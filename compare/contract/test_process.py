@@ -1,0 +1,75 @@
+"""What a process sees of the engine: one in an empty folder, which imports, builds, solves and reads."""
+
+import json
+import os
+import subprocess
+import sys
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+import pytest
+
+from scenes import Motion, Scene
+
+from .asked import plain_run
+
+CODE = """
+import json, sys
+from pathlib import Path
+from compare.engines import registry
+name, scene, answer = sys.argv[1:]
+entry = registry.ENTRIES[name]
+_ = entry.missing, entry.version
+imported = entry.module in sys.modules
+from compare.contract.asked import plain_run
+from compare.contract.test_process import digest
+ended = plain_run(name, scene)
+Path(answer).write_text(json.dumps({"imported": imported, "digest": digest(ended.motion)}), encoding="utf-8")
+"""
+
+
+class Seen(NamedTuple):
+    """What there was to see."""
+
+    answer: dict[str, Any]
+    printed: str
+    left: list[str]
+
+
+def digest(motion: Motion | None) -> str:
+    """Return what tells a motion from another in any bit."""
+    samples = {} if motion is None else motion.samples
+    return sha256(b"".join(channel.encode() + samples[channel].tobytes() for channel in sorted(samples))).hexdigest()
+
+
+@pytest.fixture(scope="module")
+def seen(name: str, solved: Scene, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+    """Return what is seen of a run on a scene that the engine solves."""
+    folder, answer = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("answer") / "answer.json"
+    path = os.pathsep.join(os.path.abspath(place) for place in sys.path)  # noqa: PTH100 - not resolved
+    own = {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "1"}
+    own |= dict.fromkeys(("TMPDIR", "TEMP", "TMP", "HOME"), str(folder))
+    command = [sys.executable, "-c", CODE, name, solved.name, str(answer)]
+    done = subprocess.run(command, cwd=folder, env={**os.environ, **own}, capture_output=True, text=True, check=False)
+    known = json.loads(answer.read_text(encoding="utf-8")) if answer.exists() else {}
+    return Seen(known, done.stdout + done.stderr, sorted(str(left.relative_to(folder)) for left in folder.rglob("*")))
+
+
+def test_nothing_is_imported_at_registration(seen: Seen) -> None:
+    """What is installed, and what is missing, is known without an import of the engine's module."""
+    assert seen.answer.get("imported") is False
+
+
+def test_nothing_is_printed(seen: Seen) -> None:
+    """Not to standard output, nor to standard error, warnings included."""
+    assert seen.printed == ""
+
+
+def test_no_file_is_left(seen: Seen) -> None:
+    """Not in the working folder, the temporary one, or the user's."""
+    assert seen.left == []
+
+
+def test_another_process_finds_the_same(seen: Seen, name: str, solved: Scene) -> None:
+    """The same bits: nothing random, and nothing that follows the order of a set."""
+    assert seen.answer.get("digest") == digest(plain_run(name, solved.name).motion)

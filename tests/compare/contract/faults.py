@@ -1,0 +1,156 @@
+"""An engine that keeps to the contract, and copies of it with one fault each."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import count
+from math import pi
+from types import SimpleNamespace
+from typing import Any, NoReturn, cast
+
+import analytic.engine as core
+from scenes import Failure, Motion, Positions, Request, Scene, Settings, Simulation, Status
+from scenes.engine import completed
+from scenes.motion import UNITS, Samples, channels, quantity
+
+DEFAULT = Settings("plain", promise=1e-6)
+FAST = Settings("fast", promise=1e-6)
+RUNS = count(1)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a run is asked for."""
+
+    scene: Scene
+    settings: Settings
+    request: Request
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Which clause it breaks, and what is wrong: names of the module, what happens first, or what is returned."""
+
+    clause: str
+    names: Mapping[str, Any] = field(default_factory=dict)
+    first: Callable[[Asked], object] = lambda _: None
+    spoil: Callable[[dict[str, Samples], Asked], Motion] = lambda samples, _: Motion(samples)
+    words: str = ""  # of the report
+
+
+@dataclass
+class Spoilt:
+    """The core's answer, spoilt."""
+
+    asked: Asked
+    fault: Fault
+
+    def solve(self) -> None:
+        """Do nothing yet."""
+
+    def read(self) -> Motion:
+        """Solve by the core, and spoil the result."""
+        asked = self.asked
+        real = core.build(asked.scene, core.DEFAULT, asked.request)
+        real.solve()
+        motion = real.read()
+        return self.fault.spoil({c: motion[c] for c in asked.request.wanted(asked.scene)}, asked)
+
+
+def engine(fault: Fault) -> Any:
+    """Return the engine with a fault."""
+
+    def build(scene: Scene, settings: Settings, request: Request) -> Simulation:
+        asked = Asked(scene, settings, request)
+        fault.first(asked)
+        return cast("Simulation", Spoilt(asked, fault))  # it has no counters and residuals
+
+    return completed(SimpleNamespace(**{"DEFAULT": DEFAULT, "build": build, **fault.names}), "wrong 1.0")
+
+
+# --- what can be wrong ------------------------------------------------------------------------------------------------
+
+
+def changed(change: Callable[[Samples], Samples], *quantities: str) -> Callable[[dict[str, Samples], Asked], Motion]:
+    """Return what changes the channels of some quantities, or of all."""
+
+    def spoil(samples: dict[str, Samples], _: Asked) -> Motion:
+        return Motion({c: change(v) if quantity(c) in (quantities or UNITS) else v for c, v in samples.items()})
+
+    return spoil
+
+
+def raised(error: Exception) -> NoReturn:
+    """Raise an error, where an expression is wanted."""
+    raise error
+
+
+def without(samples: dict[str, Samples], reason: str | None) -> Motion:
+    """Return the motion without a channel, for a reason or none."""
+    channel = next(c for c in samples if quantity(c) == "omega")
+    kept = {c: v for c, v in samples.items() if c != channel}
+    return Motion(kept, {} if reason is None else {channel: reason})
+
+
+REFUSED = Failure(Status.unsupported, "")
+
+FAULTS = {
+    # protocol
+    "no version": Fault("test_it_gives_its_version", {"version": lambda: ""}),
+    "settings with a function": Fault(
+        "test_settings_are_data",
+        {"WORK_PRECISION": (Settings("a", note=lambda: 0),)},  # type: ignore[arg-type]
+    ),
+    "two of one label": Fault(
+        "test_labels_name_settings", {"WORK_PRECISION": (DEFAULT, replace(DEFAULT, drive_promise=1e-3))}
+    ),
+    "exact promises less": Fault(
+        "test_settings_promise_more_the_more_accurate_they_are", {"EXACT": Settings("exact", promise=1e-3)}
+    ),
+    "other steps": Fault("test_settings_by_steps", {"at_steps": lambda _: core.WORK_PRECISION[-1]}),
+    # motion
+    "an error of its own": Fault("test_a_shipped_scene_is_solved_or_refused", first=lambda _: 1 / 0),
+    "no reason": Fault("test_a_shipped_scene_is_solved_or_refused", first=lambda _: raised(REFUSED)),
+    "a channel less": Fault("test_every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, None)),
+    "an empty reason": Fault("test_every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, "")),
+    "single precision": Fault("test_samples_are_one_number_a_row", spoil=changed(lambda v: v.astype("f4"))),
+    "a row less": Fault("test_samples_are_one_number_a_row", spoil=changed(lambda v: v[:-1])),
+    "late": Fault("test_instants_are_those_asked_for", spoil=changed(lambda v: v + 1e-6, "time")),
+    "reactions of the other side": Fault(
+        "test_the_promise_is_kept", spoil=changed(lambda v: -v, "fx", "fy"), words="sign"
+    ),
+    "degrees": Fault("test_the_promise_is_kept", spoil=changed(lambda v: v * 180 / pi, "angle"), words="deg"),
+    "a bold promise": Fault(
+        "test_the_promise_is_kept",
+        {"DEFAULT": replace(DEFAULT, promise=1e-9)},
+        spoil=changed(lambda v: v * (1 + 1e-8), "fx"),
+    ),
+    "FAST is not good": Fault(
+        "test_each_tier_keeps_its_promise",
+        {"FAST": FAST},
+        spoil=lambda v, of: changed(lambda v: v * 1.001 if of.settings == FAST else v, "ax")(v, of),
+    ),
+    "an angle modulo a turn": Fault("test_several_cycles", spoil=changed(lambda v: -(-v % (2 * pi)), "crank_angle")),
+    "all channels": Fault(
+        "test_only_what_is_asked_for", spoil=lambda v, of: Motion(dict.fromkeys(channels(of.scene), v["time"]) | v)
+    ),
+    "masses are needed": Fault(
+        "test_a_scene_without_masses_has_no_forces",
+        first=lambda of: [1.0 / b.mass for b in of.scene.bodies.values()],  # type: ignore[operator]
+    ),
+    "a memory": Fault(
+        "test_a_run_leaves_no_trace_in_the_next",
+        spoil=lambda v, of: changed(lambda v: v * (1 + 1e-13 * next(RUNS)), "ax")(v, of),
+    ),
+    # refusals
+    "an error where nothing closes": Fault(
+        "test_what_cannot_be_assembled_is_not_ok", first=lambda of: 1 / (of.scene.name == "four_bar")
+    ),
+    "positions out of order": Fault(
+        "test_positions_are_solved_or_refused",
+        spoil=lambda v, of: changed(lambda v: v[::-1] if isinstance(of.request, Positions) else v)(v, of),
+    ),
+    "positions are no instants": Fault(
+        "test_positions_are_solved_or_refused",
+        first=lambda of: of.request.turns,  # type: ignore[union-attr]
+    ),
+}

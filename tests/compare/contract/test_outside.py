@@ -1,0 +1,82 @@
+"""The example of `docs/engines.md`, installed as its page describes, and an engine that a process sees too much of."""
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from os import pathsep
+from pathlib import Path
+
+import pytest
+
+from compare.contract import asked, test_process
+from compare.engines import outside, registry
+from tests.comparisons import SLOW
+from tests.sites import GOOD, install
+
+from .test_contract import CONTRACT, held
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "engines.md").read_text("utf-8")
+EXAMPLE = "".join(re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))
+NOISY = f"""{GOOD}
+import os
+from pathlib import Path
+real = build
+def build(scene, settings, request):
+    print("to the user")
+    Path("left.txt").touch()
+    run, (r, v) = real(scene, settings, request), (1 + 1e-14 * os.getpid(), vars(scene))
+    read = run.read
+    run.read = lambda: type(read())({{channel: samples * r for channel, samples in read().samples.items()}})
+    return run
+"""
+PROCESS = {name for name in vars(test_process) if name.startswith("test_")}
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Return a folder in which both are installed, for this process and those that it begins."""
+    points = dict(re.findall(r"^(\w+) = \"(\w+)\"$", PAGE, re.MULTILINE)) | {"noisy": "noisy"}
+    modules = {"natural_coordinates": EXAMPLE, "noisy": NOISY, "sitecustomize": "import noisy"}
+    install(tmp_path / "site", "acme", points, modules)
+    plugged = {"linkage_crosscheck": "linkage_crosscheck.pytest_plugin"}
+    install(tmp_path / "site", "plugged", plugged, group="pytest11")
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    monkeypatch.setenv("PYTHONPATH", pathsep.join((str(tmp_path / "site"), str(ROOT))))
+    monkeypatch.setattr(asked, "shipped", lambda: ("stephenson_six_bar", "four_bar"))
+    monkeypatch.chdir(tmp_path)
+    for name, entry in outside.entries(registry.ENTRIES).items():
+        monkeypatch.setitem(registry.ENTRIES, name, entry)
+    yield tmp_path
+    for module in modules.keys() - {"sitecustomize"}:
+        sys.modules.pop(module, None)
+    outside.loaded.cache_clear()
+
+
+def test_the_example_keeps_to_the_contract(site: Path) -> None:
+    assert len([line for line in EXAMPLE.splitlines() if line.strip()]) < 40
+    reports = held("natural", site, "-k", "not test_process")
+    assert reports.failed == {}
+    assert "test_the_promise_is_kept[stephenson_six_bar]" in reports.passed
+
+
+@SLOW
+@pytest.mark.parametrize(
+    "command",
+    [
+        "-m compare.run stephenson_six_bar --engines analytic,natural --samples 36 --check",
+        f"-m pytest {' '.join(CONTRACT)} natural -k stephenson",
+    ],
+)
+@pytest.mark.usefixtures("site")
+def test_the_example_runs_by_the_commands_of_its_page(command: str) -> None:
+    done = subprocess.run([sys.executable, *command.split()], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "natural " in done.stdout or "5 passed" in done.stdout
+
+
+@SLOW
+def test_an_engine_that_a_process_sees_too_much_of(site: Path) -> None:
+    reports = held("noisy", site, "-k", "test_process")
+    assert {*reports.failed} == PROCESS
