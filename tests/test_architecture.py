@@ -41,6 +41,7 @@ FORBIDDEN = {
     ("compare.family.grid", "compare.speed.timing"): "from ..speed import timing",
     ("compare.monte_carlo.draws", "compare.family.grid"): "from ..family import grid",
     ("compare.judge.checks", "compare.faults.canaries"): "from ..faults import canaries",
+    ("compare.judge.checks", "compare.contract.asked"): "from ..contract import asked",
     ("compare.faults.canaries", "compare.speed.timing"): "from ..speed import timing",
     ("compare.hard.case", "compare.faults.canaries"): "from ..faults import canaries",
     ("compare.speed.timing", "compare.study"): "from .. import study",
