@@ -20,29 +20,40 @@ from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
 from scenes.drive import Driven
-from scenes.machines import at_path, numbers_of
+from scenes.machines import at_path, machines, numbers_of, refused
 from scenes.motion import Samples
 
 from .decomposition import decompose
 from .expressions import Expression, needed
 from .group_equations import Group
 from .many import Machines, many_solver, solve_many
-from .program import SAMPLED, Program, recorded, stroke_end
+from .program import recorded, stroke_end
 from .solve import Solver, driven_at, solver
-from .straight_line import PLAIN, StraightLine
+from .straight_line import SIGNS, StraightLine
 
-CHUNK = 64  # positions: their results stay in the first cache, and a loop of fixed length becomes vector instructions
+CHUNK = 64  # positions: their results stay in the first cache
+LANES = 8  # positions in a vector instruction, or a multiple of theirs
 COMPILES = find_spec("numba") is not None
 
+FORMS = {
+    **SIGNS,
+    "minimum": "min({}, {})",
+    "maximum": "max({}, {})",
+    "where": "({1} if {0} else {2})",
+    "arctan2": "atan2({}, {})",
+}
+
 Kernel: TypeAlias = Callable[..., None]
-Route: TypeAlias = tuple[list[str], Kernel, Program]
+# Numbers that differ, by path, SI, shape (m,), and the drive's samples -> channels and reach, (channels + 1, m, n)
+Rows: TypeAlias = Callable[[Mapping[str, Samples], Driven], Samples]
+Route: TypeAlias = tuple[tuple[str, ...], Rows]  # with the names of the channels
 
 
 def fast_solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "FastSolver":
     """Return `solver` for many calls at few positions, or for many machines: the core's formulas in a straight line.
 
     With numba they are machine code, which takes seconds to make and is kept on disk for the topology; without it they
-    are NumPy calls, and many machines are left to `solve_many`.
+    are NumPy calls.
 
     Args:
         scene: the mechanism; its groups are dyads.
@@ -70,32 +81,31 @@ class FastSolver:
         position = np.array(position, np.float64)
         instants, driven = driven_at(self.scene, position, time)
         names, rows_at = self._single
-        rows = rows_at(driven)
+        rows = rows_at({}, driven)[:, 0]
         if not (rows[-1] >= 0).all():
             return self.core(position, time)  # which names the place, or finds it to be none
         return Motion({"time": instants, self.scene.drive_channel: position, **dict(zip(names, rows, strict=False))})
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        if not COMPILES:
-            return solve_many(self.scene, changes, position, time, self.channels)
         scene, position = self.scene, np.asarray(position, np.float64)
-        prepared = many_solver(scene, changes, self.channels)
-        instants, driven = driven_at(prepared.scene, position, time)
-        names, kernel, program = self._route(frozenset(at_path(scene, path, self._numbers) for path in changes))
-        given = {path: value for path, (value, _) in numbers_of(prepared.scene).items()}
-        given |= {stroke_end(number): end for number, end in prepared.stroke_ends.items()}
-        numbers = np.empty((prepared.count, len(names)))
-        for column, name in enumerate(names):
-            numbers[:, column] = np.ravel(given[name])
-        n = position.shape[-1]
-        rows = self._filled(kernel, program, numbers, driven, n)
-        shape = (prepared.count, n)
+        many, known = machines(scene, changes), numbers_of(scene)
+        given = {at_path(scene, path, known): np.asarray(values, np.float64) for path, values in changes.items()}
+        numbers = {path: values * known[path][1] for path, values in given.items()}
+        if self.core.stroke_ends:
+            ends = many_solver(scene, changes, self.channels).stroke_ends
+            numbers |= {stroke_end(number): np.ravel(end) for number, end in ends.items()}
+        instants, driven = driven_at(many, position, time)
+        count = max(map(len, numbers.values()), default=1)
+        shape = count, position.shape[-1]
         samples = {"time": np.broadcast_to(instants, shape), scene.drive_channel: np.broadcast_to(position, shape)}
-        samples |= dict(zip(program.channels, rows, strict=False))
-        status, reason = [Status.ok] * prepared.count, [""] * prepared.count
-        fine = (rows[-1] >= 0).all(axis=1) & np.isfinite(rows[:-1].sum(axis=(0, 2)))
-        fine[list(prepared.failed)] = False
+        names, rows_at = self._route(frozenset(numbers))
+        rows = rows_at(numbers, driven)
+        samples |= dict(zip(names, rows, strict=False))
+        status, reason = [Status.ok] * count, [""] * count
+        with np.errstate(all="ignore"):  # machines that no file could describe are named
+            fine = (rows[-1] >= 0).all(axis=1) & np.isfinite(rows[:-1].sum(axis=(0, 2)))
+            fine[list(refused(many))] = False
         self._left_to_the_core(np.flatnonzero(~fine), changes, position, time, samples, status, reason)
         return Machines(samples, tuple(status), tuple(reason))
 
@@ -122,46 +132,63 @@ class FastSolver:
         for place, machine in enumerate(which.tolist()):
             status[machine], reason[machine] = core.status[place], core.reason[place]
 
-    @staticmethod
-    def _filled(kernel: Kernel, program: Program, numbers: Samples, driven: Any, n: int) -> Samples:
-        """Return the values of the channels, and of the reach, shape (channels + 1, m, n)."""
-        rows = np.empty((len(program.channels) + 1, len(numbers), n))
-        each = max((np.shape(samples)[0] for samples in driven if np.ndim(samples) == 2), default=1)
-        given = (np.ascontiguousarray(np.broadcast_to(samples, (each, n))) for samples in driven)
-        kernel(numbers, *given, rows)
-        return rows
-
     @cached_property
-    def _numbers(self) -> Mapping[str, float]:
-        return {path: value for path, (value, _) in numbers_of(self.scene).items()}
+    def _single(self) -> Route:
+        """Return the route of the one machine."""
+        return self._route(frozenset())
 
-    @cached_property
-    def _single(self) -> tuple[tuple[str, ...], Callable[[Driven], Samples]]:
-        """Return the channels, and the function of the drive that finds them for the one machine."""
-        ends = {stroke_end(number): end for number, end in self.core.stroke_ends.items()}
-        if not COMPILES:
-            program = recorded(self.scene, frozenset(), self.channels)
-            line = StraightLine([*program.channels.values(), program.reach])
-            return tuple(program.channels), lambda driven: line(ends, driven._asdict())
-        names, kernel, program = self._route(frozenset())
-        numbers = np.array([[{**self._numbers, **ends}[name] for name in names]])
-        return tuple(program.channels), lambda driven: self._filled(
-            kernel, program, numbers, driven, len(driven.position)
-        )[:, 0]
+    def _route(self, differing: AbstractSet[str]) -> Route:
+        """Return the channels, and the function that finds them for machines that differ in some numbers.
 
-    def _route(self, open_too: AbstractSet[str]) -> Route:
-        """Return the names of the kernel's numbers, the kernel, and what it computes.
-
-        Of numbers that are 0, 1 or -1 and do not differ, which many a frame has, there is nothing to compute.
+        Machine code takes all others as arguments too, but for those that are 0, 1 or -1, which many a frame has.
         """
-        opened = {path for path, value in self._numbers.items() if value not in (0.0, 1.0, -1.0)} | open_too
-        if open_too in self.routes:
-            return self.routes[open_too]
-        program = recorded(self.scene, opened, self.channels)
-        order = needed([*program.channels.values(), program.reach])
-        names = [made.of[0] for made in order if made.operation == "input" and not made.sampled]
-        kernel = kernel_of("\n".join(code([*program.channels.values(), program.reach], names)))
-        return self.routes.setdefault(open_too, (names, kernel, program))
+        if differing not in self.routes:
+            known = {path: value for path, (value, _) in numbers_of(self.scene).items()}
+            ends = {stroke_end(number): end for number, end in self.core.stroke_ends.items()}
+            more = {path for path, value in known.items() if COMPILES and value not in (0.0, 1.0, -1.0)}
+            program = recorded(self.scene, more | differing, self.channels)
+            made = [*program.channels.values(), program.reach]
+            rows = _compiled(made, known | ends) if COMPILES else _in_numpy(made, ends)
+            self.routes[differing] = tuple(program.channels), rows
+        return self.routes[differing]
+
+
+def _in_numpy(made: list[Expression], ends: Mapping[str, float]) -> Rows:
+    """Return the function of numbers and samples as NumPy calls."""
+    line = StraightLine(made)
+
+    def rows(numbers: Mapping[str, Samples], driven: Driven) -> Samples:
+        return line({**ends, **{path: values[:, None] for path, values in numbers.items()}}, driven._asdict())
+
+    return rows
+
+
+def _compiled(made: list[Expression], known: Mapping[str, float]) -> Rows:
+    """Return the function of numbers and samples as machine code."""
+    inputs = [one for one in needed(made) if one.operation == "input"]
+    names = [one.of[0] for one in inputs if not one.sampled]
+    sampled = [one.of[0] for one in inputs if one.sampled]
+    kernel = kernel_of("\n".join(code(made, names, sampled)))
+    nominal = np.array([[known[name] for name in names]])
+
+    def rows(numbers: Mapping[str, Samples], driven: Driven) -> Samples:
+        machines = nominal
+        if numbers:
+            machines = np.repeat(nominal, len(next(iter(numbers.values()))), axis=0)
+            for path, values in numbers.items():
+                if path in names:
+                    machines[:, names.index(path)] = values
+        n = driven.position.shape[-1]
+        drive = [getattr(driven, name) for name in sampled]
+        own = max((len(samples) for samples in drive if samples.ndim == 2), default=1)
+        padded = np.zeros((own, len(sampled), -(-n // LANES) * LANES))
+        for q, samples in enumerate(drive):
+            padded[:, q, :n] = samples
+        filled = np.empty((len(made), len(machines), n))
+        kernel(machines, padded, filled)
+        return filled
+
+    return rows
 
 
 @cache
@@ -187,10 +214,11 @@ def kernel_of(source: str) -> Kernel:
     return cast("Kernel", module.kernel)
 
 
-def code(expressions: list[Expression], names: list[str]) -> Iterator[str]:
+def code(expressions: list[Expression], names: list[str], sampled: list[str]) -> Iterator[str]:
     """Yield the lines of a module whose kernel writes expressions for every machine and position.
 
-    Angles come before, and arcs after, the loop of all that vector instructions can do.
+    Angles come before, and arcs after, the loop of all that vector instructions can do. Positions are filled up to
+    whole vectors.
     """
     order = needed(expressions)
     rows = {made.order: row for row, made in enumerate(expressions)}
@@ -202,18 +230,19 @@ def code(expressions: list[Expression], names: list[str]) -> Iterator[str]:
     arcs: list[tuple[int, str, str]] = []
     for made in order:
         of = [name[one.order] for one in made.of if isinstance(one, Expression)]
-        form = PLAIN.get(made.operation, made.operation + "({})")
+        form = FORMS.get(made.operation, made.operation + "({})")
         name[made.order] = f"e{made.order}"
         if made.operation == "constant":
             name[made.order] = repr(made.of[0])
         elif made.operation == "input":
-            place = f"{made.of[0]}[own, first + i]" if made.sampled else f"number[m, {names.index(made.of[0])}]"
-            name[made.order] = place
+            (input_,) = made.of
+            drive = f"drive[own, {sampled.index(input_)}, first + i]" if made.sampled else ""
+            name[made.order] = drive or f"number[m, {names.index(input_)}]"
         elif not made.sampled:
             numbers.append(f"e{made.order} = {form.format(*of)}")
-        elif made.operation in ("sin", "cos") and SAMPLED[0] in of[0]:
-            name[made.order] = f"e{made.order}[i]"
-            angles.append((f"e{made.order}", form.format(*of)))
+        elif made.operation in ("sin", "cos") and of[0].startswith("drive["):
+            name[made.order] = f"e{made.order}[own, first + i]"
+            angles.append((f"e{made.order}", form.format(of[0].replace("first + i", "i"))))
         elif made.operation == "arctan2" and made.order in rows and made.order not in used:
             arcs.append((rows[made.order], of[0], of[1]))
         else:
@@ -230,17 +259,20 @@ def code(expressions: list[Expression], names: list[str]) -> Iterator[str]:
         "",
     )
     yield '@njit(cache=True, error_model="numpy")'
-    yield f"def kernel(number, {', '.join(SAMPLED)}, row):"
+    yield "def kernel(number, drive, row):"
     yield f"    buffer = np.empty(({len(expressions) + len(arcs)}, {CHUNK}))"
-    yield from (f"    {angle} = np.zeros({CHUNK})" for angle, _ in angles)
+    yield from (f"    {angle} = np.empty((drive.shape[0], drive.shape[2]))" for angle, _ in angles)
+    yield "    for own in range(drive.shape[0]):"
+    yield "        for i in range(drive.shape[2]):"
+    yield from (f"            {angle}[own, i] = {text}" for angle, text in angles)
+    yield "            pass"
     yield "    for m in range(number.shape[0]):"
-    yield "        own = m if position.shape[0] > 1 else 0"
+    yield "        own = m if drive.shape[0] > 1 else 0"
     yield from (f"        {text}" for text in numbers)
-    yield f"        for first in range(0, position.shape[1], {CHUNK}):"
-    yield f"            count = min({CHUNK}, position.shape[1] - first)"
-    yield "            for i in range(count):"
-    yield from (f"                {angle}[i] = {text}" for angle, text in angles or [("row[0, m, first + i]", "0.0")])
-    yield f"            for i in range({CHUNK if angles else 'count'}):"
+    yield f"        for first in range(0, row.shape[2], {CHUNK}):"
+    yield f"            count = min({CHUNK}, row.shape[2] - first)"
+    yield f"            whole = (count + {LANES - 1}) // {LANES} * {LANES}"
+    yield "            for i in range(whole):"
     yield from (f"                {text}" for text in line)
     yield from (f"                buffer[{row}, i] = {text}" for row, text in outputs)
     besides = range(len(expressions), len(expressions) + len(arcs))  # rows for what the arcs are of

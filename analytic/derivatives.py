@@ -56,7 +56,7 @@ def derivatives(
     found = differentiated(program, keys)
     names = [(channel, key) for channel in program.channels for key in range(len(keys))]
     line = StraightLine([found[key][channel] for channel, key in names])
-    rows = line(values, {**driven._asdict(), **coordinates(scene, k, solve.linkage)})
+    rows = line(values, {**driven._asdict(), **coordinates(scene, k, solve.linkage)})[:, 0]
     units = np.array([known[key][1] for key in keys])[:, None]
     return {
         channel: rows[number * len(keys) : (number + 1) * len(keys)] * units

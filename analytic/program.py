@@ -19,6 +19,7 @@ from .expressions import Expression, Recorder
 from .group_equations import Group
 from .kinematics import Linkage
 from .kinetostatics import Reactions
+from .numbers import chosen
 from .placing import Kinematics
 from .recorded_group import RecordedBalance, RecordedPass
 from .traced import Traced, given, traced
@@ -33,7 +34,7 @@ class Program:
     make: Recorder
     numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
-    reach: Expression  # negative where a group does not reach
+    reach: Expression  # negative where a group does not reach, or its branch is open
 
 
 def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None) -> Program:
@@ -84,6 +85,9 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     least: Any = traced(make, np.inf)
     for reach in k.reach.values():
         least = np.minimum(least, reach)
+    for branch in (group.branch for group in linkage.groups if not isinstance(group, Group)):
+        if isinstance(branch, Traced):  # where the sketch leaves it open it is not a number
+            least = np.minimum(least, chosen(branch * branch > 0, 1.0, -1.0))
     return Program(make, numbers, found, least.x)
 
 

@@ -1,7 +1,7 @@
 """Recorded expressions as Python code: one NumPy call an operation, its results in few arrays that stay in cache."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan2, cos, inf, isqrt, nan, sin, sqrt
+from math import inf, isqrt, nan
 from typing import Any
 
 import numpy as np
@@ -10,22 +10,19 @@ from scenes.motion import Samples
 
 from .expressions import Expression, needed
 from .newton_group import solved
+from .numbers import Number, row_by_row
 
-BLOCK = 4000  # positions: a few hundred arrays of them are at hand at a time
+BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time
 
-PLAIN = {
+SIGNS = {  # of operations; the others are functions of NumPy
     "add": "({} + {})",
     "subtract": "({} - {})",
     "multiply": "({} * {})",
     "divide": "({} / {})",
     "negative": "(-{})",
     "absolute": "abs({})",
-    "minimum": "min({}, {})",
-    "maximum": "max({}, {})",
     "less": "({} < {})",
     "less_equal": "({} <= {})",
-    "where": "({1} if {0} else {2})",
-    "arctan2": "atan2({}, {})",
 }
 
 
@@ -33,21 +30,36 @@ class StraightLine:
     """The values of expressions at positions of the drive, for many calls."""
 
     def __init__(self, expressions: Sequence[Expression]) -> None:
-        functions = {"sqrt": sqrt, "sin": sin, "cos": cos, "atan2": atan2, "solutions": solutions}
-        run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, **functions}
+        run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, "solutions": solutions}
         exec(compile("\n".join(code(expressions)), "<straight line>", "exec"), run)  # of names made here alone
         self._evaluate, self._count = run["evaluate"], len(expressions)
 
-    def __call__(self, numbers: Mapping[str, float], samples: Mapping[str, Samples]) -> Samples:
-        """Return the values, shape (expressions, n), given the inputs: numbers, and samples of shape (n,) or ()."""
-        n = len(samples["position"])
-        rows = np.zeros((self._count, n))  # whose pages, where nothing is written, cost nothing
-        with np.errstate(all="ignore"):
-            for start in range(0, n, BLOCK):
-                block = slice(start, min(start + BLOCK, n))
-                given = {name: np.broadcast_to(values, n)[block] for name, values in samples.items()}
-                self._evaluate(numbers, given, rows[:, block])
+    def __call__(self, numbers: Mapping[str, Number], samples: Mapping[str, Samples]) -> Samples:
+        """Return the values, shape (expressions, m, n).
+
+        Args:
+            numbers: the inputs that are numbers: plain ones, or of m machines, shape (m, 1).
+            samples: the others, each of shape (n,), (m, n) or ().
+        """
+        given = {**numbers, **samples}
+        m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
+        rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
+        height = max(1, BLOCK // n) if n else m
+        with np.errstate(all="ignore"), row_by_row(n):
+            for first in range(0, m, height):
+                for start in range(0, n, BLOCK):
+                    place = slice(first, first + height), slice(start, start + BLOCK)
+                    here = {name: _part(values, *place) for name, values in given.items()}
+                    self._evaluate(here, rows[:, *place])
         return rows
+
+
+def _part(values: Number, rows: slice, columns: slice) -> Number:
+    """Return the values of some machines and positions, of shape (m, n) or 1 for either, or a plain number."""
+    if np.ndim(values) == 0:
+        return float(values)
+    m, n = np.shape(values) if np.ndim(values) == 2 else (1, len(values))
+    return values.reshape(m, n)[rows if m > 1 else slice(None), columns if n > 1 else slice(None)]
 
 
 def solutions(n: int, entries: Sequence[Samples | float]) -> Samples:
@@ -69,27 +81,27 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
     name: dict[int, str] = {}
     free: list[str] = []
     arrays = 0
-    yield "def evaluate(number, sample, row):"
-    yield "    n = row.shape[1]"
+    yield "def evaluate(given, row):"
+    yield "    shape = row.shape[1:]"
     for place, made in enumerate(order):
         of = [name[one.order] for one in made.of if isinstance(one, Expression)]
-        own = rows.get(made.order)
+        arguments, own = ", ".join(of), rows.get(made.order)
         if made.operation == "constant":
             name[made.order] = repr(made.of[0])
         elif made.operation == "input":
-            name[made.order] = f"{'sample' if made.sampled else 'number'}[{made.of[0]!r}]"
+            name[made.order] = f"given[{made.of[0]!r}]"
         elif made.operation == "component":
             name[made.order] = f"{of[0]}[{int(made.of[1].of[0])}]"
         elif not made.sampled:
             name[made.order] = f"n{made.order}"
-            form = PLAIN.get(made.operation, made.operation + "({})")
-            yield f"    n{made.order} = {form.format(*of)}"
+            form = SIGNS.get(made.operation)
+            yield f"    n{made.order} = {form.format(*of) if form else f'np.{made.operation}({arguments})'}"
         elif made.operation == "system":
             name[made.order] = f"x{made.order}"
-            yield f"    x{made.order} = solutions(n, [{', '.join(of)}])"
-        elif made.operation in ("where", "less", "less_equal"):
+            yield f"    x{made.order} = solutions(shape[1], [{arguments}])"
+        elif made.operation in ("where", "less", "less_equal", "sin", "cos"):  # angles are those of all machines
             name[made.order] = f"s{made.order}"
-            yield f"    s{made.order} = np.{made.operation}({', '.join(of)})"
+            yield f"    s{made.order} = np.{made.operation}({arguments})"
         else:
             if own is not None:
                 target = f"row[{own}]"
@@ -97,9 +109,9 @@ def code(expressions: Sequence[Expression]) -> Iterator[str]:
                 target = free.pop()
             else:
                 target, arrays = f"a{arrays}", arrays + 1
-                yield f"    {target} = np.empty(n)"
+                yield f"    {target} = np.empty(shape)"
             name[made.order] = target
-            yield f"    np.{made.operation}({', '.join(of)}, out={target})"
+            yield f"    np.{made.operation}({arguments}, out={target})"
         if own is not None and name[made.order] not in (f"row[{own}]", "0.0"):
             yield f"    row[{own}] = {name[made.order]}"
         ended = {one.order for one in made.of if isinstance(one, Expression) and last.get(one.order) == place}

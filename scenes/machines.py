@@ -219,19 +219,17 @@ def _spring(place: str, spring: Spring, change: Change, units: Mapping[str, floa
 
 def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
     """Yield what is demanded of numbers that differ, where it is so, and the numbers in the file's units."""
-    for one in sized(scene):
-        place, value = one.place, one.value
-        if isinstance(value, np.ndarray):
-            keys, found = {*place.split(".")[-2:]}, value / one.size
-            if place == "drive.speed":
-                yield f"{place}: expected a speed other than zero", value != 0, found
-            elif keys & MORE_THAN_ZERO:
-                yield f"{place}: expected more than zero", value > 0, found
-            elif keys & NOT_NEGATIVE:
-                yield f"{place}: expected zero or more", value >= 0, found
-            size = abs(value)
-            fits = (value == 0) | ((one.smallest <= size) & (size <= one.largest))
-            yield f"{place}: {one.expected}", fits, found
+    for one in sized(scene, np.ndarray):
+        place, value, found = one.place, one.value, one.value / one.size
+        keys, size = {*place.split(".")[-2:]}, abs(value)
+        if place == "drive.speed":
+            yield f"{place}: expected a speed other than zero", value != 0, found
+        elif keys & MORE_THAN_ZERO:
+            yield f"{place}: expected more than zero", value > 0, found
+        elif keys & NOT_NEGATIVE:
+            yield f"{place}: expected zero or more", value >= 0, found
+        fits = (value == 0) | ((one.smallest <= size) & (size <= one.largest))
+        yield f"{place}: {one.expected}", fits, found
     for number, load in enumerate(scene.loads):
         if isinstance(load, PressForce) and np.ndim(push := _along(load, scene.bodies)):
             yield f"loads.{number}.force: expected a part along the guide", push != 0, push

@@ -34,13 +34,14 @@ def check_sizes(scene: Scene) -> None:
             raise InputError(f"{number.place}: {number.expected}, found {number.value / number.size:g}")
 
 
-def sized(scene: Scene) -> Iterator[Sized]:
-    """Yield the numbers of a scene."""
+def sized(scene: Scene, kind: type = object) -> Iterator[Sized]:
+    """Yield the numbers of a scene that are of a kind."""
     (length, m), (mass, kg), (force, N) = (scene.units[name] for name in ("length", "mass", "force"))
     units = {**scene.units, "inertia": (f"{mass}*{length}^2", kg * m**2), "stiffness": (f"{force}/{length}", N / m)}
     units |= {"time": ("s", 1.0), "gravity": ("m/s^2", 1.0)}
     for place, quantity, value, smallest, largest in _sizes(scene):
-        yield Sized(place, value, *units[quantity], smallest, largest)
+        if isinstance(value, kind):
+            yield Sized(place, value, *units[quantity], smallest, largest)
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, str, Any, float, float]]:
