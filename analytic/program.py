@@ -77,7 +77,8 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     for (x, y), take in vector_channels(scene):
         if request.channels is None or {x, y} & request.channels:
             vector: Any = take(k, on)
-            found |= {x: traced(make, vector).x, y: traced(make, vector).y}
+            both = (x, traced(make, vector).x), (y, traced(make, vector).y)
+            found |= {name: one for name, one in both if request.channels is None or name in request.channels}
     singular_values = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     for (name,), take in scalar_channels(scene, linkage):
         if (request.channels is None or name in request.channels) and name not in singular_values:

@@ -70,6 +70,18 @@ def test_what_does_not_reach_is_named_by_the_core(monkeypatch: pytest.MonkeyPatc
         analytic.fast_solver(scene)(np.linspace(0, 6, 50))
 
 
+@pytest.mark.usefixtures("_route")
+def test_an_open_branch_is_named_where_nothing_wanted_hangs_on_it() -> None:
+    """The second machine's C lies on the sketched A."""
+    scene = scenes.load("four_bar")
+    length, (x, y) = scene.units["length"][1], scene.sketch.points["A"]
+    changes = {"ground.points.C.0": [0.2 / length, x / length], "ground.points.C.1": [0.0, y / length]}
+    many = analytic.fast_solver(scene, {"A.x"}).many(changes, [0.0, 1.0])
+    assert [status.name for status in many.status] == ["ok", "unsupported"]
+    assert many.reason == analytic.solve_many(scene, changes, [0.0, 1.0], channels={"A.x"}).reason
+    assert set(many.samples) == {"time", "crank_angle", "A.x"}
+
+
 @SLOW
 def test_machine_code_is_kept_by_its_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another machine of the topology takes the same code; a kept file that was spoilt is written anew."""
