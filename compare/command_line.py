@@ -176,8 +176,8 @@ def shown_progress(doing: str = "") -> Iterator[Callable[[str], None]]:
 
 def _end(error: BaseException) -> int:
     """Report what ended a command in one line, and return the exit status."""
-    if isinstance(error, SystemExit):  # of `--help`
-        return int(error.code or 0)
+    if isinstance(error, SystemExit) and not isinstance(error.code, str):  # of `--help`
+        return error.code or 0
     if _stops and not isinstance(error, KeyboardInterrupt):
         error = _stops[-1]
     if os.environ.get(TRACEBACK):

@@ -14,6 +14,7 @@ from scenes import InputError
     [
         (InputError("mine.toml: no such file"), 2, "mine.toml: no such file\n"),
         (KeyboardInterrupt(), 130, "stopped; nothing more was written\n"),
+        (SystemExit("usage"), 70, "internal error: SystemExit: usage; LINKAGE_TRACEBACK=1 shows where\n"),
         (KeyboardInterrupt("stopped; half is written"), 130, "stopped; half is written\n"),
     ],
 )
