@@ -6,6 +6,7 @@ import os
 import pickle
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from ctypes import CDLL
@@ -15,7 +16,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from threading import Thread
-from time import clock_gettime, monotonic
+from time import monotonic
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
@@ -137,7 +138,7 @@ class Worker(Generic[Item, Result]):
     def _processor_time(self) -> float:
         """Return what the process has used, s. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
         try:
-            return clock_gettime(~(self._process.pid or 0) << 3 | 2) if LINUX else 0.0  # as of clock_getcpuclockid(3)
+            return time.clock_gettime(~(self._process.pid or 0) << 3 | 2) if LINUX else 0.0  # clock_getcpuclockid(3)
         except OSError:  # it has just ended
             return 0.0
 

@@ -46,3 +46,10 @@ def test_output_that_nobody_reads_is_no_error() -> None:
         process.stdout.close()
         assert process.stderr.read() == b""
     assert process.returncode == 0
+
+
+def test_what_windows_lacks_is_not_needed_to_start() -> None:
+    """Processes are not begun there in this test, only everything is imported that a run imports."""
+    lacking = "del time.clock_gettime; sys.modules |= dict.fromkeys(('fcntl', 'grp', 'pwd', 'resource'))"
+    code = f"import sys, time; {lacking}; import compare.run, compare.jobs.report"
+    subprocess.run([sys.executable, "-c", code], check=True)

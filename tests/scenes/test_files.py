@@ -77,7 +77,7 @@ def test_a_file_that_must_not_be_read(tmp_path: Path, monkeypatch: pytest.Monkey
         ("x" * 300 + ".toml", "x" * 299 + "…", "File name too long"),
         ("x" * 300, "x" * 300, "File name too long"),
         ("a/" * 5000, "a/" * 149 + "a…", "File name too long"),
-        ("a\0b.toml", r"a\x00b.toml", "null byte"),
+        ("a\0b.toml", r"a\x00b.toml", "null "),  # Python 3.13 has a character there, before it was a byte
         ("two\nlines.toml", "two lines.toml", "no such scene or file"),
         ("\x1b[31mred", r"\x1b[31mred", "no such scene or file"),
         ("half\udc80", r"half\udc80", "no such scene or file"),
