@@ -82,7 +82,7 @@ def test_a_worker_of_another_version_is_refused(client: "Client", monkeypatch: p
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "find_spec", lambda _: None)
-    with pytest.raises(InputError, match=r"dask is not installed: pip install '\.\[dask\]'"):
+    with pytest.raises(InputError, match=r"dask is not installed: pip install 'linkage-crosscheck\[dask\]'"):
         check_installed()
 
 
