@@ -54,7 +54,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.result:
         from .results.result import read_results  # late, as below
 
-        options.result = read_results(scenes, options.result)
+        options.result = read_results(scenes, options.result, requests[0].channels)
     for scene, request in zip(scenes, requests, strict=True):
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 

@@ -66,7 +66,7 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     largest = max(sizes, key=sizes.__getitem__)
 
     yield f"{largest} of the opposite sign", refused(partial(spoilt.scaled, names=[largest], factor=-1))
-    vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x")]
+    vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
     apart = [np.abs(first.motion[x] - first.motion[y]).max() / first.reference.scale[x] for x, y in vectors]
     for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
         yield f"{x} and {y} swapped", refused(partial(spoilt.swapped, first=[x], second=[y]))

@@ -3,7 +3,7 @@
 The drive where it was asked to be, closed joints, one branch, small estimated errors, Newton and Euler, power.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, distances, inertia
-from ..engines.press_switches import acts, press_forces, sides, stroke_end
+from ..engines.press_switches import Acts, acts, press_forces, sides, stroke_end
 from ..engines.reference import force_scales, sizes
 from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
@@ -39,8 +39,11 @@ class Check:
     relative_to: str
 
 
-def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
-    """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to."""
+def checks(scene: Scene, motion: Motion, stroke: float, may: Sequence[Acts] | None = None) -> list[Check]:
+    """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to.
+
+    `may` is whether each press force may act, by sample; None where the motion itself decides.
+    """
     state = MotionVectors(scene, motion)
     violations = {("drive", scene.drive.body, "radian" if scene.driven_slide is None else "travel"): _drive(state)}
     for body in scene.bodies.values():
@@ -51,7 +54,8 @@ def checks(scene: Scene, motion: Motion, stroke: float) -> list[Check]:
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            violations |= _balances(state, stroke, EPS * estimated.condition)
+            acting = may or [acts(state, load, stroke_end(state, load)) for load in press_forces(scene)]
+            violations |= _balances(state, stroke, EPS * estimated.condition, acting)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -120,12 +124,11 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: MotionVectors, stroke: float, rounding: Samples) -> Violations:
+def _balances(state: MotionVectors, stroke: float, rounding: Samples, may: Sequence[Acts]) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
 
     What `rounding`, relative and of shape (n,), explains is zero.
     """
-    may = [acts(state, load, stroke_end(state, load)) for load in press_forces(state.scene)]
     least: Violations = {}
     for acting in sides(may):
         standing = replace(state, acting=acting)

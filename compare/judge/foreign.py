@@ -5,12 +5,11 @@ the checks of the result's own output it explains what they find in the referenc
 """
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from scenes import Failure, Motion, Scene
-from scenes.motion import Samples
+from scenes import Failure, Motion, Scene, Status
+from scenes.motion import Samples, channels
 
 from ..engines.reference import Reference, relative_errors, sizes
 from ..results.result import Result
@@ -18,6 +17,7 @@ from .checks import Check, checks
 from .errors import SHOWN_GROUPS
 from .measure import Measurement, assess
 from .round_off import Explained, explain
+from .verdict import BALANCES, share
 
 MOST = 1e-2  # relative: more than that is an error, and no decimals excuse it
 ALIKE = 3.0  # times what the checks find in the reference: the roundings of two motions differ by chance
@@ -31,13 +31,49 @@ def assess_result(reference: Reference, result: Result) -> Measurement:
         reference: of the scene.
         result: of another program.
     """
+    result = _with_drive_in_place(reference.scene, result)
     request, run = result.request, result.run
     try:
         explained = explained_by_decimals(reference, result)
-        excused = partial(_excused, allowed=_found_in_reference(reference, result))
+        true = reference.at(request.commanded(reference.scene), request.times(reference.scene))
+        allowed = _found_in_reference(reference, result, true)
     except Failure:  # which is named when it is compared
         return replace(assess(reference, request, run), own=request)
-    return replace(assess(reference, request, run, explained, excused), own=request)
+    found = assess(reference, request, run, explained, lambda own: _excused(_found(reference, own, true), allowed))
+    if reference.floor.doubt and found.run.status is Status.ok:
+        reason = f"there is nothing to hold it against: {reference.floor.doubt}"
+        found = replace(found, run=replace(found.run, status=Status.inaccurate, reason=reason, found_by="reference"))
+    return replace(found, own=request)
+
+
+def coarse(measured: Measurement) -> list[str]:
+    """Return a sentence where decimals excuse more than the result promises, so that ok is no more than that."""
+    run = measured.run
+    if run.status is not Status.ok or run.settings is None:
+        return []
+    errors = measured.errors[measured.errors["group"] != "drive"]  # which is an input
+    worst = errors.iloc[int(errors["explained"].to_numpy().argmax())]
+    if not worst["explained"] > run.settings.promise:
+        return []
+    unnoticed = f"{worst['channel']} may be off by {share(float(worst['explained']))} unnoticed"
+    return [f"{run.engine}: {unnoticed}, by its decimals or next to a singular configuration"]
+
+
+def _with_drive_in_place(scene: Scene, result: Result) -> Result:
+    """Return the result with its drive where the time has it, but for what the drive's own decimals do not explain.
+
+    These excuse no other channel: all are held against the reference at the result's instants.
+    """
+    drive, motion = scene.drive_channel, result.run.motion
+    if motion is None or drive not in result.half_decimals:
+        return result
+    asked = result.request.commanded(scene)
+    off = motion[drive] - asked
+    scale = 1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent))
+    left = np.sign(off) * np.maximum(np.abs(off) - np.minimum(result.half_decimals[drive], MOST * scale), 0.0)
+    placed = replace(result.run, motion=Motion({**motion.samples, drive: asked + left}))
+    halves = {channel: half for channel, half in result.half_decimals.items() if channel != drive}
+    return replace(result, run=placed, half_decimals=halves)
 
 
 def explained_by_decimals(reference: Reference, result: Result) -> Explained:
@@ -65,9 +101,7 @@ def explained_by_decimals(reference: Reference, result: Result) -> Explained:
 def _off(scene: Scene, result: Result) -> tuple[Samples, Samples]:
     """Return what instants, s, and the positions of the drive there may be off as written, shape (n,)."""
     time = result.half_decimals["time"]
-    return time, np.abs(scene.drive.at(result.request.times(scene)).rate) * time + result.half_decimals.get(
-        scene.drive_channel, 0.0
-    )
+    return time, np.abs(scene.drive.at(result.request.times(scene)).rate) * time
 
 
 def _meanwhile(reference: Reference, result: Result, true: Motion) -> dict[str, Samples]:
@@ -84,10 +118,15 @@ def _meanwhile(reference: Reference, result: Result, true: Motion) -> dict[str, 
     return moved
 
 
-def _found_in_reference(reference: Reference, result: Result) -> list[Check]:
+def _found(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
+    """Return what the checks find; decimals may put a press's slider on the other side of a switch than in `true`."""
+    complete = motion.samples.keys() >= set(channels(reference.scene))
+    return checks(reference.scene, motion, reference.stroke, reference.acts(motion, true) if complete else None)
+
+
+def _found_in_reference(reference: Reference, result: Result, true: Motion) -> list[Check]:
     """Return what the checks find in the reference's own motion, each number off by as much as it may be as written."""
     scene, request = reference.scene, result.request
-    true = reference.at(request.commanded(scene), request.times(scene))
     draw = np.random.default_rng(SEED)
     halves = {**result.half_decimals, scene.drive_channel: _off(scene, result)[1]}
     assert result.run.motion is not None
@@ -95,12 +134,15 @@ def _found_in_reference(reference: Reference, result: Result) -> list[Check]:
         channel: true[channel] + draw.uniform(-1, 1, request.count) * halves.get(channel, 0.0)
         for channel in result.run.motion.samples
     }
-    return checks(scene, Motion(off | {"time": true["time"]}), reference.stroke)
+    return _found(reference, Motion(off | {"time": true["time"]}), true)
 
 
 def _excused(found: list[Check], allowed: list[Check]) -> list[Check]:
-    """Return what checks find, nothing where the decimals explain it."""
-    most = {_of(check): min(ALIKE * check.worst, MOST) for check in allowed}
+    """Return what checks find, nothing where the decimals explain it.
+
+    A balance adds up many channels, each of which is held against the reference by itself: it has no other limit.
+    """
+    most = {_of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST) for each in allowed}
     return [replace(check, worst=0.0) if check.worst <= most.get(_of(check), 0.0) else check for check in found]
 
 

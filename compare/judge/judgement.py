@@ -19,7 +19,7 @@ from ..engines.stopping import kept
 from ..results.result import Result
 from .agreement import Agreement, agreement
 from .escalation import escalated
-from .foreign import assess_result
+from .foreign import assess_result, coarse
 from .gates import Gate, Miss, gate_table, gates, missed
 from .measure import Measurement, measure
 from .peaks.peaks import Peak, peaks
@@ -139,7 +139,9 @@ def judgement(
         for result in results:
             progress(f"comparing {result.run.engine}")
             reasons.extend(result.notes)
-            yield assess_result(reference, result.asked_for(sampling.channels))
+            assessed = assess_result(reference, result)
+            reasons.extend(coarse(assessed))
+            yield assessed
 
     reference, measurements = _voted(reference, list(kept(main_runs())))
     held = list(gates(scene, measurements, sampling.channels))
@@ -150,8 +152,10 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     """Return the reference and the measurements with whoever stands alone named.
 
     Engines that the reference alone contradicts, and that agree with each other, put one without a floor in doubt.
+    Results of other programs have no vote: two may be copies of one.
     """
-    against = [m for m in measurements if m.run.found_by == "reference" and m.run.engine not in (REFERENCE, ORACLE)]
+    voters = [m for m in measurements if m.own is None and m.run.engine not in (REFERENCE, ORACLE)]
+    against = [m for m in voters if m.run.found_by == "reference"]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
         pairs = [pair for pair in combinations(against, 2) if _agree(reference, *pair)]
@@ -177,7 +181,7 @@ def _doubted(core: Measurement, doubt: str) -> Measurement:
 def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
     """Return whether two runs of the same instants are within the sum of their promises of each other."""
     runs = one.run, other.run
-    if one.own != other.own or any(run.motion is None or run.settings is None for run in runs):
+    if any(run.motion is None or run.settings is None for run in runs):
         return False
     motions = [run.motion for run in runs if run.motion is not None]
     promises = sum(run.settings.promise for run in runs if run.settings is not None)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from scenes import Failure, Instants, Rows, Sampling, Scene, Settings, Status
+from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 
 from ..engines import runner
 from ..engines.reference import Reference, stroke
@@ -64,7 +64,7 @@ def assess(
     sampling: Rows,
     outcome: Run,
     explained: Explained | None = None,
-    excused: Callable[[list[Check]], list[Check]] = list,
+    find: Callable[[Motion], list[Check]] | None = None,
 ) -> Measurement:
     """Hold a run against what was asked for, its own output, the reference, and what its settings promise.
 
@@ -75,13 +75,13 @@ def assess(
         sampling: what was asked for.
         outcome: the run.
         explained: errors that need no other explanation; None for those of round-off.
-        excused: what leaves of the checks' findings what the run has no excuse for.
+        find: what the checks of its own output find in a motion that it has no excuse for; None for all.
     """
     scene = reference.scene
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
         return Measurement(outcome, None, [], pd.DataFrame())
-    found = excused(checks(scene, outcome.motion, reference.stroke))
+    found = find(outcome.motion) if find else checks(scene, outcome.motion, reference.stroke)
     verdict = judged(outcome, found)
     try:
         explained = explained or explain(reference, sampling)

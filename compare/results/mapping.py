@@ -108,11 +108,13 @@ def named_columns(columns: tuple[str, ...], known: tuple[str, ...]) -> dict[str,
     """Return the columns that are named as channels are in this project's files: `P5.y [mm]`, or `P5.y`.
 
     Raises:
-        InputError: there is none.
+        InputError: there is none, or a channel has two.
     """
     found: dict[str, str | ColumnTable] = {}
     for column in columns:
         channel, _, unit = column.partition(" [")
+        if channel in found:
+            raise InputError(f"expected a column for each channel, found two of {channel}; a mapping picks one")
         if channel in known:
             found[channel] = ColumnTable.model_validate({"column": column, "unit": unit.removesuffix("]") or None})
     if not found:

@@ -52,10 +52,17 @@ class Result:
     notes: tuple[str, ...]  # what a reader must know
 
     def asked_for(self, asked: frozenset[str] | None) -> "Result":
-        """Return the result with those of its channels alone that are asked for."""
+        """Return the result with those of its channels alone that are asked for.
+
+        Raises:
+            InputError: it has none of them.
+        """
         given = self.request.channels or frozenset()
         if asked is None or self.run.motion is None:
             return self
+        if not given & asked:
+            given_are = one_line(", ".join(sorted(given)), 60)
+            raise InputError(f"arguments: --channels: expected one that {self.run.engine} gives: {given_are}")
         samples = {c: v for c, v in self.run.motion.samples.items() if c not in given or c in asked}
         return replace(
             self,
@@ -64,11 +71,11 @@ class Result:
         )
 
 
-def read_results(scenes: Sequence[Scene], texts: Sequence[str]) -> list[Result]:
-    """Read the results that arguments name, see `read_result`.
+def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset[str] | None) -> list[Result]:
+    """Read the results that arguments name, see `read_result`, in the channels that are asked for; None for all.
 
     Raises:
-        InputError: one cannot be read, two have one name, or there are several scenes.
+        InputError: one cannot be read, or has none of the channels, two have one name, or there are several scenes.
     """
     if len(scenes) > 1:
         raise InputError(f"arguments: --result: expected one scene, which it is of, found {len(scenes)}")
@@ -76,7 +83,7 @@ def read_results(scenes: Sequence[Scene], texts: Sequence[str]) -> list[Result]:
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"arguments: --result: two results are named '{name}'; expected a name for each")
-    return [read_result(scenes[0], text) for text in texts]
+    return [read_result(scenes[0], text).asked_for(asked) for text in texts]
 
 
 def read_result(scene: Scene, text: str) -> Result:
@@ -142,7 +149,8 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {scene.drive_channel} at least")
     drive = scene.drive.at(found["time"]).position
-    notes = []
+    cycles = (found["time"][-1] - found["time"][0]) / scene.drive.cycle
+    notes = [f"{name} has {rows} rows, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"]
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
     if scene.drive_channel in found:
@@ -236,7 +244,7 @@ def _on_time(scene: Scene, found: Columns, halves: Columns, *, backwards: bool) 
         if scene.driven_slide is None and not (np.diff(position) * drive.speed > 0).all():
             position = np.unwrap(position)  # it is counted modulo one turn
         found["time"] = (position - drive.start) / drive.speed
-        halves["time"] = halves[by] / abs(drive.speed)
+        halves["time"] = halves.pop(by) / abs(drive.speed)
         found.pop(by)
     steps = np.diff(found["time"])
     if not (steps > 0).all():

@@ -65,7 +65,7 @@ def _float(text: str) -> float:
 class Digits(NamedTuple):
     """How a number is written."""
 
-    decimals: int
+    decimals: int  # negative where the power of ten is larger
     digits: int  # but for zeros in front
     power: float  # of ten, of the first digit; of zero without end
 
@@ -83,7 +83,7 @@ def _digits(text: str) -> Digits:
     whole, part, power = found[1] or "", found[2] or "", int(found[3] or 0)
     digits = (whole + part).lstrip("0")
     first = len(digits) - len(part) - 1 + power
-    return Digits(max(len(part) - power, 0), len(digits), first if digits else -np.inf)
+    return Digits(len(part) - power, len(digits), first if digits else -np.inf)
 
 
 def _form(numbers: Sequence[Digits]) -> Form:

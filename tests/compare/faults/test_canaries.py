@@ -13,7 +13,7 @@ from compare.judge import errors, measure, verdict
 from compare.judge.escalation import offers
 from compare.judge.gates import Gate, gates
 from compare.judge.judgement import Judgement, judgement
-from scenes import Motion, Status
+from scenes import Motion, Sampling, Status
 from tests.comparisons import SAMPLING, References
 
 Patch = Callable[[pytest.MonkeyPatch], None]
@@ -28,6 +28,13 @@ def press(references: References) -> Judgement:
 @pytest.mark.parametrize("name", ["three_at_a_pin", "busy", "telescope"])
 def test_none_is_let_through(name: str, references: References) -> None:
     found = judgement(references(name), ("analytic",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+    assert found.ok
+    assert not canaries(found)
+
+
+def test_a_component_alone_is_broken(references: References) -> None:
+    sampling = Sampling(36, channels=frozenset({"T.x"}))
+    found = judgement(references("four_bar"), ("analytic",), sampling, lambda name: (offers(name, "fast"), ""), print)
     assert found.ok
     assert not canaries(found)
 

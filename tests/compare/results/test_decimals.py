@@ -17,6 +17,7 @@ from compare.results.table import read_table
         (["0.1234567890123456", "12.34567890123456", "1.234567890123456"], [5e-17, 5e-15, 5e-16]),
         (["1", "2", "17"], [0.5] * 3),
         (["3.25D-04", "-1.5d2", "1.25d2"], [5e-7, 0.5, 0.5]),
+        (["1.23e+05", "9.88e+04", "1.00e+03"], [500.0, 50.0, 5.0]),
     ],
 )
 def test_the_last_decimal(tmp_path: Path, texts: list[str], halves: list[float]) -> None:

@@ -1,0 +1,124 @@
+"""Ok is a promise: no column excuses another, no copy has a vote, and what a result leaves out is reported."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.judge.foreign import assess_result, coarse
+from compare.judge.judgement import judgement
+from compare.judge.measure import Measurement
+from compare.results.result import read_result, read_results
+from compare.run import main
+from scenes import Sampling, Scene
+from scenes.motion import Samples
+from tests.comparisons import SLOW, References
+from tests.foreign import MILLIMETRES, Writer, channels, instants, write
+
+DEGREES = '"crank_angle" = "c{}"', '"crank_angle" = {{column = "c{}", unit = "deg"}}'
+
+
+@pytest.fixture(scope="module")
+def press() -> Scene:
+    return scenes.load("toggle_press")
+
+
+def assessed(
+    references: References, scene: Scene, folder: Path, columns: Mapping[str, Samples], **decimals: str
+) -> Measurement:
+    """Return the judgement of columns, those named at their own decimals; a crank's angle is in degrees."""
+    texts = {c: [format(value, decimals.get(c, ".12g")) for value in values] for c, values in columns.items()}
+    file = write(folder, texts, "")
+    number = [*texts].index("crank_angle") if "crank_angle" in texts else 0
+    plain, in_degrees = (text.format(number) for text in DEGREES)
+    toml = file.with_suffix(".toml")
+    toml.write_text(toml.read_text().replace(plain, in_degrees))
+    return assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
+
+
+@pytest.mark.parametrize("timed", [False, True])
+@pytest.mark.parametrize("everything", [False, True])
+def test_whole_degrees_excuse_no_lag(
+    press: Scene, tmp_path: Path, references: References, timed: bool, everything: bool
+) -> None:
+    """A lag of 0.2 deg is above the promise at every joint, and a drive in whole degrees shows half of one.
+
+    Where they are the axis they are in equal steps, and not rounded; beside a time they are of the drive alone.
+    """
+    speed = scenes.load("toggle_press").drive.peak_rate
+    times = instants(press, 60) if timed else np.radians(np.arange(0.0, 360.0, 5.0)) / speed
+    names = channels(press) if everything else ["P5.y", "P5.vy"]
+    angle = np.degrees(press.drive.at(times).position)
+    for lag, status in ((0.0, "ok"), (0.2, "inaccurate")):
+        late = Writer().columns(press, times - np.radians(lag) / speed, names)
+        axis = {"time": times, "crank_angle": angle} if timed else {"crank_angle": angle}
+        found = assessed(references, press, tmp_path, axis | {c: late[c] for c in names}, crank_angle=".0f")
+        assert found.run.status.name == status, found.run.reason
+
+
+def test_a_drive_that_is_off_by_more_than_its_decimals(press: Scene, tmp_path: Path, references: References) -> None:
+    times = instants(press, 30)
+    columns = Writer().columns(press, times, ["P5.y"])
+    angle = np.degrees(press.drive.at(times).position)
+    for off, status in ((0.04, "ok"), (0.2, "inconsistent")):
+        found = assessed(references, press, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
+        assert found.run.status.name == status, found.run.reason
+
+
+@SLOW
+def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path, references: References) -> None:
+    """At four digits a millimetre decides whether 1600 kN act; the forces of the other side are wrong there too."""
+    scene = scenes.load("servo_press")
+    writer = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g")
+    times = np.arange(60) * round(scene.drive.cycle / 60, 4)
+    columns = writer.columns(scene, times, channels(scene))
+    wrong = columns | {c: -columns[c] for c in ("P5.fx", "P5.fy")}
+    for written, status in ((columns, "ok"), (wrong, "inconsistent")):
+        file = write(tmp_path, writer.texts(written) | {"time": [f"{t:.4f}" for t in times]}, MILLIMETRES)
+        found = assess_result(references("servo_press"), read_result(scene, f"theirs={file}"))
+        assert found.run.status.name == status, found.run.reason
+
+
+def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, references: References) -> None:
+    """Nor is one ok where the reference is in doubt: positions alone leave nothing to check."""
+    columns = Writer().columns(press, instants(press, 20), ["P5.y"])
+    wrong = write(tmp_path, Writer().texts(columns | {"P5.y": columns["P5.y"] + 0.002}), "", "wrong")
+    results = [read_result(press, f"{name}={wrong}") for name in ("one", "two")]
+    reference = references("toggle_press")
+    alone = replace(reference, floor=replace(reference.floor, by_channel={}))
+    found = judgement(alone, [], Sampling(24), lambda _: ((), ""), lambda _: None, results=results)
+    assert {name: status for name, (status, _) in found.verdicts.items()} == {"one": "inaccurate", "two": "inaccurate"}
+    assert not found.reference.floor.doubt
+    doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
+    run = assess_result(doubted, results[0]).run
+    assert (run.status.name, run.reason) == ("inaccurate", "there is nothing to hold it against: suspect the core")
+
+
+def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, references: References) -> None:
+    """A stretch of the cycle, and what decimals hide beyond the promise."""
+    times = np.array([0.1, 0.13, 0.2])
+    names = ["P5.y", "P5.vy"]
+    columns = Writer().columns(press, times, names)
+    found = read_result(press, f"theirs={write(tmp_path, Writer().texts(columns), '')}")
+    assert found.notes[0] == "theirs has 3 rows, over 0.1 cycles of the drive, from crank angle 36.0000 deg on"
+    assert coarse(assess_result(references("toggle_press"), found)) == []
+    (line,) = coarse(assessed(references, press, tmp_path, columns, time=".2f"))
+    assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
+
+
+def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is refused: of nothing all is ok."""
+    scene = scenes.load("four_bar")
+    file = write(tmp_path, Writer().texts(Writer().columns(scene, instants(scene, 9), ["T.x"])), "")
+    assert main(["four_bar", "--engines", "analytic", f"--result=theirs={file}", "--channels", "T.y"]) == 2
+    assert capsys.readouterr().err == "arguments: --channels: expected one that theirs gives: T.x\n"
+
+
+def test_a_channel_with_two_columns(press: Scene, tmp_path: Path) -> None:
+    file = tmp_path / "theirs.csv"
+    file.write_text("time [s],P5.y [mm],P5.y [m]\n0,1,2\n0.1,1,2\n")
+    with pytest.raises(scenes.InputError, match=r"a column for each channel, found two of P5\.y"):
+        read_results([press], [f"theirs={file}"], None)
