@@ -19,7 +19,7 @@ from scenes.toml_file import read_text
 
 BYTES = 200_000_000
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
-NUMBER = re.compile(r"[+-]?(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d{1,3}))?")
+NUMBER = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d{1,3}))?")
 LARGEST = 1e30  # of a number: its square is a double
 
 
@@ -44,7 +44,7 @@ class Table:
             raise InputError(f"no column '{shown}'{nearest(column, self.columns)}")
         texts = self.texts[self.columns.index(column)]
         for row, text in enumerate(texts):
-            if not (NUMBER.fullmatch(text) and any(c.isdigit() for c in text) and abs(_float(text)) <= LARGEST):
+            if not (NUMBER.fullmatch(text) and abs(_float(text)) <= LARGEST):
                 found = f"'{one_line(text, 30)}'" if text else "nothing"
                 raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {found}")
         own = [_digits(text) for text in texts]

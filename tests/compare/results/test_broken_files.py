@@ -71,6 +71,7 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
         (text.replace("c1", "c0").encode(), mapping, "column 'c0' is there 2 times"),
         (with_cell(""), mapping, "row 5, column 'c2': expected a number up to 1e+30, found nothing"),
         (with_cell("nan"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found 'nan'"),
+        (with_cell("e5"), mapping, "found 'e5'"),
         (with_cell("1e99"), mapping, "row 5, column 'c2': expected a number up to 1e+30, found '1e99'"),
         (with_cell("12 mm"), mapping, "found '12 mm'"),
         (with_cell("1.234,5"), mapping, "expected decimal points or decimal commas, found both"),

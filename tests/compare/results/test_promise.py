@@ -73,7 +73,7 @@ def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path
     """At four digits a millimetre decides whether 1600 kN act; the forces of the other side are wrong there too."""
     scene = scenes.load("servo_press")
     writer = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g")
-    times = np.arange(60) * round(scene.drive.cycle / 60, 4)
+    times = np.arange(60.0) * round(scene.drive.cycle / 60, 4)
     columns = writer.columns(scene, times, channels(scene))
     wrong = columns | {c: -columns[c] for c in ("P5.fx", "P5.fy")}
     for written, status in ((columns, "ok"), (wrong, "inconsistent")):
