@@ -14,17 +14,29 @@ from scenes import Motion, Scene
 from .asked import plain_run
 
 CODE = """
-import json, sys
+import json, locale, os, random, sys
+from importlib import import_module
 from pathlib import Path
+import numpy as np
 from compare.engines import registry
+def state():
+    numbers = repr((random.getstate(), np.random.get_state()))
+    return {
+        "folder": os.getcwd(), "environment": {**os.environ}, "locale": locale.setlocale(locale.LC_ALL),
+        "floating-point errors": np.geterr(), "random numbers": numbers,
+    }
 name, scene, answer = sys.argv[1:]
 entry = registry.ENTRIES[name]
 _ = entry.missing, entry.version
 imported = entry.module in sys.modules
 from compare.contract.asked import plain_run
 from compare.contract.test_process import digest
+before = state()
+import_module(entry.module)
 ended = plain_run(name, scene)
-Path(answer).write_text(json.dumps({"imported": imported, "digest": digest(ended.motion)}), encoding="utf-8")
+changed = [of for of, was in before.items() if state()[of] != was]
+known = {"imported": imported, "changed": changed, "digest": digest(ended.motion)}
+Path(answer).write_text(json.dumps(known), encoding="utf-8")
 """
 
 
@@ -63,6 +75,11 @@ def test_nothing_is_imported_at_registration(seen: Seen) -> None:
 def test_nothing_is_printed(seen: Seen) -> None:
     """Not to standard output, nor to standard error, warnings included."""
     assert seen.printed == ""
+
+
+def test_the_process_is_left_as_it_was(seen: Seen) -> None:
+    """Its working folder, environment, locale, random numbers, and NumPy's handling of floating-point errors."""
+    assert seen.answer.get("changed") == []
 
 
 def test_no_file_is_left(seen: Seen) -> None:

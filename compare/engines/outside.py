@@ -4,17 +4,23 @@ An entry point names a module: `mine = "my_package.engine"`. Only metadata are r
 An engine whose name another has as well is called NAME@DISTRIBUTION.
 """
 
+import os
 import re
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import ExitStack, chdir, contextmanager, redirect_stderr, redirect_stdout
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from importlib.util import find_spec
 from multiprocessing import current_process
 from multiprocessing.reduction import ForkingPickler
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from warnings import catch_warnings
+
+import numpy as np
 
 from scenes import Engine, Settings
 from scenes.engine import completed
@@ -86,14 +92,56 @@ def loaded(entry: Entry) -> Engine[Any]:
 
 
 def _settings(entry: Entry) -> list[Settings]:
-    """Return all settings of an engine, as they can be sent."""
+    """Return all settings of an engine, as they can be sent.
+
+    Raises:
+        TypeError: what it offers is not what the protocol asks for.
+        ValueError: two settings have one label.
+    """
     engine = _completed(entry)
-    ladders = (*engine.WORK_PRECISION, *engine.LONG_WORK_PRECISION, *engine.ABLATIONS)
-    return list(dict.fromkeys((engine.DEFAULT, engine.FAST, engine.EXACT, *ladders)))
+    tiers, ladders = (engine.DEFAULT, engine.FAST, engine.EXACT), (engine.WORK_PRECISION, engine.LONG_WORK_PRECISION)
+    offered = [*tiers, *(each for ladder in (*ladders, engine.ABLATIONS) for each in _tuple(ladder))]
+    stepped = [engine.at_steps(24)] if engine.at_steps else []
+    for settings in (*offered, *stepped):
+        _check(settings)
+    labels = Counter(settings.label for settings in dict.fromkeys(offered))
+    if again := next((label for label, number in labels.items() if number > 1), None):
+        raise ValueError(f"expected a label of its own for each of its settings, found two of {again}")
+    return offered + stepped
+
+
+def _tuple(ladder: object) -> tuple[Any, ...]:
+    if not isinstance(ladder, tuple):
+        raise TypeError(f"expected a tuple of settings, found {type(ladder).__name__}")
+    return ladder
+
+
+def _check(settings: object) -> None:
+    if not isinstance(settings, Settings):
+        raise TypeError(f"expected scenes.Settings, found {type(settings).__name__}")
+    if not (isinstance(settings.label, str) and settings.label == one_line(settings.label, 60) != ""):
+        raise TypeError(f"expected a label of one line, 60 characters at most, found {settings.label!r}")
+    if not isinstance(steps := getattr(settings, "steps", None), int | None):
+        raise TypeError(f"{settings.label}: expected steps that are a whole number, found {steps!r}")
+    for promise in (settings.promise, settings.drive_promise):
+        if not (isinstance(promise, float) and 0 < promise < 1):
+            raise TypeError(f"{settings.label}: expected a promise between 0 and 1, found {promise!r}")
 
 
 def _completed(entry: Entry) -> Engine[Any]:
-    return completed(import_module(entry.module), entry.version)
+    with _unchanged():
+        return completed(import_module(entry.module), entry.version)
+
+
+@contextmanager
+def _unchanged() -> Iterator[None]:
+    """Have the process as it was when an import is done: its output, folder, environment, warnings and rounding."""
+    with ExitStack() as stack, Path(os.devnull).open("w", encoding="utf-8") as nowhere:
+        stack.callback(os.environ.update, {**os.environ})
+        stack.callback(os.environ.clear)
+        for kept in (redirect_stdout(nowhere), redirect_stderr(nowhere), chdir("."), catch_warnings(), np.errstate()):
+            stack.enter_context(kept)
+        yield
 
 
 def _failing(reason: str) -> Engine[Any]:

@@ -94,10 +94,12 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
         on_wall, built = perf_counter(), process_time()
         simulation.solve()
         solved, done_on_wall = process_time(), perf_counter()
-        motion = simulation.read() if reads else None
+        returned = simulation.read() if reads else None
         read = process_time()
     except Failure as failure:
         computed = None if failure.motion is None else _finite(_plain(failure.motion))
+        if Status(failure.status) is Status.ok:
+            raise ValueError("a failure is expected to have another status than ok") from failure
         return replace(failed, status=Status(failure.status), reason=text_of(failure.reason), motion=computed)
     counters, residuals = (getattr(simulation, name, {}) for name in ("counters", "residuals"))
     return replace(
@@ -105,7 +107,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
         status=Status.ok,
         reason="",
         found_by="",
-        motion=None if motion is None else _plain(motion),
+        motion=_plain(returned) if reads else None,
         build_s=built - started,
         solve_s=solved - built,
         read_s=read - solved,
@@ -115,8 +117,10 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
     )
 
 
-def _plain(motion: Motion) -> Motion:
+def _plain(motion: object) -> Motion:
     """Return an engine's motion as arrays and clean text, whatever classes of its own it took for them."""
+    if not isinstance(motion, Motion):
+        raise TypeError(f"expected scenes.Motion, found {type(motion).__name__}")
     return Motion(
         {channel: np.asarray(samples) for channel, samples in motion.samples.items()},
         {channel: text_of(reason) for channel, reason in motion.unsupported.items()},

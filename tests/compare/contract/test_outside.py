@@ -20,11 +20,12 @@ ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "engines.md").read_text("utf-8")
 EXAMPLE = "".join(re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))
 NOISY = f"""{GOOD}
-import os
+import os, random
 from pathlib import Path
 real = build
 def build(scene, settings, request):
     print("to the user")
+    random.seed(1)
     Path("left.txt").touch()
     run, (r, v) = real(scene, settings, request), (1 + 1e-14 * os.getpid(), vars(scene))
     read = run.read

@@ -1,9 +1,12 @@
 """Engines that other distributions offer: found by their metadata, run as any other; whatever is wrong is a row."""
 
+import os
 import sys
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import compare
@@ -13,12 +16,30 @@ from compare.engines.settings import settings_of, tiers
 from compare.run import main
 from tests.sites import GOOD, install
 
+OWN = f"{GOOD}from scenes import Failure, Settings, Status\n"
+CHANGES = f"""{GOOD}
+import os, sys, warnings
+import numpy as np
+os.chdir("/")
+os.environ["OF_AN_IMPORT"] = "1"
+np.seterr(all="raise")
+warnings.simplefilter("error")
+print("to the user")
+print("to the user", file=sys.stderr)
+"""
 MODULES = {
     "good": GOOD,
     "absent_import": "import no_such_module_at_all",
     "dies": "import os\nprint('to the user', flush=True)\nos.abort()",
     "empty": "",
     "unsendable": f"{GOOD}from dataclasses import replace\nDEFAULT = replace(DEFAULT, note=lambda: 0)",
+    "changes": CHANGES,
+    "no_motion": f"{OWN}class Run:\n    solve = read = lambda self: None\nbuild = lambda *asked: Run()",
+    "fails_ok": f"{OWN}def build(*asked):\n    raise Failure(Status.ok, 'all is well')",
+    "promises_nothing": f"{OWN}DEFAULT = Settings('any', promise=1e9)",
+    "no_tier": f"{OWN}FAST = None",
+    "one_label": f"{OWN}WORK_PRECISION = (Settings('a'), Settings('a', order=2))",
+    "steps": f"{OWN}at_steps = lambda steps: steps",
 }
 RUN = {  # what a run of each ends with
     "good": ("ok", ""),
@@ -26,6 +47,13 @@ RUN = {  # what a run of each ends with
     "dies": ("crashed", "its process ended by SIGABRT"),
     "empty": ("crashed", "TypeError: expected a module with DEFAULT, of scenes.Settings, and build("),
     "unsendable": ("crashed", "an't"),
+    "changes": ("ok", ""),
+    "no_motion": ("crashed", "expected scenes.Motion, found NoneType"),
+    "fails_ok": ("crashed", "a failure is expected to have another status than ok"),
+    "promises_nothing": ("crashed", "any: expected a promise between 0 and 1, found 1000000000.0"),
+    "no_tier": ("crashed", "expected scenes.Settings, found NoneType"),
+    "one_label": ("crashed", "expected a label of its own for each of its settings, found two of a"),
+    "steps": ("crashed", "expected scenes.Settings, found int"),
     "no_module": ("unsupported", "acme lacks its module nowhere_to_be_found: pip install acme"),
     "attribute": ("unsupported", "its entry point is expected to name a module, found good:build"),
     "main_module": ("unsupported", "acme lacks its module __main__: pip install acme"),
@@ -69,7 +97,9 @@ def test_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.usefixtures("_installed")
 def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
+    before = Path.cwd(), np.geterr(), {**os.environ}, [*warnings.filters]
     found = compare.check("four_bar", ("analytic", *RUN), samples=24)
+    assert (Path.cwd(), np.geterr(), {**os.environ}, [*warnings.filters]) == before
     for engine, (status, reason) in RUN.items():
         assert found.verdicts[engine][0] == status, found.verdicts[engine]
         assert reason in found.verdicts[engine][1]
