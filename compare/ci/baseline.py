@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Annotated, Any, TypeAlias
 
-from pydantic import BaseModel, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
@@ -24,39 +24,42 @@ SHOWN = 3  # changes of a kind that a line names
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 
 
+Line: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
+
+
 class _Settings(BaseModel):
-    label: str
+    label: Line
 
 
 class _Engine(BaseModel):
-    version: str
-    status: str
+    version: Line
+    status: Line
     settings: _Settings | None
 
 
 class _Error(BaseModel):
-    engine: str
-    channel: str
-    group: str
+    engine: Line
+    channel: Line
+    group: Line
     max: FiniteFloat | None
     floor: FiniteFloat | None
     explained: FiniteFloat | None
 
 
 class _Peak(BaseModel):
-    name: str
-    of: str
+    name: Line
+    of: Line
     value: FiniteFloat
-    unit: str
-    differs: dict[str, FiniteFloat | None]
+    unit: Line
+    differs: dict[Line, FiniteFloat | None]
 
 
 class _Choice(BaseModel):
-    group: str
-    level: str
-    engine: str
-    note: str
-    setting: str
+    group: Line
+    level: Line
+    engine: Line
+    note: Line
+    setting: Line
     ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
 
 
@@ -66,7 +69,7 @@ class Summary(BaseModel):
     scene: dict[str, Any]
     sampling: dict[str, Any]
     environment: dict[str, str]
-    engines: dict[str, _Engine]
+    engines: dict[Line, _Engine]
     errors: list[_Error]
     peaks: list[_Peak]
     cheapest: list[_Choice]

@@ -233,3 +233,15 @@ def test_a_baseline_that_is_not_there(name: str, tmp_path: Path) -> None:
 def test_a_baseline_is_of_one_linkage(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--vary", "bodies.rod.mass=1:2:2", "--baseline", "old.json"]) == 2
     assert "--baseline: expected it without --vary" in capsys.readouterr().err
+
+
+def test_what_a_baseline_has_is_one_line(before: Json) -> None:
+    """No text of another file ends a line: the next would be a command of the workflow."""
+    old, bad = deepcopy(before), "x\n::error::\x1b[2J"
+    old["engines"]["pymunk"] |= {"version": bad, "status": bad}
+    old["engines"][bad] = old["engines"]["pymunk"]
+    old["errors"].append(row(old["errors"], engine="pymunk", channel="B.fx") | {"channel": bad, "group": bad})
+    old["peaks"].append(old["peaks"][0] | {"name": bad, "of": bad, "unit": bad})
+    found = since(old, before)
+    assert len(found) >= 5
+    assert all(str(change).isprintable() for change in found)
