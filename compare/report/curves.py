@@ -113,8 +113,8 @@ def _force_panels(reference: Reference) -> Iterator[Panel]:
 
 
 def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
-    """Return an engine's error of what a panel shows, shape (n,), never below the reference's floor; NaN for none."""
-    worst: Samples = np.max([comparison.actual[channel] for channel in panel.judged], axis=0)
+    """Return the error of what an engine has of a panel, shape (n,), no less than the reference's floor; NaN: none."""
+    worst: Samples = np.max([comparison.actual[c] for c in panel.judged if c in comparison.actual], axis=0)
     floor = _floor(study, panel)
     return np.maximum(worst, floor) if floor else np.where(worst > 0, worst, np.nan)
 
@@ -131,11 +131,11 @@ def over_angle(study: Study, panel: Panel) -> Figure:
         draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
     floor = _floor(study, panel)
     for number, m in enumerate(study.measurements):
-        if m.run.motion is None or m.comparison is None or any(c not in m.run.motion for c in panel.judged):
+        if m.run.motion is None or m.comparison is None or not any(c in m.run.motion for c in panel.judged):
             continue
         engine, there = m.run.engine, m.comparison.axis if m.own else over
         rows = _marked(study, number)
-        for curve in panel.curves:
+        for curve in (curve for curve in panel.curves if all(c in m.run.motion for c in curve.factors)):
             draw(figure, engine, there[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
             line = {"color": colour(number), "width": 1.3}

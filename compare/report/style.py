@@ -12,8 +12,8 @@ from ..engines.axis import axis, turns_fully
 from .extremes import CURVE, extremes
 from .figure import Figure
 
-# Of Okabe and Ito, for any colour vision; their yellow is too pale for lines, and gives way to wine.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#882255")
+# Of Okabe and Ito, for any colour vision; their yellow and black, unseen on one of the grounds, are purple and brown.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
 GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
 SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")

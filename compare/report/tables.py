@@ -54,6 +54,7 @@ def checks(study: Study) -> pd.DataFrame:
         [{"engine": m.run.engine} | asdict(check) for m in study.measurements for check in m.checks],
         columns=["engine", "check", "of", "worst", "max_at", "relative_to"],
     ).rename(columns={"max_at": at, "relative_to": "relative to"})
+    table[at] = table[at].where(table[at].abs() > 1e-6 * table[at].abs().max(), 0.0)  # round-off of 0
     largest = table.assign(worst=table["worst"].fillna(np.inf)).groupby(["engine", "check"], sort=False)["worst"]
     return table.loc[largest.idxmax()]
 

@@ -118,7 +118,7 @@ class Moving:
         """Yield by panel the error that is drawn below it."""
         comparison = measurement.comparison
         for panel in self.panels:
-            if comparison is not None and all(channel in comparison.actual for channel in panel.judged):
+            if comparison is not None and any(channel in comparison.actual for channel in panel.judged):
                 yield error(self.study, panel, comparison)
             else:
                 yield np.full(len(self.study.motion["time"]), np.nan)

@@ -54,7 +54,7 @@ def _panels(study: Study, found: Sequence[str]) -> Iterator[Figure]:
     settings = [(*found, _hover(study, found[-1])) for found in contenders(points)]
     notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
     others = points[points["engine"] != REFERENCE] if found else points
-    fronts = ("Pareto front", points, "#000000"), ("Pareto front without the reference", others, "#b8860b")
+    fronts = ("Pareto front", points, GREY), ("Pareto front without the reference", others, "#b8860b")
     for kind in ("max", "rms"):
         figure = grid(found, min(COLUMNS, len(found)) or 1)
         for panel, group in enumerate(found):
@@ -63,7 +63,7 @@ def _panels(study: Study, found: Sequence[str]) -> Iterator[Figure]:
             draw(figure, FLOOR, [speed["ms"].min(), speed["ms"].max()], [floor] * 2, *where, line=BOUND)
             for name, rows, shade in fronts:
                 line = {"color": shade, "width": 7, "shape": "hv"}
-                draw(figure, name, *_front(rows, error), *where, line=line, opacity=0.2, hoverinfo="skip")
+                draw(figure, name, *_front(rows, error), *where, line=line, opacity=0.35, hoverinfo="skip")
             for engine, number in engines.items():
                 x, y = ([v for rows in lines[engine] for v in (*rows[axis], np.nan)] for axis in ("ms", error))  # gaps
                 draw(figure, "", x, y, *where, line={"color": colour(number), "width": 0.8}, opacity=0.5)

@@ -75,6 +75,20 @@ def test_the_error_below_is_the_engines(result: Study) -> None:
     assert figure.layout.xaxis2.title.text == "crank angle [deg]"
 
 
+def test_what_gives_one_component_is_drawn_where_that_is_enough(result: Study) -> None:
+    """A result of another program often has the slider's way along its guide, and no more of it."""
+    reference, pymunk = result.measurements
+    assert pymunk.run.motion is not None
+    assert pymunk.comparison is not None
+    motion = Motion({c: rows for c, rows in pymunk.run.motion.samples.items() if c not in ("P5.x", "P3.fx")})
+    actual = {c: rows for c, rows in pymunk.comparison.actual.items() if c not in ("P5.x", "P3.fx")}
+    less = replace(pymunk, run=replace(pymunk.run, motion=motion), comparison=replace(pymunk.comparison, actual=actual))
+    study = replace(result, measurements=[reference, less])
+    along, pin = ([t.name for t in over_angle(study, panel_of(study, p)).checked().data] for p in ("P5: d", "Pin P3"))
+    assert along.count("pymunk") == along.count("pymunk error") == 1
+    assert (pin.count("analytic"), pin.count("pymunk"), pin.count("pymunk error")) == (3, 1, 1)
+
+
 @pytest.mark.parametrize(
     ("scale", "factor", "unit"),
     [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (2e6, 1e-6, "MN")],
