@@ -29,7 +29,8 @@ PROMISE = 1e-6  # relative: what each table is held to besides its own tolerance
 HEAD = """# Validation
 
 Numbers that nobody here computed: tables of other codes, published reference solutions, exact results. Each ran as a
-user's result does, by `--result`, and is judged at its own instants. The tolerances are what the sources are good to.
+user's result does, by `--result`, and is judged at its own instants. The tolerances are what the sources are good to;
+the last column but one is the largest part of its tolerance that an error takes.
 
 Made by `python -m benchmarks.validation --tables FOLDER`.
 

@@ -30,8 +30,13 @@ def on_page_markdown(markdown: str, **_: object) -> str:
 
 
 def on_page_content(html: str, **_: object) -> str:
-    """Return a page with its formulas as MathML, which browsers show themselves."""
-    return FORMULA.sub(lambda found: convert(unescape(found[2]), display=DISPLAY[found[1]]), html)
+    """Return a page with its formulas as MathML, which browsers show themselves; a wide one scrolls by itself."""
+
+    def shown(found: re.Match[str]) -> str:
+        formula: str = convert(unescape(found[2]), display=DISPLAY[found[1]])
+        return f'<div style="overflow-x: auto" tabindex="0">{formula}</div>' if found[1] == "div" else formula
+
+    return FORMULA.sub(shown, html)
 
 
 def _links(markdown: str) -> str:

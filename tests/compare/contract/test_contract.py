@@ -50,7 +50,7 @@ def held(name: str, folder: Path, *options: str) -> Reports:
     [
         ("analytic", "not test_process"),
         *((name, "test_protocol or four_bar") for name in ("exudyn", "pymunk", "multiprecision")),
-        *(pytest.param(name, "", marks=SLOW) for name, entry in registry.ENTRIES.items() if not entry.missing),
+        *(pytest.param(name, "", marks=SLOW) for name in ("casadi", "mujoco", "pinocchio", "pymunk")),
     ],
 )
 def test_a_shipped_engine_keeps_to_it(name: str, options: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
