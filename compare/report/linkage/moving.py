@@ -26,7 +26,7 @@ from .shapes import outlines
 from .svg import picture
 
 SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
-NUMBERS = 400_000  # packed, at most: all channels of all engines at all samples
+NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
