@@ -83,7 +83,7 @@ def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path
 
 
 def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, references: References) -> None:
-    """Nor is one ok where the reference is in doubt: positions alone leave nothing to check."""
+    """Nor is one ok that a reference in doubt contradicts: positions alone leave nothing else to check."""
     columns = Writer().columns(press, instants(press, 20), ["P5.y"])
     wrong = write(tmp_path, Writer().texts(columns | {"P5.y": columns["P5.y"] + 0.002}), "", "wrong")
     results = [read_result(press, f"{name}={wrong}") for name in ("one", "two")]
@@ -93,8 +93,7 @@ def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, referen
     assert {name: status for name, (status, _) in found.verdicts.items()} == {"one": "inaccurate", "two": "inaccurate"}
     assert not found.reference.floor.doubt
     doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
-    run = assess_result(doubted, results[0]).run
-    assert (run.status.name, run.reason) == ("inaccurate", "there is nothing to hold it against: suspect the core")
+    assert assess_result(doubted, results[0]).run.status.name == "inaccurate"
 
 
 def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, references: References) -> None:
