@@ -150,6 +150,8 @@ class Linkage:
             if (self.guide(name)[0] if self.slides(name) else GROUND) != parent:
                 continue
             inertia = max(body.inertia / (self.mass * self.size**2), LEAST_INERTIA * body.mass / self.mass)
+            if not min(inertia, body.mass / self.mass) > mujoco.mjMINVAL:
+                raise Failure(Status.unsupported, f"'{name}' is too light for MuJoCo beside the heaviest body")
             if self.slides(name):
                 _, through, along, first = self.guide(name)
                 place, axes = (through - first) / self.size, {"s": ("slide", _space(along))}
