@@ -85,7 +85,7 @@ FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "a closed connection": (_fall_silent, Status.crashed, "its process was killed"),
     "an escape sequence": (lambda: _raise(Failure(Status.diverged, "\x1b[31m\n")), Status.diverged, "[31m"),
     "a Failure of no status": (lambda: _raise(Failure("odd", "why")), Status.crashed, "ValueError: 'odd' is"),  # type: ignore[arg-type]
-    "no motion": (lambda: None, Status.crashed, "AttributeError: 'NoneType'"),
+    "no motion": (lambda: None, Status.crashed, "TypeError: expected scenes.Motion, found NoneType"),
     "samples of functions": (lambda: Motion({"time": lambda: 0}), Status.crashed, "Can't pickle"),  # type: ignore[dict-item]
 }
 ASLEEP: Mapping[str, tuple[Callable[[], object], Status, str]] = {  # which only the time on the wall ends
