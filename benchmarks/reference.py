@@ -32,7 +32,7 @@ LIMITS = (
     ("rows of a force table or a motion law", limits.ROWS),
     ("numbers that the workshop may deviate from", limits.VARIATIONS),
     ("characters of a name", limits.NAME),
-    ("samples times channels of a run", arguments.MOST_VALUES),
+    ("samples times channels of a run", limits.VALUES),
     ("machines of `--monte-carlo`", arguments.MOST_MACHINES),
     ("members of a family", grid.MOST_MEMBERS),
 )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from scenes import InputError, Sampling, Scene
+from scenes import InputError, Sampling, Scene, limits
 from scenes.errors import nearest, one_line
 from scenes.motion import channels
 
@@ -22,8 +22,6 @@ USAGE = (
     " [--monte-carlo N [--seed K]] [--format github] [--baseline FILE]"
     " [--result NAME=FILE.csv ...] [--result-mapping NAME=FILE.csv]"
 )
-
-MOST_VALUES = 25_000_000  # samples times channels of one engine's motion: three engines take 4 GB and ten minutes
 
 MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
 
@@ -138,9 +136,9 @@ def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | N
         raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
     request = Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
     width = len(request.wanted(scene))
-    if request.count * width > MOST_VALUES:
+    if request.count * width > limits.VALUES:
         raise InputError(
-            f"arguments: --samples {samples} --turns {turns}: expected {MOST_VALUES} values at most, found"
+            f"arguments: --samples {samples} --turns {turns}: expected {limits.VALUES} values at most, found"
             f" {request.count} samples of {width} channels of {scene.name}; --channels asks for fewer"
         )
     return request

@@ -22,7 +22,6 @@ from .table import Table, read_table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
-VALUES = 25_000_000  # rows times channels
 VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
 TURNED = ("angle", "crank_angle")
 MIRRORED = ("omega", "alpha", "guide_force", "guide_moment", "torque")  # and angles, and y
@@ -134,8 +133,8 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
     known = channels(scene)
     check_channels(mapping.columns, known)
     rows = len(table.texts[0])
-    if rows * len(mapping.columns) > VALUES:
-        raise InputError(f"expected {VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
+    if rows * len(mapping.columns) > limits.VALUES:
+        raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
     found, halves = _in_si(table, mapping)
     _to_frame(found, halves, mapping)
     _on_this_side(scene, found, mapping.other_side)
