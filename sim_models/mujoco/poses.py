@@ -32,7 +32,6 @@ class Poses:
         self._order = linkage.order(self._model)
         pins = len(self.scene.pins)
         self._rows = np.array([*(3 * pin + axis for pin in range(pins) for axis in (0, 1)), 3 * pins])
-        self.budget = ProcessorBudget(SECONDS, "the way of the linkage")
 
     def gaps(self, x: Samples, position: float) -> Samples:
         """Return the gaps of pins, two each, and of the drive at a position, rad or m; over the size, or rad."""
@@ -104,14 +103,15 @@ class Poses:
         """Yield positions and poses from one position of the drive to another; at least one.
 
         Raises:
-            Failure: the linkage locks, or two branches meet.
+            Failure: the linkage locks, two branches meet, or `timed_out`.
         """
+        budget = ProcessorBudget(SECONDS, "the way of the linkage")  # of each way: poses are kept from run to run
         unit = LARGEST if self.scene.driven_slide is None else LARGEST / tau * float(np.ptp(self.scene.drive.extent))
         parts = max(1, ceil(abs(there - here) / unit))
         branch = self.branch(x)
         at, step = 0.0, 1 / parts
         while at < 1:
-            self.budget.check(f"it is at {self.scene.where(here + at * (there - here))}")
+            budget.check(f"it is at {self.scene.where(here + at * (there - here))}")
             ahead = min(1.0, at + step)
             position = here + ahead * (there - here)
             found = self._closed(self._predicted(x, here + at * (there - here), position), position)

@@ -19,6 +19,7 @@ casadi = pytest.importorskip("casadi")
 from sim_models.casadi import start  # noqa: E402  (its engine is there)
 from sim_models.casadi.channels import channels  # noqa: E402
 from sim_models.casadi.linkage import Linkage  # noqa: E402
+from sim_models.casadi.poses import Poses  # noqa: E402
 
 SAMPLES = 3
 TOLERANCE = 1e-11  # of a channel's peak and of its derivative's: both are exact but for roundings
@@ -37,8 +38,8 @@ def test_two_routes_to_the_derivatives_agree(name: str) -> None:
     scene, paths, asked = scenes.load(name), NUMBERS[name], Sampling(SAMPLES)
     found = analytic.derivatives(scene, paths, asked.commanded(scene), asked.times(scene))
     solved, names = differentiated(scene, paths)
-    poses, start_pose, _ = start.begun(scene)
-    x = poses.through(start_pose, scene.drive.start, asked.commanded(scene))
+    poses = Poses(Linkage(scene))  # not those kept of an earlier test, whose time may be over
+    x = poses.through(start.start(poses), scene.drive.start, asked.commanded(scene))
     for column, driven in enumerate(np.transpose(scene.drive.at(asked.times(scene)))):
         values, slopes = solved(x[:, column], driven)
         for value, slope, channel in zip(values, slopes, names, strict=True):
