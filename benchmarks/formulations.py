@@ -51,8 +51,7 @@ def row(reference: Reference, engine: str, settings: Settings, sampling: Samplin
     """Return the row of one engine on one scene at one setting."""
     measured = measure(reference, engine, sampling, settings)
     solves = [run(engine, reference.scene, sampling, settings).solve_s for _ in range(REPEATS)]  # NaN of a refusal
-    found = measured.errors.groupby("group")["max"].max() if len(measured.errors) else pd.Series(dtype=float)
-    worst = {str(group): float(error) for group, error in found.items()}
+    worst = measured.worst()
     return {
         "engine": engine,
         "scene": reference.scene.name,

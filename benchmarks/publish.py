@@ -38,10 +38,10 @@ def main() -> None:
             figure.checked().write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
     work_precision(result).checked().write_image(FOLDER / "speed.svg", width=1180, height=930)
     (FOLDER / "linkage.svg").write_text(linkage_svg(scene, result.motion), encoding="utf-8")
-    speed = result.speed[
+    speed = pd.DataFrame([row.cells() for row in result.speed])[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]
     ]
-    groups = by_group(result).drop(columns=["last_turn_max"])
+    groups = pd.DataFrame(by_group(result)).drop(columns=["last_turn_max"])
     where = pd.DataFrame(environment().items(), columns=["environment", "version"])
     shown = readme.tables(result, hard)
     readme.fill(shown)
@@ -49,10 +49,10 @@ def main() -> None:
         f"# {scene.title}: published summary",
         f"{setup(result)} Made by `python -m benchmarks.publish`. {notes(result)[0]}",
         *(_section(title, table) for title, table in (
-            ("Engines at their default settings: largest relative errors", overview(result)),
+            ("Engines at their default settings: largest relative errors", pd.DataFrame(overview(result))),
             ("Cheapest settings for an error of the joint reactions, 72 samples a turn", shown["times"]),
             ("Errors by group", groups),
-            ("Checks without a reference", checks(result)),
+            ("Checks without a reference", pd.DataFrame(checks(result))),
             ("Speed against error: one turn, 72 samples", speed),
             (f"Hard cases: {verdict(hard)}", counts(hard)),
             ("Made on", where),

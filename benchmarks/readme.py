@@ -1,5 +1,6 @@
 """The tables of figures in README and docs/, from `<!-- name -->` to `<!-- end -->`; see tests/test_readme.py."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -9,6 +10,7 @@ from compare.judge.errors import shown_groups
 from compare.report.hard.tables import counts
 from compare.report.speed.tables import contender
 from compare.report.tables import overview
+from compare.speed.row import SpeedRow
 from compare.speed.work_precision import choices
 from compare.study import Study
 
@@ -26,22 +28,22 @@ def tables(study: Study, hard: pd.DataFrame) -> dict[str, str]:
 
 def errors(study: Study) -> str:
     """Return the largest error of every engine by channel group, to two digits."""
-    groups = overview(study).set_index("engine")[list(shown_groups(study.scene))]
+    groups = pd.DataFrame(overview(study)).set_index("engine")[list(shown_groups(study.scene))]
     return markdown(groups.drop(REFERENCE).map(lambda error: f"{error:.1e}").reset_index())
 
 
-def times(speed: pd.DataFrame) -> str:
+def times(speed: Sequence[SpeedRow]) -> str:
     """Return the time of the cheapest setting for errors of the reactions, a row for every contender but the reference.
 
     Where two engines are level, both are marked.
     """
     rows: dict[str, dict[str, str]] = {}
-    for row in choices(speed).query("group == 'reaction'").to_dict("records"):
-        if row["engine"] != REFERENCE and row["level"] in LEVELS:
-            name = contender(row["engine"], row["note"])
-            level = " (level)" if row["standing"] == "level" else ""
-            text = f"{1e3 * row['solve_s']:.3g} ms{level}" if row["setting"] else "never"
-            rows.setdefault(name, {"engine": name})[row["level"]] = text
+    for choice in choices(speed):
+        if choice.group == "reaction" and choice.engine != REFERENCE and choice.level in LEVELS:
+            name = contender(choice.engine, choice.note)
+            level = " (level)" if choice.standing == "level" else ""
+            text = f"{1e3 * choice.solve_s:.3g} ms{level}" if choice.setting else "never"
+            rows.setdefault(name, {"engine": name})[choice.level] = text
     return markdown(pd.DataFrame(rows.values()))
 
 

@@ -1,10 +1,9 @@
 """One scene through the whole comparison."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
-
-import pandas as pd
+from typing import Any
 
 from scenes import Motion, Sampling, Scene, Settings
 
@@ -19,6 +18,7 @@ from .judge.judgement import Judgement, Offers, judgement
 from .judge.measure import Measurement
 from .results.result import Result
 from .speed import work_precision
+from .speed.row import SpeedRow
 from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
 
@@ -28,22 +28,22 @@ class Study(Judgement):
     """Everything that is reported about one scene."""
 
     motion: Motion  # the reference's, as commanded
-    speed: pd.DataFrame  # one row per setting
-    maps: pd.DataFrame = field(default_factory=pd.DataFrame)  # of stability, one row per cell
-    hard: pd.DataFrame = field(default_factory=pd.DataFrame)  # one row per attempt at a hard case
+    speed: Sequence[SpeedRow]  # one a setting
+    maps: Sequence[Mapping[Any, Any]] = ()  # of stability, one row a cell
+    hard: Sequence[Mapping[Any, Any]] = ()  # one row an attempt at a hard case
 
     @cached_property
-    def cheapest(self) -> pd.DataFrame:
+    def cheapest(self) -> list[work_precision.Choice]:
         """The cheapest setting for every error, see `work_precision.choices`."""
         return work_precision.choices(self.speed)
 
     @cached_property
-    def orders(self) -> pd.DataFrame:
+    def orders(self) -> list[work_precision.Order]:
         """Every family's order of convergence, see `work_precision.orders`."""
         return work_precision.orders(self.speed, group_floors(self.reference))
 
     @cached_property
-    def step_costs(self) -> pd.DataFrame:
+    def step_costs(self) -> list[work_precision.StepCost]:
         """The cost of a step in every family, see `work_precision.step_costs`."""
         return work_precision.step_costs(self.speed)
 
@@ -57,7 +57,7 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
     _prepared(scene, _able(engines))
     with workers([*engines, ORACLE], lambda: None) as runs:
         reference = establish(scene, sampling.channels, runs)
-        speed = pd.DataFrame()
+        speed: Sequence[SpeedRow] = ()
         if not isinstance(accuracy, str):
             speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
         found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
@@ -97,7 +97,7 @@ def study(
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
         if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
-            judged = judgement(reference, engines, sampling, _offers(accuracy, pd.DataFrame()), report, runs, results)
+            judged = judgement(reference, engines, sampling, _offers(accuracy, ()), report, runs, results)
             speed = speed_table(reference, able, budget, report, sampling.channels, runs)
         else:
             speed = speed_table(reference, able, budget, report, sampling.channels, runs)
@@ -120,7 +120,7 @@ def _able(engines: Sequence[str]) -> list[str]:
     return [engine for engine in engines if not registry.ENTRIES[engine].missing]
 
 
-def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
+def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
     """Return what to try of an engine: by the name of its settings, or by the errors and times of a speed table."""
 
     def by_name(engine: str) -> tuple[Sequence[Settings], str]:
@@ -143,7 +143,7 @@ def _offers(accuracy: Accuracy, speed: pd.DataFrame) -> Offers:
 
 
 def _left_out(
-    names: Sequence[str], measurements: list[Measurement], able: list[str], speed: pd.DataFrame, budget: Budget
+    names: Sequence[str], measurements: list[Measurement], able: list[str], speed: Sequence[SpeedRow], budget: Budget
 ) -> Iterator[str]:
     """Yield what is not there because the user stopped."""
     if left := names[len(measurements) :]:

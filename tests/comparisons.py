@@ -1,20 +1,19 @@
 """What tests of the comparison need: a motion as it should be, one that is not, an engine that ends as told."""
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.engines.settings import settings_of
-from compare.judge.errors import shown_groups
+from compare.judge.errors import ChannelError, shown_groups
 from compare.speed.timing import Again, Budget, Times, take_turns
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
@@ -105,8 +104,8 @@ def changed(motion: Motion, channel: str, by: float, row: int = 40) -> Motion:
     return Motion({**motion.samples, channel: samples})
 
 
-def row_of(table: pd.DataFrame, channel: str) -> dict[Hashable, Any]:
-    return next(row for row in table.to_dict("records") if row["channel"] == channel)
+def row_of(table: Sequence[ChannelError], channel: str) -> ChannelError:
+    return next(row for row in table if row.channel == channel)
 
 
 def vector_of(channel: str) -> set[str]:

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 import compare
@@ -46,7 +47,7 @@ def fresh() -> Judgement:
 
 
 def test_errors(fresh: Judgement) -> None:
-    found = fresh.errors.groupby(["engine", "group"])["max"].max()
+    found = pd.DataFrame(fresh.channel_errors).groupby(["engine", "group"])["max"].max()
     rows = table(README, "<!-- errors -->")
     assert [row["engine"] for row in rows] == [engine for engine in DEFAULT_ENGINES if engine != REFERENCE]
     groups = shown_groups(fresh.scene)
@@ -83,7 +84,11 @@ def test_length() -> None:
 @SLOW
 def test_ratios_of_times(fresh: Judgement) -> None:
     speed = speed_table(fresh.reference, ("exudyn", "pymunk"), Budget(3, 0.0), lambda _: None)
-    found = choices(speed).query("group == 'reaction' and note == ''").set_index(["engine", "level"])["solve_s"]
+    found = (
+        pd.DataFrame(choices(speed))
+        .query("group == 'reaction' and note == ''")
+        .set_index(["engine", "level"])["solve_s"]
+    )
     rows = {row["engine"]: row for row in table(FINDINGS, "<!-- times -->")}
     for level in ("1 %", "0.1 %", "1e-4", "1e-6"):
         exudyn, pymunk = (float(rows[engine][level].split()[0]) for engine in ("exudyn", "pymunk"))

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
-import pandas as pd
 
 from scenes import Motion, Sampling, Status
 from scenes.motion import Samples, channels, quantity
@@ -105,7 +104,7 @@ def stops(copy: Thinned, found: Measurement) -> bool:
 def stops_without_a_motion(copy: Thinned) -> bool:
     """Return whether a failed run stops a CI run."""
     failed = replace(copy.run, status=Status.crashed, reason="a canary", motion=None)
-    return stops(copy, Measurement(failed, None, [], pd.DataFrame()))
+    return stops(copy, Measurement(failed, None, []))
 
 
 def each_check_alone(sign: int) -> Noticed:
@@ -141,8 +140,8 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     found = copy.assessed(copy.motion, replace(copy.reference, at=at))
     if found.comparison is None or found.run.found_by != "reference" or not stops(copy, found):
         return False
-    largest = found.errors.set_index("channel")["max"]
-    if not rows.keys() <= {*largest.index}:
+    largest = {row.channel: row.max for row in found.errors}
+    if not rows.keys() <= largest.keys():
         return False
     seen = (
         not largest[channel] < found.comparison.actual[channel][own].max()  # no number where no floor is known

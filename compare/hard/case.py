@@ -15,6 +15,7 @@ from scenes.motion import quantity
 from ..engines import registry
 from ..engines.reference import Reference, found
 from ..engines.registry import ORACLE, REFERENCE
+from ..judge.errors import worst_of
 from ..judge.escalation import attempts, offers
 from ..judge.floor import NO_ANSWER
 from ..judge.measure import Measurement, checked_run, measure
@@ -88,7 +89,7 @@ def _attempted(case: Case, reference: Reference, measured: Measurement, explaine
         outcome = Outcome.silent
     else:
         promise = run.settings.promise if run.settings else 0.0
-        kept = len(measured.errors) > 0 and bool(measured.errors["unexplained"].max(skipna=False) <= promise)
+        kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
         denied = run.status is Status.cannot_assemble and explained.decidable
         outcome = Outcome.false_alarm if kept or denied else Outcome.refused
     setting = run.settings.label if run.settings else ""
@@ -104,11 +105,8 @@ def _figures(measured: Measurement, reference: Reference, explained: Explained) 
         motion = reference.at(measured.comparison.position, measured.run.motion["time"])
         locks = [float(motion[channel].min()) for channel in motion.samples if quantity(channel) == "to_lock"]
         row["to_lock_m"] = min(locks, default=None)
-    if len(measured.errors):
-        by_group = measured.errors.groupby("group")[["max", "explained", "unexplained"]].max(skipna=False)
-        for group, worst in by_group.iterrows():
-            row |= {f"{group}_{figure}": float(value) for figure, value in worst.items()}
-    return row
+    worst = {figure: measured.worst(figure) for figure in ("max", "explained", "unexplained")}
+    return row | {f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()}
 
 
 def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:

@@ -170,7 +170,7 @@ def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns:
     """Run one cell; with a scene for reference there are no errors."""
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
-        found = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [], pd.DataFrame())
+        found = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [])
     else:
         found = measure(reference, place.engine, sampling, settings, runs=runs)
     worst = found.worst()

@@ -1,6 +1,7 @@
 """What `python -m compare.run` prints about results, and the page it opens."""
 
 from collections.abc import Mapping, Sequence
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,13 +16,14 @@ def print_result(result: "Study") -> None:
     """Print the verdict, a line an engine, the reasons and causes."""
     from ..judge.errors import shown_groups
     from ..report.speed import tables as speed_tables
-    from ..report.tables import overview, verdict
+    from ..report.tables import verdict
 
     groups = shown_groups(result.scene)
     print(f"{result.scene.name}  {verdict(result)}")
-    for row in overview(result).to_dict("records"):
-        errors = "  ".join(f"{group} {row[group]:.1e}" for group in groups if row[group] == row[group])
-        print(f"{result.scene.name}  {row['engine']:14} {row['status']:15} {errors}")
+    for m in result.measurements:
+        worst = m.worst()
+        errors = "  ".join(f"{group} {worst[group]:.1e}" for group in groups if not isnan(worst.get(group, nan)))
+        print(f"{result.scene.name}  {m.run.engine:14} {m.run.status.name:15} {errors}")
     for m in result.measurements:
         if m.run.reason:
             print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")

@@ -13,7 +13,7 @@ from scenes import Scene, Status
 from ..engines import registry
 from ..engines.axis import axis
 from ..engines.registry import REFERENCE
-from .errors import SHOWN_GROUPS
+from .errors import SHOWN_GROUPS, worst_of
 from .measure import Measurement
 
 if TYPE_CHECKING:
@@ -65,14 +65,12 @@ def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = 
         measurement: of the engine.
         groups: the channel groups to look at; all where none is named.
     """
-    rows = measurement.errors
-    if groups and len(rows):
-        rows = rows[rows["group"].isin(groups)]
-    if rows.empty:
+    rows = [row for row in measurement.errors if not groups or row.group in groups]
+    if not rows:
         return None
-    row = rows.iloc[int(rows["max"].to_numpy().argmax())]
-    at = np.nan if row["max"] <= row["floor"] else float(row["max_at"]) / axis(scene).factor
-    return WorstError(float(row["max"]), str(row["channel"]), at)
+    row = worst_of(rows)
+    at = np.nan if row.max <= row.floor else row.max_at / axis(scene).factor
+    return WorstError(row.max, row.channel, at)
 
 
 def agreement(judged: "Judgement") -> Agreement:

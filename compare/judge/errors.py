@@ -5,12 +5,12 @@ and at the one commanded: the difference between the two errors is the drive's, 
 interpolated.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
@@ -42,6 +42,27 @@ SHOWN_GROUPS = (
 )  # the drive's position is an input
 
 TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below which the output nearly stands still
+
+
+class ChannelError(NamedTuple):
+    """The errors of an engine in one channel, relative; none is below the reference's floor."""
+
+    engine: str
+    channel: str
+    group: str
+    max: float
+    unexplained: float  # the largest where it is above what doubles explain, if that is known
+    rms: float
+    last_turn_max: float
+    toggle_max: float  # where the output nearly stands still
+    commanded_max: float  # against the position asked for
+    commanded_rms: float
+    explained: float  # the largest that doubles explain
+    max_at: float
+    max_at_unit: str
+    floor: float
+    scale: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -110,11 +131,8 @@ def group_floors(reference: Reference) -> dict[str, float]:
 
 def error_table(
     engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
-) -> pd.DataFrame:
-    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one.
-
-    `unexplained` is the largest error where it is above what doubles explain, if that is known.
-    """
+) -> list[ChannelError]:
+    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one."""
     actual, commanded = comparison.actual, comparison.commanded
     known = actual if explained is None else explained.left_over(actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
@@ -131,14 +149,33 @@ def error_table(
         "commanded_rms": [_rms(commanded[channel]) for channel in names],
     }
     worst = [int(error.argmax()) for error in actual.values()]
-    return pd.DataFrame(
-        {"engine": engine, "channel": names, "group": [GROUPS[quantity(channel)] for channel in names]}
-        | {name: np.maximum(figure, np.where(floor >= 0, floor, least)) for name, figure in figures.items()}
-        | {"explained": [np.nan if explained is None else explained.error(channel).max() for channel in names]}
-        | {"max_at": comparison.axis[worst], "max_at_unit": axis(reference.scene).unit, "floor": floor}
-        | {"scale": [reference.scale[channel] for channel in names]}
-        | {"unit": [UNITS[quantity(channel)] for channel in names]}
-    )
+    shown = np.maximum([*figures.values()], np.where(floor >= 0, floor, least)).tolist()
+    columns: dict[str, Sequence[object]] = {
+        "engine": [engine] * len(names),
+        "channel": names,
+        "group": [GROUPS[quantity(channel)] for channel in names],
+        **dict(zip(figures, shown, strict=True)),
+        "explained": [np.nan if explained is None else float(explained.error(channel).max()) for channel in names],
+        "max_at": comparison.axis[worst].tolist(),
+        "max_at_unit": [axis(reference.scene).unit] * len(names),
+        "floor": floor.tolist(),
+        "scale": [reference.scale[channel] for channel in names],
+        "unit": [UNITS[quantity(channel)] for channel in names],
+    }
+    return [ChannelError._make(row) for row in zip(*map(columns.__getitem__, ChannelError._fields), strict=True)]
+
+
+def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:
+    """Return the row with the largest of a figure; a NaN counts as the largest."""
+    return rows[int(np.argmax([getattr(row, figure) for row in rows]))]
+
+
+def by_group(rows: Iterable[ChannelError]) -> dict[str, list[ChannelError]]:
+    """Return rows by their channel groups."""
+    found: dict[str, list[ChannelError]] = {}
+    for row in rows:
+        found.setdefault(row.group, []).append(row)
+    return found
 
 
 def _largest(error: Samples) -> float:

@@ -14,7 +14,7 @@ from scenes.motion import Samples, channels
 from ..engines.reference import Reference, relative_errors, sizes
 from ..results.result import Result
 from .checks import Check, checks
-from .errors import SHOWN_GROUPS
+from .errors import SHOWN_GROUPS, worst_of
 from .measure import Measurement, assess
 from .round_off import Explained, explain
 from .verdict import BALANCES, share
@@ -51,11 +51,10 @@ def coarse(measured: Measurement) -> list[str]:
     run = measured.run
     if run.status is not Status.ok or run.settings is None:
         return []
-    errors = measured.errors[measured.errors["group"] != "drive"]  # which is an input
-    worst = errors.iloc[int(errors["explained"].to_numpy().argmax())]
-    if not worst["explained"] > run.settings.promise:
+    worst = worst_of([row for row in measured.errors if row.group != "drive"], "explained")  # the drive is an input
+    if not worst.explained > run.settings.promise:
         return []
-    unnoticed = f"{worst['channel']} may be off by {share(float(worst['explained']))} unnoticed"
+    unnoticed = f"{worst.channel} may be off by {share(worst.explained)} unnoticed"
     return [f"{run.engine}: {unnoticed}, by its decimals or next to a singular configuration"]
 
 

@@ -1,15 +1,13 @@
 """What a CI run is stopped by: the scene's tolerances, engine by engine and group by group."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import NamedTuple
-
-import pandas as pd
 
 from scenes import Scene, Status
 from scenes.motion import quantity
 
-from .errors import GROUPS
+from .errors import GROUPS, by_group, worst_of
 from .measure import Measurement
 
 
@@ -29,6 +27,13 @@ class Gate:
         """Whether what doubles do not explain is not shown to be within the tolerance; NaN is not."""
         return not (self.unexplained <= self.tolerance)
 
+    @property
+    def met(self) -> str:
+        """Whether it was met, in a word or two."""
+        if self.missed:
+            return "missed"
+        return "met" if self.error <= self.tolerance else "met: round-off explains the error"
+
     def __str__(self) -> str:
         """Return it in one line."""
         error = f"{self.error:.2e} against a tolerance of {self.tolerance:.0e}"
@@ -47,21 +52,21 @@ def gates(scene: Scene, measurements: Iterable[Measurement], wanted: frozenset[s
     """Yield every tolerance of the scene for the engines that ran, in the channels that are wanted, or all."""
     groups = {GROUPS[quantity(channel)] for channel in wanted or ()}
     for measurement in measurements:
-        run, errors = measurement.run, measurement.errors
+        run, errors = measurement.run, by_group(measurement.errors)
         for group, tolerance in scene.tolerances.get(run.engine, {}).items():
             if wanted is not None and group not in groups:
                 continue
             if run.status is not Status.ok:
                 yield Gate(run.engine, group, tolerance, float("nan"), f"{run.status.name}: {run.reason}")
                 continue
-            rows = errors[errors["group"] == group]
-            if rows.empty:
+            rows = errors.get(group)
+            if rows is None:
                 yield Gate(run.engine, group, tolerance, float("nan"), "no such channel was returned")
                 continue
-            unexplained = float(rows["unexplained"].max(skipna=False))
+            unexplained = worst_of(rows, "unexplained").unexplained
             shown = "max" if unexplained <= tolerance else "unexplained"  # of a tolerance missed, what misses it
-            worst = rows.iloc[int(rows[shown].to_numpy().argmax())]  # a NaN counts as the largest
-            yield Gate(run.engine, group, tolerance, float(worst[shown]), str(worst["channel"]), unexplained)
+            worst = worst_of(rows, shown)
+            yield Gate(run.engine, group, tolerance, getattr(worst, shown), worst.channel, unexplained)
 
 
 def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[Miss]:
@@ -73,13 +78,10 @@ def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[Mi
     return tolerances + [Miss(r.engine, "", f"{r.engine}: {r.status.name}: {r.reason}") for r in runs]
 
 
-def gate_table(held: Iterable[Gate]) -> pd.DataFrame:
+def gate_table(held: Iterable[Gate]) -> list[dict[str, object]]:
     """Return one row a tolerance: the error measured, and whether it was met."""
-    rows = [asdict(gate) | {"met": _met(gate)} for gate in held]
-    return pd.DataFrame(rows, columns=["engine", "group", "tolerance", "error", "met", "worst"])
-
-
-def _met(gate: Gate) -> str:
-    if gate.missed:
-        return "missed"
-    return "met" if gate.error <= gate.tolerance else "met: round-off explains the error"
+    return [
+        {"engine": gate.engine, "group": gate.group, "tolerance": gate.tolerance}
+        | {"error": gate.error, "met": gate.met, "worst": gate.worst}
+        for gate in held
+    ]

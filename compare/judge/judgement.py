@@ -7,7 +7,6 @@ from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
-import pandas as pd
 
 from scenes import Motion, Sampling, Scene, Settings, Status
 
@@ -18,9 +17,10 @@ from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
 from ..results.result import Result
 from .agreement import Agreement, agreement
+from .errors import ChannelError
 from .escalation import escalated
 from .foreign import assess_result, coarse
-from .gates import Gate, Miss, gate_table, gates, missed
+from .gates import Gate, Miss, gates, missed
 from .measure import Measurement, measure
 from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
@@ -92,14 +92,9 @@ class Judgement:
         return {m.run.engine: m.run.motion for m in self.measurements if m.run.motion is not None}
 
     @property
-    def errors(self) -> pd.DataFrame:
+    def channel_errors(self) -> list[ChannelError]:
         """One row per engine and channel: its errors against the reference."""
-        return pd.concat([m.errors for m in self.measurements], ignore_index=True)
-
-    @property
-    def gates(self) -> pd.DataFrame:
-        """One row per tolerance of the scene: the error measured, and whether it was met."""
-        return gate_table(self.held)
+        return [row for measured in self.measurements for row in measured.errors]
 
 
 def judgement(

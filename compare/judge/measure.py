@@ -1,10 +1,9 @@
 """One engine, one setting: run it, compare it, check it, judge it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 
@@ -13,7 +12,7 @@ from ..engines.reference import Reference, stroke
 from ..engines.registry import REFERENCE
 from ..engines.runner import Run, Runs, complete
 from .checks import Check, checks
-from .errors import SHOWN_GROUPS, Comparison, compare, error_table
+from .errors import SHOWN_GROUPS, ChannelError, Comparison, by_group, compare, error_table
 from .round_off import Explained, explain
 from .verdict import compared, judged
 
@@ -25,21 +24,19 @@ class Measurement:
     run: Run
     comparison: Comparison | None
     checks: list[Check]
-    errors: pd.DataFrame  # one row a channel
+    errors: Sequence[ChannelError] = ()
     finer: str = ""  # settings that fail too, and what they leave of the error, where that is hardly any
     own: Instants | None = None  # what was asked of a result of another program
 
     def worst(self, figure: str = "max") -> dict[str, float]:
-        """Return the largest of a column of the errors by channel group; a NaN counts as the largest."""
-        if self.errors.empty:
-            return {}
-        groups, errors = self.errors["group"].to_numpy(str), self.errors[figure].to_numpy()
-        return {str(group): float(errors[groups == group].max()) for group in np.unique(groups)}
+        """Return the largest of a figure of the errors by channel group; a NaN counts as the largest."""
+        groups = sorted(by_group(self.errors).items())
+        return {group: float(np.max([getattr(row, figure) for row in rows])) for group, rows in groups}
 
     @property
     def largest(self) -> float:
         """The largest error of all channels, not a number where none is known."""
-        return float(np.max([*self.worst().values()])) if not self.errors.empty else np.nan
+        return float(np.max([*self.worst().values()])) if self.errors else np.nan
 
     @property
     def estimate(self) -> float:
@@ -80,7 +77,7 @@ def assess(
     scene = reference.scene
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
-        return Measurement(outcome, None, [], pd.DataFrame())
+        return Measurement(outcome, None, [])
     found = find(outcome.motion) if find else checks(scene, outcome.motion, reference.stroke)
     verdict = judged(outcome, found)
     try:
@@ -89,7 +86,7 @@ def assess(
     except Failure as failure:
         reason = f"its drive is where no reference is: {failure.reason}"
         strayed = replace(verdict, status=Status.diverged, reason=reason, found_by="reference")
-        return Measurement(verdict if verdict.status is not Status.ok else strayed, None, found, pd.DataFrame())
+        return Measurement(verdict if verdict.status is not Status.ok else strayed, None, found)
     table = error_table(outcome.engine, comparison, reference, explained)
     doubt = reference.floor.doubt
     if not doubt:

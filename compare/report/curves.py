@@ -63,8 +63,8 @@ def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
     """Return the panels to draw, and those left out: of many joints those with the largest errors are drawn."""
     found = list(panels(study.reference, study.sampling))
     worst: dict[str, float] = {}
-    for channel, error in zip(study.errors["channel"], study.errors["max"], strict=True) if len(study.errors) else ():
-        worst[channel] = max(worst.get(channel, 0.0), np.inf if np.isnan(error) else error)
+    for row in study.channel_errors:
+        worst[row.channel] = max(worst.get(row.channel, 0.0), np.inf if np.isnan(row.max) else row.max)
 
     def rank(panel: Panel) -> tuple[bool, float]:
         of_a_joint = GROUPS[quantity(panel.judged[0])] == "reaction"

@@ -9,7 +9,6 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 import numpy as np
-import pandas as pd
 
 from .extremes import CURVE, thinned
 
@@ -128,7 +127,7 @@ def _plain(value: Any) -> Any:
     """Return a value as JSON has it: arrays as plotly's script takes them, null for what is not finite."""
     if isinstance(value, Mapping):
         return {name: _plain(part) for name, part in value.items()}
-    if isinstance(value, np.ndarray | pd.Series):
+    if isinstance(value, np.ndarray) or hasattr(value, "to_numpy"):  # or a column of a data frame
         array = np.ascontiguousarray(value)
         if array.dtype.str[1:] not in TYPES:
             return _plain(array.tolist())

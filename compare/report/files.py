@@ -1,5 +1,6 @@
 """The files of studies, families and Monte Carlo runs, and what becomes of those of a stopped run."""
 
+import csv
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,10 +22,10 @@ from ..judge.agreement import WorstError, worst_error
 from ..judge.measure import Measurement
 from ..judge.sketch import distances
 from ..study import Study
+from . import tables
 from .origin import origin
 from .page import page
 from .placing import placed, remove
-from .tables import peaks
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -56,11 +57,12 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    tables = {"peaks": peaks(study), "errors": study.errors, "speed": study.speed}
-    tables |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if len(table)}
+    written: dict[str, Sequence[Mapping[Any, Any]]] = {"peaks": tables.peaks(study), "errors": tables.errors(study)}
+    written["speed"] = [row.cells() for row in study.speed]
+    written |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if table}
     with _result(folder, study.scene.name, REPORT, complete=complete) as (aside, place):
-        for name, table in tables.items():
-            table.to_csv(aside / f"{name}.csv", index=False)
+        for name, table in written.items():
+            _write_table(table, aside / f"{name}.csv")
         for engine, motion in study.motions.items():
             _write_motion(motion, aside / f"motion.{engine}.csv")
         head = {"complete": complete, "made_from": origin(study.scene, place)}
@@ -121,6 +123,17 @@ def _write_many(
     return place
 
 
+def _write_table(rows: Sequence[Mapping[Any, Any]], file: Path) -> None:
+    """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
+    columns = dict.fromkeys(column for row in rows for column in row)
+    with file.open("w", encoding="utf-8", newline="") as text:
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(columns)
+        for row in rows:
+            cells = (row.get(column) for column in columns)
+            table.writerow("" if cell is None or cell != cell else cell for cell in cells)
+
+
 def _write_motion(motion: Motion, file: Path) -> None:
     """Write a motion's table in blocks: pandas takes three times as long for the same text, and a copy of it all."""
     with file.open("w", encoding="utf-8", newline="\n") as text:
@@ -158,11 +171,13 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
 
 def summary(study: Study) -> dict[str, Any]:
     """Return what is known of a study, for `summary.json`."""
-    scene, hard = study.scene, []
-    if len(study.hard):
+    scene, hard = study.scene, list[Any]()
+    if study.hard:
+        import pandas as pd  # late, as what few runs need
+
         from .hard.tables import counts
 
-        hard = counts(study.hard).to_dict("records")
+        hard = counts(pd.DataFrame(study.hard)).to_dict("records")
     return {
         "scene": scene,
         "sampling": study.sampling,
@@ -173,12 +188,12 @@ def summary(study: Study) -> dict[str, Any]:
         "peaks": study.peaks,
         "engines": {m.run.engine: _engine(m, worst_error(scene, m)) for m in study.measurements},
         "causes": study.causes,
-        "errors": study.errors.to_dict("records"),
-        "gates": study.gates.to_dict("records"),
-        "cheapest": study.cheapest.to_dict("records"),
-        "orders": study.orders.to_dict("records"),
+        "errors": tables.errors(study),
+        "gates": tables.gates(study),
+        "cheapest": study.cheapest,
+        "orders": study.orders,
         "hard": hard,
-        "step_costs": study.step_costs.to_dict("records"),
+        "step_costs": study.step_costs,
         "environment": environment(),
     }
 

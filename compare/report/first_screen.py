@@ -123,7 +123,6 @@ def _named(measured: Measurement) -> str:
 def _time(study: Study, measured: Measurement) -> str:
     """Return the time of a solve per cycle at the settings of the run, as the table of speed has it."""
     settings, speed = measured.run.settings, study.speed
-    if settings is None or speed.empty:
-        return "–"
-    timed = speed[(speed["engine"] == measured.run.engine) & (speed["setting"] == settings.label)]["solve_min_s"]
-    return written(float(timed.iloc[0]), "s", {}) if len(timed) else "–"
+    label = settings.label if settings else None
+    times = (row.solve_min_s for row in speed if (row.engine, row.setting) == (measured.run.engine, label))
+    return next((written(time, "s", {}) for time in times), "–")

@@ -1,17 +1,16 @@
 """Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
 
 from base64 import b64encode
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
 from importlib.resources import files
 from itertools import islice
 from json import dumps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
@@ -19,6 +18,9 @@ from ..engines.environment import environment
 from . import numbers
 from .extremes import CURVE
 from .figure import Figure, template
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 HERE = "compare.report"  # the package of the templates that all pages share
 ROWS = 200  # of a table or a list, at most
@@ -73,7 +75,7 @@ def number(value: float, text: str, unit: str = "") -> Markup:
 
 def cell(value: object) -> object:
     """Return what a cell of a table shows."""
-    if value is None or value is pd.NA or value != value:
+    if value is None or value != value:
         return "–"
     return number(value, numbers.short(value)) if isinstance(value, float) else value
 
@@ -111,21 +113,24 @@ class Table:
     left_out: str  # which rows are shown, in a sentence
 
 
-def shortened(table: pd.DataFrame, worst: str = "", whole: str = "the JSON file") -> Table:
+def shortened(
+    table: "Sequence[Mapping[Any, object]] | DataFrame", worst: str = "", whole: str = "the JSON file"
+) -> Table:
     """Return a table for a page; of a long one the first rows, or those with the largest numbers in a column.
 
     Args:
-        table: what is known.
+        table: rows, of which each may lack some columns, or a data frame.
         worst: name of that column; NaN is the largest.
         whole: where all rows are.
     """
-    columns, left_out = [str(column) for column in table.columns], ""
-    if len(table) > ROWS:
-        size = -table[worst].fillna(np.inf).to_numpy() if worst else np.zeros(len(table))
+    rows, left_out = table if isinstance(table, Sequence) else table.to_dict("records"), ""
+    columns = dict.fromkeys(column for row in rows for column in row)
+    if len(rows) > ROWS:
         which = f"with the largest {worst}" if worst else "that come first"
-        left_out = f"The {ROWS} rows {which}, of {len(table):,}; all are in {whole}."
-        table = table.iloc[np.argsort(size, kind="stable")[:ROWS]]
-    return Table(columns, [*zip(*(column.tolist() for _, column in table.items()), strict=True)], left_out)
+        left_out = f"The {ROWS} rows {which}, of {len(rows):,}; all are in {whole}."
+        size = np.array([row[worst] if worst else 0 for row in rows], float)
+        rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
+    return Table([*map(str, columns)], [[row.get(column) for column in columns] for row in rows], left_out)
 
 
 def table_row(values: Sequence[object]) -> Markup:

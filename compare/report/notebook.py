@@ -13,6 +13,7 @@ from scenes.sparkline import sparkline
 
 from ..engines.axis import prefixed
 from ..family.family import Family
+from ..judge.errors import ChannelError
 from ..judge.judgement import Judgement
 from ..study import Study
 from . import tables
@@ -33,7 +34,17 @@ class Result(Study):
         scene, sampling = judged.scene, judged.sampling
         motion = judged.reference.at(sampling.commanded(scene), sampling.times(scene))
         known = {field.name: getattr(judged, field.name) for field in fields(judged)}
-        return cls(**known, motion=motion, speed=pd.DataFrame())
+        return cls(**known, motion=motion, speed=())
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """One row per engine and channel: its errors against the reference."""
+        return pd.DataFrame(tables.errors(self), columns=ChannelError._fields)
+
+    @property
+    def gates(self) -> pd.DataFrame:
+        """One row per tolerance of the scene: the error measured, and whether it was met."""
+        return pd.DataFrame(tables.gates(self), columns=["engine", "group", "tolerance", "error", "met", "worst"])
 
     def svg(self, *, moving: bool = True) -> str:
         """Return the linkage as one SVG for a slide, without a script.
@@ -68,7 +79,7 @@ class Result(Study):
     def _repr_html_(self) -> str:
         from .first_screen import peaks
 
-        shown = tables.overview(self)
+        shown = pd.DataFrame(tables.overview(self))
         untimed = shown.loc[:, ~shown.columns.str.contains("[ms]", regex=False)]
         numbers = (
             (each.name, each.text, f"{each.of} {each.place.text if each.place else ''}", each.differ)

@@ -1,6 +1,7 @@
 """The page: one self-contained HTML file, opened from disk with no network."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from scenes.scene import ConstantSpeed
 
@@ -13,8 +14,6 @@ from .curves import Panel, chosen, over_angle
 from .description import described
 from .extremes import affordable
 from .figure import Figure
-from .hard.section import hard_cases
-from .hard.stability import stability_maps
 from .html import render
 from .linkage.moving import Moving
 from .singular import assur_groups, over_distance
@@ -60,9 +59,20 @@ def page(study: Study) -> str:
         speed_samples=SAMPLING.samples,
         near=f"{100 * NEAR:.0f} %",
         tie=f"{100 * TIE:.0f} %",
-        maps=[*stability_maps(study.maps)],
-        hard=hard_cases(study.hard),
+        **_in_full(study),
     )
+
+
+def _in_full(study: Study) -> dict[str, Any]:
+    """Return what the section about hard cases and maps of stability uses, by name."""
+    if not (study.maps or study.hard):
+        return {"maps": [], "hard": {}}
+    import pandas as pd  # late, as what few runs need
+
+    from .hard.section import hard_cases
+    from .hard.stability import stability_maps
+
+    return {"maps": [*stability_maps(pd.DataFrame(study.maps))], "hard": hard_cases(pd.DataFrame(study.hard))}
 
 
 def _sections(study: Study, drawn: Iterable[Panel]) -> Iterator[tuple[str, Figure, str, str]]:

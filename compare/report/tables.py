@@ -1,14 +1,12 @@
-"""The report's tables, as data frames, and its sentences: for `summary.json`, the page and the terminal."""
+"""The report's tables, as rows, and its sentences: for `summary.json`, the page and the terminal."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
 from enum import Enum
 from json import dumps
-from math import degrees, nan, pi
-from typing import get_type_hints
+from math import degrees, inf, isnan, nan, pi
+from typing import TypeAlias, get_type_hints
 
 import numpy as np
-import pandas as pd
 
 from scenes import Scene, Status
 from scenes.motion import UNITS, quantity
@@ -17,91 +15,113 @@ from scenes.scene import ConstantSpeed
 from ..engines import registry
 from ..engines.axis import axis, cycle_name
 from ..engines.reference import Floor
+from ..judge.checks import Check
 from ..judge.constraints import largest_length
-from ..judge.errors import shown_groups
+from ..judge.errors import by_group as grouped
+from ..judge.errors import shown_groups, worst_of
+from ..judge.gates import gate_table
 from ..judge.sketch import distances
 from ..study import Study
 
+Rows: TypeAlias = list[dict[str, object]]  # of a table, by column
 FIGURES = ["max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained"]  # of an error
 
 
-def overview(study: Study) -> pd.DataFrame:
+def overview(study: Study) -> Rows:
     """Return one row per engine: status, largest error by group, times. Failed engines keep their row."""
-    rows = []
+    rows: Rows = []
     for run, worst in ((m.run, m.worst()) for m in study.measurements):
         named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
         named["promise"] = f"{run.settings.promise:.0e}" if run.settings else ""
         seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s}
         errors = {group: worst.get(group, nan) for group in ("drive", *shown_groups(study.scene))}
-        rows.append(named | errors | {f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()})
-    return pd.DataFrame(rows)
+        rows.append({**named, **errors, **{f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()}})
+    return rows
 
 
-def by_group(study: Study) -> pd.DataFrame:
+def errors(study: Study) -> Rows:
+    """Return the errors of every engine and channel."""
+    return [row._asdict() for row in study.channel_errors]
+
+
+def gates(study: Study) -> Rows:
+    """Return every tolerance of the scene, the error measured, and whether it was met."""
+    return gate_table(study.held)
+
+
+def by_group(study: Study) -> Rows:
     """Return the largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
-    rows = []
-    for (engine, group), errors in study.errors.groupby(["engine", "group"], sort=False) if len(study.errors) else ():
-        worst = errors.iloc[int(errors["max"].to_numpy().argmax())]  # a NaN counts as the largest, here and below
-        at = {"worst_channel": worst["channel"], f"max_at [{axis(study.scene).unit}]": worst["max_at"]}
-        rows.append({"engine": engine, "group": group} | errors[FIGURES].max(skipna=False).to_dict() | at)
-    return pd.DataFrame(rows)
+    rows: Rows = []
+    for measured in study.measurements:
+        largest = {figure: measured.worst(figure) for figure in FIGURES}
+        for group, of in grouped(measured.errors).items():
+            worst = worst_of(of)
+            at = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
+            figures = {figure: found[group] for figure, found in largest.items()}
+            rows.append({"engine": measured.run.engine, "group": group} | figures | at)
+    return rows
 
 
-def checks(study: Study) -> pd.DataFrame:
+def checks(study: Study) -> Rows:
     """Return the worst violation of each reference-free check by engine, and the body with it."""
     at = f"max_at [{axis(study.scene).unit}]"
-    table = pd.DataFrame(
-        [{"engine": m.run.engine} | asdict(check) for m in study.measurements for check in m.checks],
-        columns=["engine", "check", "of", "worst", "max_at", "relative_to"],
-    ).rename(columns={"max_at": at, "relative_to": "relative to"})
-    table[at] = table[at].where(table[at].abs() > 1e-6 * table[at].abs().max(), 0.0)  # round-off of 0
-    largest = table.assign(worst=table["worst"].fillna(np.inf)).groupby(["engine", "check"], sort=False)["worst"]
-    return table.loc[largest.idxmax()]
+    worst: dict[tuple[str, str], Check] = {}
+    for engine, check in ((m.run.engine, check) for m in study.measurements for check in m.checks):
+        if (engine, check.check) not in worst or _size(check) > _size(worst[engine, check.check]):
+            worst[engine, check.check] = check
+    least = 1e-6 * max((abs(c.max_at) for m in study.measurements for c in m.checks if not isnan(c.max_at)), default=0)
+    return [
+        {"engine": engine, "check": check.check, "of": check.of, "worst": check.worst}
+        | {at: check.max_at if abs(check.max_at) > least else 0.0, "relative to": check.relative_to}  # round-off of 0
+        for (engine, _), check in worst.items()
+    ]
 
 
-def peaks(study: Study) -> pd.DataFrame:
+def _size(check: Check) -> float:
+    return inf if isnan(check.worst) else check.worst
+
+
+def peaks(study: Study) -> Rows:
     """Return one row per number of the designer's, in SI, and by how much each engine differs on it."""
     at = f"at [{UNITS[quantity(axis(study.scene).channel)]}]"
     engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
-    return pd.DataFrame(
+    return [
         {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
         | {"direction [rad]": peak.direction, "channel": peak.channel}
         | {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
         for peak in study.peaks
-    )
+    ]
 
 
-def residuals(study: Study) -> pd.DataFrame:
+def residuals(study: Study) -> Rows:
     """Return every engine's own convergence checks and counters."""
-    rows = [
+    return [
         {"engine": m.run.engine, "quantity": name, "value": value}
         for m in study.measurements
         for name, value in (*m.run.residuals.items(), *m.run.counters.items())
     ]
-    return pd.DataFrame(rows)
 
 
-def sketch(study: Study) -> pd.DataFrame:
+def sketch(study: Study) -> Rows:
     """Return how far the linkage's points are from where the sketch shows them, the farthest first."""
     unit, size = study.scene.length_unit
     largest = largest_length(study.scene)
-    rows = [
+    return [
         {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
         for point, distance in sorted(distances(study.reference).items(), key=lambda item: -item[1])
     ]
-    return pd.DataFrame(rows)
 
 
-def settings(study: Study) -> pd.DataFrame:
+def settings(study: Study) -> Rows:
     """Return the settings of every engine's run, their values and meanings, but for texts that are empty."""
-    rows = []
+    rows: Rows = []
     for run in (m.run for m in study.measurements if m.run.settings):
         meanings = get_type_hints(type(run.settings), include_extras=True)
         for name, value in vars(run.settings).items():
             if value != "":
                 named = {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
                 rows.append(named | {"meaning": meanings[name].__metadata__[0]})
-    return pd.DataFrame(rows)
+    return rows
 
 
 def _value(value: object) -> object:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from scenes import InputError
 from scenes.errors import nearest, one_line
@@ -112,6 +111,8 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     Raises:
         InputError: it cannot be read, or is no table, or not known to be one of this kind.
     """
+    import pandas as pd  # late: most runs read no table
+
     try:
         text = read_text(path, BYTES)
     except FileNotFoundError:
@@ -123,7 +124,7 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     try:
         names = [name.strip() for name in next(csv.reader([head], delimiter=separator, strict=True), [])]
         found = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
-    except (csv.Error, pd.errors.ParserError, pd.errors.EmptyDataError, ValueError) as error:
+    except (csv.Error, ValueError) as error:  # of which pandas has its own kinds
         why = one_line(str(error)).removeprefix("Error tokenizing data. C error: ")
         raise InputError(f"not a table: {why}") from None
     if found.shape[1] != len(names):

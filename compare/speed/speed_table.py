@@ -4,11 +4,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from math import ceil, inf
+from math import ceil, inf, nan
+from statistics import median
 from typing import NamedTuple
-
-import numpy as np
-import pandas as pd
 
 from scenes import Sampling, Settings, Status
 
@@ -19,6 +17,7 @@ from ..engines.settings import settings_of, tiers
 from ..engines.stopping import kept
 from ..judge.measure import Measurement, measure
 from ..judge.round_off import explain
+from .row import SpeedRow
 from .timing import NO_CLOCK, Budget, Times, take_turns
 from .work_precision import contests, in_doubt
 
@@ -45,7 +44,7 @@ def speed_table(
     progress: Callable[[str], None],
     channels: frozenset[str] | None = None,
     runs: Runs = runner,
-) -> pd.DataFrame:
+) -> list[SpeedRow]:
     """Return one row per setting: status, times, errors by group, counters. Failed settings stay in the table.
 
     The error run comes first and warms everything up. Then all settings take turns under the clock, those longest that
@@ -67,10 +66,10 @@ def speed_table(
         failed.update(n for n, run in zip(numbers, taken, strict=True) if run.status is not Status.ok)
         return [timed[n].run if n in failed else run for n, run in zip(numbers, taken, strict=True)]
 
-    compared = contests(pd.DataFrame([_row(point, None) for point in timed]))
+    compared = contests([_row(point, None) for point in timed])
     turns = take_turns([point.run for point in timed], again, budget, progress, partial(in_doubt, compared))
     times = {id(timed[number]): turn for number, turn in enumerate(turns) if number not in failed}
-    return pd.DataFrame([_row(point, times.get(id(point))) for point in points])
+    return [_row(point, times.get(id(point))) for point in points]
 
 
 def steps_per_cycle(settings: Settings) -> int | None:
@@ -89,7 +88,7 @@ def _error_runs(
         if steps > least:
             reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
             run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
-            yield Point(role, settings, Measurement(run, None, [], pd.DataFrame()))
+            yield Point(role, settings, Measurement(run, None, []))
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
         point = Point(role, settings, measured(engine, settings=settings))
@@ -98,33 +97,30 @@ def _error_runs(
         yield point
 
 
-def _row(point: Point, times: Times | None) -> dict[str, object]:
+def _row(point: Point, times: Times | None) -> SpeedRow:
     run, settings = point.run, point.settings
     clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.wall_s])
-    row: dict[str, object] = {
-        "engine": run.engine,
-        "setting": settings.label,
-        "role": point.role,
-        "tier": " ".join(tier for tier, offered in tiers(run.engine).items() if offered == settings),
-        "family": settings.family,
-        "expected_order": settings.order,
-        "note": settings.note,
-        "steps": steps_per_cycle(settings) or np.nan,  # a column of numbers, be it of no engine that takes steps
-        "samples_a_turn": SAMPLING.samples,
-        "status": run.status.name,
-        "reason": run.reason,
-        "build_s": min(clean.build),
-        "solve_min_s": min(clean.solve),
-        "solve_median_s": np.median(clean.solve),
-        "solve_spread_s": np.ptp(clean.solve),
-        "solve_wall_s": min(clean.wall),
-        "read_s": run.read_s,
-        "timed_runs": len(times.solve) if times else 0,
-    }
-    rms = point.measurement.worst("rms")
-    for group, worst in point.measurement.worst().items():
-        row |= {f"{group}_max": worst, f"{group}_rms": rms[group]}
-    return row | {
-        "steps_made": run.counters.get("steps", np.nan),
-        "counters": " ".join(f"{name}={count}" for name, count in run.counters.items()),
-    }
+    worst = {figure: point.measurement.worst(figure) for figure in ("max", "rms")}
+    return SpeedRow(
+        engine=run.engine,
+        setting=settings.label,
+        role=point.role,
+        tier=" ".join(tier for tier, offered in tiers(run.engine).items() if offered == settings),
+        family=settings.family,
+        expected_order=settings.order,
+        note=settings.note,
+        steps=steps_per_cycle(settings) or nan,
+        samples_a_turn=SAMPLING.samples,
+        status=run.status.name,
+        reason=run.reason,
+        build_s=min(clean.build),
+        solve_min_s=min(clean.solve),
+        solve_median_s=median(clean.solve),
+        solve_spread_s=max(clean.solve) - min(clean.solve),
+        solve_wall_s=min(clean.wall),
+        read_s=run.read_s,
+        timed_runs=len(times.solve) if times else 0,
+        errors={f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()},
+        steps_made=run.counters.get("steps", nan),
+        counters=run.counters,
+    )

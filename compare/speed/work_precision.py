@@ -8,18 +8,20 @@ they are level, and what is named of them is found without a clock: the smallest
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
+from math import isnan, nan
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
-from scenes import Settings, Status
+from scenes import Settings
 from scenes.motion import Samples
 
 from ..engines.registry import REFERENCE
-from ..engines.settings import WORK_PRECISION, settings_of
+from ..engines.settings import settings_of
 from ..judge.errors import SHOWN_GROUPS
+from .row import SpeedRow
 
 LEVELS: Mapping[str, float] = {"10 %": 1e-1, "1 %": 1e-2, "0.1 %": 1e-3, "1e-4": 1e-4, "1e-6": 1e-6, "1e-8": 1e-8}
 # Of the fastest time. While another program runs on the same core, Exudyn's solves of the toggle press take 1.75 times
@@ -35,39 +37,89 @@ STRAIGHT = 0.02  # decades: where theory holds errors lie on a line as well as t
 LAST, SETTLED = 2, 0.25  # local orders, as far apart: two whole orders, one apart, are four times as far
 
 
-def groups(speed: pd.DataFrame) -> list[str]:
+@dataclass(frozen=True)
+class Choice:
+    """The cheapest setting of an engine, of those with this note, for a level of the largest error."""
+
+    group: str
+    level: str
+    engine: str
+    note: str
+    setting: str = ""  # nothing where none reaches the level, as are the others then
+    level_with: str | None = None  # the engine's settings that are level with it
+    solve_s: float = nan
+    error: float = nan
+    ratio: float = nan  # of its time to that of the fastest setting without a note, of any engine
+    standing: str | None = None  # among the engines besides the reference: cheapest, level, or dearer
+
+
+@dataclass(frozen=True)
+class Order:
+    """A family's order of convergence in a channel group."""
+
+    engine: str
+    family: str
+    expected_order: float | None
+    group: str
+    order: float  # NaN where it has not settled, or few errors count
+    residual: float  # root mean square, decades
+    local_orders: Sequence[float]
+    points: int
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """The cost of a step in a family of settings, and the fixed cost of a run, s."""
+
+    engine: str
+    family: str
+    fixed_s: float
+    step_s: float
+    residual: float  # root mean square, relative
+    points: int
+
+
+def groups(speed: Sequence[SpeedRow]) -> list[str]:
     """Return the channel groups that errors were measured in."""
-    return [group for group in SHOWN_GROUPS if f"{group}_max" in speed]
+    known = set[str]().union(*(row.errors for row in speed))
+    return [group for group in SHOWN_GROUPS if f"{group}_max" in known]
 
 
-def solved(speed: pd.DataFrame) -> pd.DataFrame:
+def solved(speed: Sequence[SpeedRow]) -> list[SpeedRow]:
     """Return the work-precision settings that solved the scene."""
-    return speed[(speed["status"] == Status.ok.name) & (speed["role"] == WORK_PRECISION)] if len(speed) else speed
+    return [row for row in speed if row.solved]
 
 
-def contenders(points: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
+def contenders(points: Sequence[SpeedRow]) -> Iterator[tuple[str, str, list[SpeedRow]]]:
     """Yield engine, note and settings of all that compete with each other; without a note first."""
-    for (engine, note), rows in points.groupby(["engine", "note"], sort=False) if len(points) else ():
-        yield str(engine), str(note), rows
+    for (engine, note), places in _contending(points).items():
+        yield engine, note, [points[place] for place in places]
+
+
+def _contending(points: Sequence[SpeedRow]) -> dict[tuple[str, str], list[int]]:
+    """Return by engine and note the places of the settings that compete with each other."""
+    found: dict[tuple[str, str], list[int]] = {}
+    for place, row in enumerate(points):
+        found.setdefault((row.engine, row.note), []).append(place)
+    return found
 
 
 # --- the cheapest setting for an error -------------------------------------------------------------------------------
 
 
-def as_fast(points: pd.DataFrame, error: str, limit: float, tie: float = TIE) -> pd.DataFrame:
+def as_fast(points: Sequence[SpeedRow], error: str, limit: float, tie: float = TIE) -> list[SpeedRow]:
     """Return the settings that are level with the fastest of those whose error is at most `limit`, the best first.
 
     The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
     first of the table.
     """
-    times, errors, steps = _numbers(points, error)
-    return points.take(_as_fast(times, errors, steps, limit, tie))
+    return [points[place] for place in _as_fast(*_numbers(points, error), limit, tie)]
 
 
-def _numbers(points: pd.DataFrame, error: str) -> tuple[Samples, Samples, Samples]:
+def _numbers(points: Sequence[SpeedRow], error: str) -> tuple[Samples, Samples, Samples]:
     """Return the times, errors and steps of settings, shape (n,)."""
-    steps = points["steps_made"].fillna(0)
-    return points["solve_min_s"].to_numpy(float), points[error].to_numpy(float), steps.to_numpy(float)
+    numbers = np.array([(row.solve_min_s, row.error(error), row.steps_made) for row in points]).reshape(-1, 3)
+    return numbers[:, 0], numbers[:, 1], np.nan_to_num(numbers[:, 2])
 
 
 def _as_fast(times: Samples, errors: Samples, steps: Samples, limit: float, tie: float) -> NDArray[np.intp]:
@@ -78,74 +130,59 @@ def _as_fast(times: Samples, errors: Samples, steps: Samples, limit: float, tie:
     return level[np.lexsort((steps[level], errors[level], times[level] > (1 + tie) * fastest))]
 
 
-def front(points: pd.DataFrame, error: str, tie: float = TIE) -> pd.DataFrame:
+def front(points: Sequence[SpeedRow], error: str, tie: float = TIE) -> list[SpeedRow]:
     """Return every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
-    return points.take(front_places(points, error, tie))
-
-
-def front_places(points: pd.DataFrame, error: str, tie: float = TIE) -> list[int]:
-    """Return the rows of what `front` returns."""
-    plain = np.flatnonzero(points["note"].to_numpy() == "")
-    times, errors, steps = (values[plain] for values in _numbers(points, error))
+    plain = [row for row in points if not row.note]
+    times, errors, steps = _numbers(plain, error)
     best = {int(_as_fast(times, errors, steps, limit, tie)[0]) for limit in errors[~np.isnan(errors)]}
-    return [int(plain[row]) for row in sorted(best, key=lambda row: (times[row], row))]
+    return [plain[place] for place in sorted(best, key=lambda place: (times[place], place))]
 
 
-def choices(speed: pd.DataFrame) -> pd.DataFrame:
-    """Return the cheapest setting by channel group, engine and note, and level of the largest error.
-
-    `level_with` are the engine's settings that are level with it, `ratio` is its time over that of the fastest setting
-    without a note, of any engine. `standing` is among the engines besides the reference, of settings without a note:
-    cheapest, level, or dearer.
-    """
-    points = solved(speed).reset_index(drop=True)
-    sets = [(engine, note, rows.index.to_numpy()) for engine, note, rows in contenders(points)]
-    found, names = [], points["setting"].tolist() if len(points) else []
-    for group in groups(speed) if len(points) else ():
+def choices(speed: Sequence[SpeedRow]) -> list[Choice]:
+    """Return the cheapest setting by channel group, engine and note, and level of the largest error."""
+    points, found = solved(speed), list[Choice]()
+    sets = [(engine, note, np.array(places)) for (engine, note), places in _contending(points).items()]
+    for group in groups(speed) if points else ():
         times, errors, steps = _numbers(points, f"{group}_max")
         standings = {name: standing(points, f"{group}_max", limit) for name, limit in LEVELS.items()}
-        plain = np.where(points["note"] == "", errors, np.inf)
+        plain = np.where([not row.note for row in points], errors, np.inf)
         for (engine, note, places), (name, limit) in product(sets, LEVELS.items()):
             level = places[_as_fast(times[places], errors[places], steps[places], limit, TIE)]
-            settings = [names[place] for place in level]
-            row: dict[str, object] = {"group": group, "level": name, "engine": engine, "note": note}
-            found.append(row | {"setting": settings[0] if settings else ""})
-            if settings:
-                fastest, time = times[plain <= limit], times[level[0]]
-                found[-1] |= {
-                    "level_with": "; ".join(sorted(settings[1:])),
-                    "solve_s": time,
-                    "error": errors[level[0]],
-                    "ratio": time / fastest.min() if fastest.size else np.nan,
-                    "standing": standings[name].get(engine, "") if not note else "",
-                }
-    return pd.DataFrame(found)
+            if not level.size:
+                found.append(Choice(group, name, engine, note))
+                continue
+            best, *others = (points[place].setting for place in level)
+            fastest, time = times[plain <= limit], float(times[level[0]])
+            ratio = time / float(fastest.min()) if fastest.size else nan
+            stands = standings[name].get(engine, "") if not note else ""
+            figures = time, float(errors[level[0]]), ratio, stands
+            found.append(Choice(group, name, engine, note, best, "; ".join(sorted(others)), *figures))
+    return found
 
 
-def standing(points: pd.DataFrame, error: str, limit: float) -> dict[str, str]:
+def standing(points: Sequence[SpeedRow], error: str, limit: float) -> dict[str, str]:
     """Return by engine how its fastest setting without a note stands, among the engines besides the reference."""
     fastest: dict[str, float] = {}
-    columns = "engine", "note", "solve_min_s", error
-    for engine, note, time, off in zip(*(points[name].tolist() for name in columns), strict=True):
-        if not note and engine != REFERENCE and off <= limit:
-            fastest[engine] = min(time, fastest.get(engine, np.inf))
+    for row in points:
+        if not row.note and row.engine != REFERENCE and row.error(error) <= limit:
+            fastest[row.engine] = min(row.solve_min_s, fastest.get(row.engine, np.inf))
     near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
 
 
-def contests(speed: pd.DataFrame) -> list[NDArray[np.intp]]:
+def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
     """Return the sets of settings, by their places in the table, of which the fastest is asked for.
 
     One for every group, level and contender, and one for all engines besides the reference.
     """
-    points = solved(speed.reset_index(drop=True))
-    if points.empty:
-        return []
-    plain = points[(points["note"] == "") & (points["engine"] != REFERENCE)]
-    sets = [*(rows for _, _, rows in contenders(points)), plain]
-    errors = [[(rows.index.to_numpy(), rows[f"{group}_max"].to_numpy()) for rows in sets] for group in groups(speed)]
-    found = (tuple(places[error <= limit]) for of, limit in product(errors, LEVELS.values()) for places, error in of)
+    able = [place for place, row in enumerate(speed) if row.solved]
+    sets = [[able[place] for place in places] for places in _contending(solved(speed)).values()]
+    sets.append([place for place in able if not speed[place].note and speed[place].engine != REFERENCE])
+    found = (
+        tuple(place for place in places if speed[place].error(f"{group}_max") <= limit)
+        for group, limit, places in product(groups(speed), LEVELS.values(), sets)
+    )
     return [np.array(places) for places in dict.fromkeys(found) if len(places) > 1]
 
 
@@ -163,33 +200,32 @@ def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> li
     return sorted(doubtful)
 
 
-def within(engine: str, accuracy: float, speed: pd.DataFrame) -> list[Settings]:
+def within(engine: str, accuracy: float, speed: Sequence[SpeedRow]) -> list[Settings]:
     """Return an engine's settings without a note that meet an accuracy in every group: the cheapest first.
 
     Each that follows is the cheapest of those more accurate than the ones before.
     """
-    points = solved(speed)
-    points = points[(points["engine"] == engine) & (points["note"] == "")]
-    points = points.assign(worst=points[[f"{group}_max" for group in groups(speed)]].max(axis=1, skipna=False))
+    names = [f"{group}_max" for group in groups(speed)]
+    points = [row for row in solved(speed) if row.engine == engine and not row.note]
+    worst = [replace(row, errors={"worst": float(np.max([*map(row.error, names)] or [nan]))}) for row in points]
     by_label = {settings.label: settings for settings in settings_of(engine, full=True)}
-    good = front(points[points["worst"] <= accuracy], "worst")
-    return [by_label[label] for label in good["setting"]]
+    return [by_label[row.setting] for row in front([row for row in worst if row.error("worst") <= accuracy], "worst")]
 
 
 # --- fits within a family --------------------------------------------------------------------------------------------
 
 
-def families(speed: pd.DataFrame, steps: str) -> Iterator[tuple[dict[str, object], pd.DataFrame]]:
-    """Yield engine, family and expected order, and the family's settings from the fewest to the most of `steps`."""
-    points = solved(speed)
-    if len(points):
-        for (engine, family), rows in points[points["family"] != ""].groupby(["engine", "family"], sort=False):
-            named = {"engine": engine, "family": family, "expected_order": rows["expected_order"].iloc[0]}
-            counts, first = np.unique(rows[steps].to_numpy(float), return_index=True)
-            yield named, rows.take(first[~np.isnan(counts)])
+def families(points: Sequence[SpeedRow], steps: str) -> Iterator[list[SpeedRow]]:
+    """Yield the settings of every family, those that solved the scene, from the fewest to the most of `steps`."""
+    found: dict[tuple[str, str], dict[float, SpeedRow]] = {}
+    for row in solved(points):
+        if row.family and not isnan(count := getattr(row, steps)):
+            found.setdefault((row.engine, row.family), {}).setdefault(count, row)
+    for rows in found.values():
+        yield [row for _, row in sorted(rows.items())]
 
 
-def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:
+def orders(speed: Sequence[SpeedRow], floors: Mapping[str, float]) -> list[Order]:
     """Return every family's order of convergence by channel group, NaN where it has not settled or few errors count.
 
     The order is the slope of log(largest error) against log(steps per cycle) by least squares, `residual` the root mean
@@ -197,16 +233,16 @@ def orders(speed: pd.DataFrame, floors: Mapping[str, float]) -> pd.DataFrame:
     coarsest, and the finest may feel a floor. `local_orders` are the slopes from each of its settings to the next; the
     order has settled where the last ones agree with each other and with it. `floors` are the reference's.
     """
-    rows = []
-    for named, points in families(speed, "steps"):
-        for group in groups(speed):
-            steps, errors = points["steps"].to_numpy(float), points[f"{group}_max"].to_numpy(float)
-            above = above_floor(steps, errors, floors.get(group, 0.0))
-            order, residual, local = _order(np.log10(steps[:above]), np.log10(errors[:above]))
-            settled = local and np.ptp([order, *local[-LAST:]]) <= SETTLED
-            rows.append(named | {"group": group, "order": order if settled else np.nan, "residual": residual})
-            rows[-1] |= {"local_orders": local, "points": len(local) + 1 if local else 0}
-    return pd.DataFrame(rows)
+    found = []
+    for points, group in product(families(speed, "steps"), groups(speed)):
+        errors = np.array([row.error(f"{group}_max") for row in points])
+        steps = np.array([row.steps for row in points])
+        above = above_floor(steps, errors, floors.get(group, 0.0))
+        order, residual, local = _order(np.log10(steps[:above]), np.log10(errors[:above]))
+        settled = local and np.ptp([order, *local[-LAST:]]) <= SETTLED
+        named = points[0].engine, points[0].family, points[0].expected_order, group
+        found.append(Order(*named, order if settled else nan, residual, local, len(local) + 1 if local else 0))
+    return found
 
 
 def above_floor(steps: Samples, errors: Samples, floor: float) -> int:
@@ -227,7 +263,7 @@ def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
     """Return order, residual and local orders of the longest straight run of settings, or else of all."""
     runs = [slice(i, j) for i in range(len(x)) for j in range(i + LEAST_POINTS, len(x) + 1)]
     if not runs:
-        return np.nan, np.nan, []
+        return nan, nan, []
     residuals = [_line(x[run], y[run])[1] for run in runs]
     straight = [run for run, residual in zip(runs, residuals, strict=True) if residual <= STRAIGHT]
     best = max(straight or [slice(0, len(x))], key=lambda run: run.stop - run.start)
@@ -239,18 +275,19 @@ def _line(x: Samples, y: Samples) -> tuple[float, float]:
     return -float(line.convert().coef[1]), float(np.sqrt(np.mean((y - line(x)) ** 2)))
 
 
-def step_costs(speed: pd.DataFrame) -> pd.DataFrame:
+def step_costs(speed: Sequence[SpeedRow]) -> list[StepCost]:
     """Return the cost of a step in every family, and the fixed cost of a run, s, by time = fixed + steps * step.
 
     Least squares of the relative errors, whose root mean square is `residual`; steps are all that were made, those
     before the first sample and those of every Richardson level.
     """
-    rows = []
-    for named, points in families(speed, "steps_made"):
+    found = []
+    for points in families(speed, "steps_made"):
         if len(points) >= LEAST_POINTS:
-            time, steps = points["solve_min_s"].to_numpy(float), points["steps_made"].to_numpy(float)
+            time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
             relative = np.column_stack([1 / time, steps / time])
             (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
-            residual = np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2))
-            rows.append(named | {"fixed_s": fixed, "step_s": step, "residual": residual, "points": len(time)})
-    return pd.DataFrame(rows).drop(columns="expected_order", errors="ignore")
+            residual = float(np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2)))
+            named = points[0].engine, points[0].family
+            found.append(StepCost(*named, float(fixed), float(step), residual, len(points)))
+    return found

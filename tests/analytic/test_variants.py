@@ -59,5 +59,5 @@ def test_single_precision_is_told_from_the_reference(toggle_press: Scene) -> Non
     found = measure(establish(toggle_press), "analytic", Sampling(72), AnalyticSettings("single", single=True))
     assert found.run.motion is not None
     assert all(samples.dtype == np.float64 for samples in found.run.motion.samples.values())
-    worst = found.errors.groupby("group")["max"].max()
+    worst = found.worst()
     assert 1e-8 <= worst["reaction"] <= 1e-5  # a rounding is 6e-8, a few dozen of them

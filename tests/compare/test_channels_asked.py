@@ -82,9 +82,9 @@ def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path
     assert few.measurements[0].run.status is Status.ok, few.measurements[0].run.reason
     assert few.reference.scale == full.reference.scale
     assert set(few.reference.floor.by_channel) <= set(wanted)
-    assert set(few.errors["channel"]) == set(wanted) - {"time"}
+    assert {row.channel for row in few.channel_errors} == set(wanted) - {"time"}
     for channel in set(wanted) - {"time"}:
-        error, all_along = (s.errors.set_index("channel")["max"][channel] for s in (few, full))
+        error, all_along = (pd.DataFrame(s.channel_errors).set_index("channel")["max"][channel] for s in (few, full))
         assert error == pytest.approx(all_along, abs=1e-13)
     folder = output.write(few, tmp_path)
     written = pd.read_csv(folder / "motion.analytic.csv")

@@ -1,16 +1,15 @@
 """Speed against error as a reader wants it: one sentence, and tables of text."""
 
 import re
-from collections.abc import Hashable, Mapping
-from typing import Any
-
-import pandas as pd
+from collections.abc import Sequence
 
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
 from ...engines.settings import ABLATION
-from ...speed.work_precision import LEVELS, as_fast, contenders, groups, solved, standing
+from ...speed.row import SpeedRow
+from ...speed.work_precision import LEVELS, Choice, as_fast, contenders, groups, solved, standing
 from ...study import Study
+from ..tables import Rows
 
 LEVEL = "0.1 %"  # of the sentence
 NOUNS = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "reaction": "reactions"}
@@ -31,11 +30,11 @@ def main_group(study: Study) -> str | None:
 def verdict(study: Study) -> str:
     """Return which setting is the cheapest for what matters most, in one sentence; several where they are level."""
     group, points = main_group(study), solved(study.speed)
-    if group is None or points.empty:
+    if group is None or not points:
         return ""
-    points, error, limit = points[points["note"] == ""], f"{group}_max", LEVELS[LEVEL]
-    best = {engine: as_fast(rows, error, limit) for engine, rows in points.groupby("engine", sort=False)}
-    reference = REFERENCE in set(as_fast(points, error, limit)["engine"])
+    error, limit = f"{group}_max", LEVELS[LEVEL]
+    best = {engine: as_fast(rows, error, limit) for engine, note, rows in contenders(points) if not note}
+    reference = any(row.engine == REFERENCE for row in as_fast([p for p in points if not p.note], error, limit))
     named = [_setting(study, best[REFERENCE])] if reference else []
     others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
     if others:
@@ -46,10 +45,10 @@ def verdict(study: Study) -> str:
     return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {found}."
 
 
-def _setting(study: Study, level: pd.DataFrame) -> str:
-    row, others = level.iloc[0], len(level) - 1
+def _setting(study: Study, level: Sequence[SpeedRow]) -> str:
+    row, others = level[0], len(level) - 1
     also = f" (level with {others} more of its settings)" if others else ""
-    return f"{row['engine']}, {row['setting']}, {1e3 * row['solve_min_s']:.3g} ms per {cycle_name(study.scene)}{also}"
+    return f"{row.engine}, {row.setting}, {1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}{also}"
 
 
 def notes(study: Study) -> list[str]:
@@ -58,66 +57,67 @@ def notes(study: Study) -> list[str]:
     return [f"{engine}: {note}" for engine, note in pairs]
 
 
-def cheapest_settings(study: Study) -> dict[str, pd.DataFrame]:
+def cheapest_settings(study: Study) -> dict[str, Rows]:
     """Return the cheapest setting by channel group: a column per level of the largest error, a row per contender."""
-    tables: dict[str, dict[str, dict[str, str]]] = {}  # by group, name of the engine with its note, level
-    for row in study.cheapest.to_dict("records"):
-        rows = tables.setdefault(row["group"], {})
-        rows.setdefault(contender(row["engine"], row["note"]), {}).setdefault(row["level"], _choice(row))
-    return {
-        group: pd.DataFrame([{"engine": name} | row for name, row in rows.items()]) for group, rows in tables.items()
-    }
+    tables: dict[str, dict[str, dict[str, object]]] = {}  # by group, name of the engine with its note, level
+    for choice in study.cheapest:
+        name = contender(choice.engine, choice.note)
+        row = tables.setdefault(choice.group, {}).setdefault(name, {"engine": name})
+        row.setdefault(choice.level, _choice(choice))
+    return {group: [*rows.values()] for group, rows in tables.items()}
 
 
-def _choice(row: Mapping[Hashable, Any]) -> str:
+def _choice(choice: Choice) -> str:
     """Return a setting with its time, that over the fastest of all, and what is level with it."""
-    if not row["setting"]:
+    if not choice.setting:
         return "–"
-    others = len(row["level_with"].split("; ")) if row["level_with"] else 0
-    level = [f"×{row['ratio']:.3g}", f"level with {others} more" if others else ""]
-    level.append({"cheapest": "cheapest engine", "level": "engines level"}.get(row["standing"], ""))
-    return f"{row['setting']}, {1e3 * row['solve_s']:.3g} ms ({', '.join(filter(None, level))})"
+    others = len(choice.level_with.split("; ")) if choice.level_with else 0
+    level = [f"×{choice.ratio:.3g}", f"level with {others} more" if others else ""]
+    level.append({"cheapest": "cheapest engine", "level": "engines level"}.get(choice.standing or "", ""))
+    return f"{choice.setting}, {1e3 * choice.solve_s:.3g} ms ({', '.join(filter(None, level))})"
 
 
-def orders(study: Study) -> pd.DataFrame:
+def orders(study: Study) -> Rows:
     """Return the orders of convergence, a column per channel group, a row per family that has three good settings."""
-    rows: dict[tuple[str, str], dict[str, str]] = {}
-    for row in study.orders.to_dict("records"):
-        family = {"engine": row["engine"], "family": row["family"], "expected": _expected(row["expected_order"])}
-        local = ", ".join(f"{order:.2f}" for order in row["local_orders"])
-        fit = f"{row['order']:.2f}" if row["order"] == row["order"] else "not settled"
-        text = f"{fit} ({local}; {row['residual']:.1g})" if local else "–"
-        rows.setdefault((row["engine"], row["family"]), family)[row["group"]] = text
+    rows: dict[tuple[str, str], dict[str, object]] = {}
+    for of in study.orders:
+        family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": _expected(of.expected_order)}
+        local = ", ".join(f"{order:.2f}" for order in of.local_orders)
+        fit = f"{of.order:.2f}" if of.order == of.order else "not settled"
+        text = f"{fit} ({local}; {of.residual:.1g})" if local else "–"
+        rows.setdefault((of.engine, of.family), family)[of.group] = text
     known = set(groups(study.speed))
-    return pd.DataFrame([row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())])
+    return [row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())]
 
 
-def _expected(order: float) -> str:
-    return "–" if order != order else f"{order:g}"
+def _expected(order: float | None) -> str:
+    return "–" if order is None else f"{order:g}"
 
 
-def step_costs(study: Study) -> pd.DataFrame:
+def step_costs(study: Study) -> Rows:
     """Return the cost of a step in every family of settings, and the fixed cost of a run."""
-    found = study.step_costs
-    if found.empty:
-        return found
-    costs = {"per step [µs]": 1e6 * found["step_s"], "fixed [ms]": 1e3 * found["fixed_s"]}
-    quality = {"residual [%]": 1e2 * found["residual"], "settings": found["points"]}
-    return found[["engine", "family"]].assign(**costs, **quality)
+    return [
+        {"engine": cost.engine, "family": cost.family, "per step [µs]": 1e6 * cost.step_s}
+        | {"fixed [ms]": 1e3 * cost.fixed_s, "residual [%]": 1e2 * cost.residual, "settings": cost.points}
+        for cost in study.step_costs
+    ]
 
 
-def ablations(study: Study) -> pd.DataFrame:
+def ablations(study: Study) -> Rows:
     """Return the cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
-    speed = study.speed
-    rows = []
-    for engine in speed["engine"][speed["role"] == ABLATION].unique() if len(speed) else ():
-        settings = speed[speed["engine"] == engine]
-        default = settings[settings["tier"].str.contains("balanced")]
-        measured = pd.concat([default, settings[settings["role"] == ABLATION]])
-        seconds = measured["solve_min_s"] / measured["steps_made"].fillna(1)
-        for row, a_step in zip(measured.to_dict("records"), seconds, strict=True):
-            counters = dict(pair.split("=") for pair in row["counters"].split())
-            named = {name: row[name] for name in ("engine", "setting", "status")}
-            sizes = {size: counters.get(size, "–") for size in SIZES} | {"steps": row["steps_made"]}
-            rows.append(named | sizes | {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds.iloc[0]})
-    return pd.DataFrame(rows).astype({"steps": "Int64"} if rows else {})
+    rows: Rows = []
+    for engine in dict.fromkeys(row.engine for row in study.speed if row.role == ABLATION):
+        own = [row for row in study.speed if row.engine == engine]
+        default = [row for row in own if "balanced" in row.tier]
+        measured = [*default, *(row for row in own if row.role == ABLATION)]
+        seconds = [row.solve_min_s / row.counters.get("steps", 1) for row in measured]
+        for row, a_step in zip(measured, seconds, strict=True):
+            named = {"engine": engine, "setting": row.setting, "status": row.status}
+            sizes = {size: row.counters.get(size, "–") for size in (*SIZES, "steps")}
+            rows.append(named | sizes | {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]})
+    return rows
+
+
+def every_setting(study: Study) -> Rows:
+    """Return what is known of every setting."""
+    return [row.cells() for row in study.speed]

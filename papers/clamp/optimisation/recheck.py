@@ -82,6 +82,6 @@ def _recheck(name: str, measured: Measurement, press: Scene) -> Recheck:
     if motion is not None:
         ratio = float(np.ptp(motion["C.x"]) / np.ptp(motion["drive.displacement"]))
         fastest = float((motion["C.vx"] / motion["E.vx"]).max())
-        largest = measured.errors.groupby("group")["max"].max()
-        errors = {group: float(largest[group]) for group in SHOWN_GROUPS if group in largest}
+        largest = measured.worst()
+        errors = {group: largest[group] for group in SHOWN_GROUPS if group in largest}
     return Recheck(name, engine, measured.run.status.name, HALF_FORCE / thrust, ratio, fastest, errors)

@@ -134,7 +134,7 @@ def test_what_is_no_number_is_not_shown_as_one(judge: Judge, reference: Referenc
     judged = judge(commanded(reference))
     measured = judged.measurements[2]
     bad = replace(measured, run=replace(measured.run, status=Status.inconsistent))
-    bad = replace(bad, errors=bad.errors.assign(max=np.nan))
+    bad = replace(bad, errors=[row._replace(max=np.nan) for row in bad.errors])
     verdict = plain(agreement(replace(judged, measurements=[*judged.measurements[:2], bad])))
     assert verdict.word is Word.disagrees
     assert verdict.sentence.startswith("stub disagrees with the closed form in ")

@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.typing import ArrayLike
 
@@ -120,9 +119,7 @@ def test_of_many_engines_those_that_agree_are_named(reference: Reference) -> Non
     def off(engine: str, by: float) -> Measurement:
         samples = {channel: values * (1.0 + by) for channel, values in motion.samples.items()}
         status, found_by = (Status.inaccurate, "reference") if by else (Status.ok, "")
-        return Measurement(
-            Run(engine, settings, status, "", found_by, motion=Motion(samples)), None, [], pd.DataFrame()
-        )
+        return Measurement(Run(engine, settings, status, "", found_by, motion=Motion(samples)), None, [])
 
     apart = [off("analytic", 0.0), off("exudyn", 0.1), off("pymunk", 0.5), off("casadi", 0.1001)]
     alone, measured = _voted(floorless, apart)

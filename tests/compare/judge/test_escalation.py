@@ -1,11 +1,12 @@
 """What is tried after a failure, and what is said of it."""
 
 from dataclasses import dataclass, field, replace
+from math import nan
 
-import pandas as pd
 import pytest
 
 from compare.engines.runner import Run
+from compare.judge.errors import ChannelError
 from compare.judge.escalation import escalated, offers
 from compare.judge.measure import Measurement
 from scenes import Settings, Status
@@ -30,8 +31,8 @@ class Engine:
         status = self.ends.get(settings.label, Status.ok)
         reason = "" if status is Status.ok else f"{settings.label} is not enough"
         off = [self.errors[settings.label]] if settings.label in self.errors else []
-        table = pd.DataFrame({"group": ["velocity"] * len(off), "max": off})
-        return Measurement(Run("x", settings, status, reason), None, [], table)
+        row = ChannelError._make([nan] * len(ChannelError._fields))._replace(group="velocity")
+        return Measurement(Run("x", settings, status, reason), None, [], [row._replace(max=error) for error in off])
 
 
 @pytest.fixture(autouse=True)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from compare.engines.reference import Reference
@@ -61,7 +62,7 @@ def test_a_place_that_is_no_number_is_another_branch(reference: Reference, motio
 
 def test_an_error_that_is_no_number_is_the_largest(reference: Reference, motion: Motion) -> None:
     table = error_table("stub", compare(reference, SAMPLING, changed(motion, "P3.fx", np.nan)), reference)
-    row = table.set_index("channel").loc["P3.fx"]
+    row = pd.DataFrame(table).set_index("channel").loc["P3.fx"]
     assert row[["max", "unexplained", "rms", "commanded_max", "commanded_rms"]].isna().all()
     assert row["max_at"] == pytest.approx(200.0)
     assert np.isnan(Measurement(OK, None, [], table).worst()["reaction"])

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
@@ -189,7 +188,7 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     wrong = spoilt(motion, {"P4.fx": -motion["P4.fx"]})
     ok = Run("analytic", Settings("x"), Status.ok, motion=motion)
     failed = replace(ok, engine="exudyn", status=Status.inaccurate, motion=wrong)
-    measured = [Measurement(one, None, [], pd.DataFrame()) for one in (ok, failed, replace(ok, engine="pymunk"))]
+    measured = [Measurement(one, None, []) for one in (ok, failed, replace(ok, engine="pymunk"))]
     line = "exudyn: P4.fx has the opposite sign"
     assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
     assert (

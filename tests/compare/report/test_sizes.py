@@ -153,7 +153,7 @@ def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
 ) -> None:
     monkeypatch.setattr(curves, "FIGURES", 5)
     errors = result.measurements[1].errors
-    errors = errors.assign(max=errors["max"].where(errors["channel"] != "P2.fy", np.nan))
+    errors = [row._replace(max=np.nan) if row.channel == "P2.fy" else row for row in errors]
     spoilt = replace(result, measurements=[result.measurements[0], replace(result.measurements[1], errors=errors)])
     drawn, left_out = curves.chosen(spoilt)
     assert [panel.judged[0] for panel in drawn] == ["P5.x", "P5.vx", "P5.ax", "P2.fx", "drive.torque"]

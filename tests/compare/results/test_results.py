@@ -65,7 +65,7 @@ def test_decimals_excuse_no_more_than_half_of_the_last(
         off = columns | {channel: columns[channel] + last * 1e-4}
         file = write(tmp_path, writer.texts(off), f"promise = 1e-9\n{MAPPED}")
         found = judged(press, file, references)
-        sizes[last] = found.errors.set_index("channel")["unexplained"][channel]
+        sizes[last] = next(row.unexplained for row in found.errors if row.channel == channel)
         assert found.run.status.name in (status, "inconsistent" if last else status), found.run.reason
     assert sizes[0.0] <= 1e-13 < 1e-9 < sizes[3.0]
 
@@ -81,7 +81,7 @@ def test_the_reference_is_evaluated_at_its_instants_and_never_interpolated(
         assert found.run.status.name == "ok", found.run.reason
         assert found.run.motion is not None
         assert np.array_equal(found.run.motion["time"], own)
-        assert set(found.errors["channel"]) == {"P5.y", "P5.ay", "crank_angle"}
+        assert {row.channel for row in found.errors} == {"P5.y", "P5.ay", "crank_angle"}
 
 
 def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, references: References) -> None:

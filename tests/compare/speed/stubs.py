@@ -1,19 +1,29 @@
 """Stand-ins for tests of speed against error: a clock, an engine whose errors and times are known, and its table."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from itertools import repeat
 from math import inf, nan
 from typing import Any
 
-import pandas as pd
-
 from compare.engines.reference import Reference
+from compare.speed.row import SpeedRow
 from compare.speed.timing import Budget
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 
 STEPS = (72, 144, 360, 720, 1440, 7200)
 FULL = Budget(10, inf, full=True, point_s=inf)
+
+
+BLANK: dict[str, Any] = {name.name: nan if "float" in str(name.type) else "" for name in fields(SpeedRow)}
+SOLVED: dict[str, Any] = {
+    "role": "work-precision",
+    "status": "ok",
+    "errors": {},
+    "counters": {},
+    "expected_order": None,
+}
+ROW = SpeedRow(**(BLANK | SOLVED))  # a setting that solved a scene, of which nothing else is known
 
 
 class Clock:
@@ -32,14 +42,22 @@ def quiet(_: str) -> None:
     return
 
 
-def table(*rows: tuple[str, str, float, float], **columns: Any) -> pd.DataFrame:
-    """Return a speed table of engine, setting, seconds and largest reaction error."""
-    known = pd.DataFrame(rows, columns=["engine", "setting", "solve_min_s", "reaction_max"])
-    rest: dict[str, Any] = {"note": "", "role": "work-precision", "status": "ok", "family": "", "expected_order": nan}
-    return known.assign(**(rest | {"steps_made": nan} | columns))
+def table(*rows: tuple[str, str, float, float], **columns: Any) -> list[SpeedRow]:
+    """Return a speed table of engine, setting, seconds and largest reaction error; lists have a value for each row."""
+    found = []
+    for number, (engine, setting, seconds, error) in enumerate(rows):
+        own = {name: value[number] if isinstance(value, list) else value for name, value in columns.items()}
+        known: dict[str, Any] = {
+            "engine": engine,
+            "setting": setting,
+            "solve_min_s": seconds,
+            "errors": {"reaction_max": error},
+        }
+        found.append(replace(ROW, **known, **own))
+    return found
 
 
-def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> pd.DataFrame:
+def family(steps: Sequence[int], errors: Sequence[float], order: float = 2.0) -> list[SpeedRow]:
     rows = [("a", f"{n} steps", 1e-3 + 1e-5 * n, error) for n, error in zip(steps, errors, strict=True)]
     return table(*rows, family="f", expected_order=order, steps=list(steps), steps_made=list(steps))
 

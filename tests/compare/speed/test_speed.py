@@ -1,11 +1,12 @@
 """Speed against error: the table of an engine whose errors and times are known, what is chosen by it, and shown."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, repeat
 from math import inf, nan
+from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import scenes
@@ -16,6 +17,7 @@ from compare.judge.round_off import explain
 from compare.report.page import page
 from compare.report.speed import tables as speed_tables
 from compare.report.speed.figure import work_precision as picture
+from compare.speed.row import SpeedRow
 from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget
 from compare.speed.work_precision import choices, orders, solved, step_costs
@@ -37,8 +39,8 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     return engine
 
 
-def rows_of(speed: pd.DataFrame) -> dict[str, dict[str, object]]:
-    return {str(row["setting"]): {str(k): v for k, v in row.items()} for row in speed.to_dict("records")}
+def rows_of(speed: Sequence[SpeedRow]) -> dict[str, dict[str, Any]]:
+    return {row.setting: row.cells() for row in speed}
 
 
 @pytest.mark.usefixtures("stub")
@@ -63,22 +65,22 @@ def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngin
 @pytest.mark.usefixtures("stub")
 def test_orders_and_costs_of_a_table(reference: Reference) -> None:
     speed = speed_table(reference, ["stub"], FULL, quiet)
-    (row,) = orders(speed, {}).query("group == 'reaction'").to_dict("records")
-    assert row["order"] == pytest.approx(2, abs=1e-6)
-    assert row["points"] == 5
-    (row,) = step_costs(speed).to_dict("records")
-    assert row["step_s"] == pytest.approx(1e-3)
-    assert row["fixed_s"] == pytest.approx(0, abs=1e-9)
+    (row,) = (row for row in orders(speed, {}) if row.group == "reaction")
+    assert row.order == pytest.approx(2, abs=1e-6)
+    assert row.points == 5
+    (cost,) = step_costs(speed)
+    assert cost.step_s == pytest.approx(1e-3)
+    assert cost.fixed_s == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.usefixtures("stub")
 def test_ablations_are_compared_with_the_default_and_nothing_else(reference: Reference) -> None:
     speed = speed_table(reference, ["stub"], FULL, quiet)
-    default, ablation = speed_tables.ablations(study_of(reference, speed)).to_dict("records")
-    assert (default["setting"], default["bodies"], default["ratio"]) == ("720 steps", "5", 1)
-    assert (ablation["setting"], ablation["bodies"]) == ("in space", "10")
+    default, ablation = speed_tables.ablations(study_of(reference, speed))
+    assert (default["setting"], default["bodies"], default["ratio"]) == ("720 steps", 5, 1)
+    assert (ablation["setting"], ablation["bodies"]) == ("in space", 10)
     assert ablation["ratio"] == pytest.approx(3)
-    assert "in space" not in set(solved(speed)["setting"])
+    assert "in space" not in {row.setting for row in solved(speed)}
     assert "in space" not in rows_of(speed_table(reference, ["stub"], Budget(1, 0.0), quiet))
 
 
@@ -88,8 +90,8 @@ def test_a_failed_setting_stays(reference: Reference, monkeypatch: pytest.Monkey
     speed = speed_table(reference, ["stub"], Budget(10, inf), quiet)
     row = rows_of(speed)["fails"]
     assert (row["status"], row["reason"], row["timed_runs"]) == ("diverged", "it ran away", 0)
-    assert np.isnan(float(str(row["solve_min_s"])))
-    assert "fails" not in set(choices(speed)["setting"])
+    assert np.isnan(row["solve_min_s"])
+    assert "fails" not in {choice.setting for choice in choices(speed)}
 
 
 @pytest.mark.usefixtures("stub")
@@ -137,7 +139,9 @@ def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.Mon
 )
 def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
     speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
-    speed.loc[speed["setting"] == "72 steps", "torque_max"] = nan  # what has no error in a group does not meet it
+    speed = [
+        replace(row, errors={**row.errors, "torque_max": nan}) if row.setting == "72 steps" else row for row in speed
+    ]  # what has no error in a group does not meet it
     (settings, *_), why = _offers(level, speed)("stub")
     assert settings.label == label
     assert said in why
@@ -163,7 +167,7 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
 # --- what is shown ----------------------------------------------------------------------------------------------------
 
 
-def study_of(reference: Reference, speed: pd.DataFrame) -> Study:
+def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:
     sampling = Sampling(72)
     motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
     return Study(reference.scene, sampling, reference, explain(reference, sampling), [], [], [], motion, speed)
@@ -178,30 +182,30 @@ def test_the_sentence(reference: Reference) -> None:
         "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms per turn;"
         " besides the reference: exudyn, pointwise, 7 ms per turn."
     )
-    level = pd.concat([speed, table(("pymunk", "y", 5e-3, 1e-3), ("pymunk", "z", 6e-3, 1e-4))], ignore_index=True)
+    level = [*speed, *table(("pymunk", "y", 5e-3, 1e-3), ("pymunk", "z", 6e-3, 1e-4))]
     assert speed_tables.verdict(study_of(reference, level)).endswith(
         "besides the reference, level: exudyn, pointwise, 7 ms per turn"
         " and pymunk, z, 6 ms per turn (level with 1 more of its settings)."
     )
-    said = speed_tables.verdict(study_of(reference, speed.iloc[1:]))
+    said = speed_tables.verdict(study_of(reference, speed[1:]))
     assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms per turn."
-    assert "none that was tried" in speed_tables.verdict(study_of(reference, speed.iloc[2:]))
+    assert "none that was tried" in speed_tables.verdict(study_of(reference, speed[2:]))
 
 
 def test_tables_of_text(reference: Reference) -> None:
     points = family(STEPS, [n**-2.0 for n in STEPS])
-    result = study_of(reference, pd.concat([points, table(("b", "noted", 1.0, 1e-3), note="slow, and so on")]))
+    result = study_of(reference, [*points, *table(("b", "noted", 1.0, 1e-3), note="slow, and so on")])
     found = speed_tables.cheapest_settings(result)
-    own, noted = found["reaction"].to_dict("records")
+    own, noted = found["reaction"]
     assert list(own.values()) == [
         "a", *["144 steps, 2.44 ms (×1.42, level with 1 more, cheapest engine)"] * 3,
         "144 steps, 2.44 ms (×1, cheapest engine)", "1440 steps, 15.4 ms (×1, cheapest engine)", "–",
     ]  # fmt: skip
     assert list(own) == ["engine", "10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"]
     assert list(noted.values()) == ["b: slow", *["noted, 1e+03 ms (×581)"] * 3, "–", "–", "–"]
-    (row,) = speed_tables.orders(result).to_dict("records")
+    (row,) = speed_tables.orders(result)
     assert row == {"engine": "a", "family": "f", "expected": "2", "reaction": row["reaction"]}
-    assert row["reaction"].startswith("2.00 (2.00, 2.00, 2.00, 2.00, 2.00; ")
+    assert str(row["reaction"]).startswith("2.00 (2.00, 2.00, 2.00, 2.00, 2.00; ")
 
 
 def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,6 +245,6 @@ def test_the_picture(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> N
     own = next(number for number, trace in reactions if trace.name == "stub")
     assert largest[own] == pytest.approx([*drawn["stub"].y])
     assert rms[own] == pytest.approx(
-        result.speed.query("engine == 'stub' and status == 'ok' and note == ''")["reaction_rms"]
+        [row.error("reaction_rms") for row in solved(result.speed) if row.engine == "stub" and not row.note]
     )
     assert len(largest) == len(rms) == len(figure.data)

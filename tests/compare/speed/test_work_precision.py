@@ -1,19 +1,24 @@
 """What a table of speed against error says, on times and errors known beforehand."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import nan
 
 import numpy as np
-import pandas as pd
 import pytest
 
+from compare.speed.row import SpeedRow
 from compare.speed.work_precision import above_floor, as_fast, choices, contests, front, in_doubt, orders, step_costs
 
 from .stubs import STEPS, family, table
 
 
-def names(points: pd.DataFrame, limit: float) -> list[str]:
-    return as_fast(points, "reaction_max", limit)["setting"].tolist()
+def names(points: Sequence[SpeedRow], limit: float) -> list[str]:
+    return labels(as_fast(points, "reaction_max", limit))
+
+
+def labels(points: Sequence[SpeedRow]) -> list[str]:
+    return [row.setting for row in points]
 
 
 def test_the_cheapest() -> None:
@@ -54,12 +59,10 @@ def test_who_stands_first() -> None:
     rows = [("analytic", "core", 0.1, 0.0), ("a", "1", 2.0, 1e-4), ("a", "2", 9.0, 1e-9), ("b", "noted", 0.1, 1e-9)]
     for time, stands in ((1.9, "level"), (1.3, "cheapest"), (3.1, "dearer")):
         points = table(*rows, ("b", "own", time, 1e-3), note=["", "", "", "for show", ""])
-        found = {
-            row["engine"]: row for row in choices(points).query("level == '1 %' and note == ''").to_dict("records")
-        }
-        assert found["b"]["standing"] == stands
-        assert found["a"]["standing"] == {"level": "level", "cheapest": "dearer", "dearer": "cheapest"}[stands]
-        assert "analytic" not in {name for name, row in found.items() if row["standing"]}
+        found = {row.engine: row for row in choices(points) if row.level == "1 %" and not row.note}
+        assert found["b"].standing == stands
+        assert found["a"].standing == {"level": "level", "cheapest": "dearer", "dearer": "cheapest"}[stands]
+        assert "analytic" not in {name for name, row in found.items() if row.standing}
 
 
 def test_what_more_rounds_should_make_sure_of() -> None:
@@ -70,7 +73,7 @@ def test_what_more_rounds_should_make_sure_of() -> None:
         status=["ok"] * 5 + ["diverged"],
     )
     compared = contests(points)
-    times = points["solve_min_s"].tolist()
+    times = [row.solve_min_s for row in points]
     assert in_doubt(compared, times) == [0, 1, 2, 3]
     for ratio, found in ((2.5, [0, 1]), (2.7, [])):  # 1.5 times, of which one run was on a busy machine
         assert in_doubt(compared, [1.0, ratio, 9.0, 30.0, 9.0, 1.5]) == found
@@ -85,9 +88,9 @@ def test_front() -> None:
         ("b", "as fast", 4.2, 1e-6),  # level with `3`, and better
         ("b", "noted", 0.5, 1e-9),
     )
-    points.loc[5, "note"] = "for show"
-    assert front(points, "reaction_max")["setting"].tolist() == ["1", "2", "as fast"]
-    assert front(points, "reaction_max", tie=0)["setting"].tolist() == ["1", "2", "3", "as fast"]
+    points[5] = replace(points[5], note="for show")
+    assert labels(front(points, "reaction_max")) == ["1", "2", "as fast"]
+    assert labels(front(points, "reaction_max", tie=0)) == ["1", "2", "3", "as fast"]
 
 
 def test_whatever_is_cheapest_for_an_error_is_on_the_front() -> None:
@@ -96,34 +99,35 @@ def test_whatever_is_cheapest_for_an_error_is_on_the_front() -> None:
         rows = [("a", str(n), *values) for n, values in enumerate(np.exp(random.normal(0, [0.3, 5], (30, 2))))]
         points = table(*rows)
         best = front(points, "reaction_max")
-        assert best["reaction_max"].is_monotonic_decreasing
+        errors = [row.error("reaction_max") for row in best]
+        assert errors == sorted(errors, reverse=True)
         for level in np.exp(random.normal(0, 5, 30)):
-            assert set(names(points, level)[:1]) <= set(best["setting"])
+            assert set(names(points, level)[:1]) <= set(labels(best))
 
 
 def test_settings_with_a_note_compete_apart() -> None:
     points = table(
         ("a", "own", 2.0, 1e-4), ("a", "newcomer", 1.0, 1e-4), ("b", "own", 8.0, 1e-9), ("b", "failed", 0.1, 1e-9)
     )
-    points.loc[1, "note"] = "the engine's defaults"
-    points.loc[3, "status"] = "diverged"
-    found = {(row["level"], row["engine"], row["note"]): row for row in choices(points).to_dict("records")}
-    assert found["0.1 %", "a", ""]["ratio"] == 1
-    assert found["0.1 %", "a", "the engine's defaults"]["ratio"] == 0.5
-    assert found["0.1 %", "b", ""]["ratio"] == 4
-    assert found["1e-6", "a", ""]["setting"] == ""
-    assert found["1e-6", "b", ""]["setting"] == "own"
-    assert found["1e-6", "b", ""]["ratio"] == 1
+    points[1] = replace(points[1], note="the engine's defaults")
+    points[3] = replace(points[3], status="diverged")
+    found = {(row.level, row.engine, row.note): row for row in choices(points)}
+    assert found["0.1 %", "a", ""].ratio == 1
+    assert found["0.1 %", "a", "the engine's defaults"].ratio == 0.5
+    assert found["0.1 %", "b", ""].ratio == 4
+    assert found["1e-6", "a", ""].setting == ""
+    assert found["1e-6", "b", ""].setting == "own"
+    assert found["1e-6", "b", ""].ratio == 1
 
 
-def order_of(points: pd.DataFrame, floor: float = 0.0) -> tuple[float, float, int]:
-    (row,) = orders(points, {"reaction": floor}).to_dict("records")
-    return row["order"], row["residual"], row["points"]
+def order_of(points: Sequence[SpeedRow], floor: float = 0.0) -> tuple[float, float, int]:
+    (row,) = orders(points, {"reaction": floor})
+    return row.order, row.residual, row.points
 
 
-def local_orders(points: pd.DataFrame) -> list[float]:
-    (row,) = orders(points, {}).to_dict("records")
-    return list(row["local_orders"])
+def local_orders(points: Sequence[SpeedRow]) -> list[float]:
+    (row,) = orders(points, {})
+    return list(row.local_orders)
 
 
 def errors_of(local: Sequence[float], steps: Sequence[int] = (100, 200, 400, 800)) -> list[float]:
@@ -189,8 +193,8 @@ def test_growing_round_off_is_below_the_floor() -> None:
 
 
 def test_what_a_step_costs() -> None:
-    (row,) = step_costs(family(STEPS, [1.0] * len(STEPS))).to_dict("records")
-    assert row["fixed_s"] == pytest.approx(1e-3)
-    assert row["step_s"] == pytest.approx(1e-5)
-    assert row["residual"] <= 1e-12
-    assert step_costs(family(STEPS[:2], [1.0] * 2)).empty
+    (row,) = step_costs(family(STEPS, [1.0] * len(STEPS)))
+    assert row.fixed_s == pytest.approx(1e-3)
+    assert row.step_s == pytest.approx(1e-5)
+    assert row.residual <= 1e-12
+    assert not step_costs(family(STEPS[:2], [1.0] * 2))
