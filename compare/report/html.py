@@ -5,17 +5,20 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
+from importlib.metadata import version
 from importlib.resources import files
 from itertools import islice
 from json import dumps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2 import BytecodeCache, ChoiceLoader, Environment, PackageLoader, StrictUndefined
+from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
 from ..engines.environment import environment
-from . import numbers
+from . import byte_code, numbers
 from .extremes import CURVE
 from .figure import Figure, template
 
@@ -49,6 +52,7 @@ def _templates(package: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        bytecode_cache=_ByteCode(),
     )
     templates.filters |= {"table": shortened, "first": first, "percent": numbers.percent}
     templates.filters |= {"number": number, "cell": cell, "row": table_row}
@@ -57,9 +61,32 @@ def _templates(package: str) -> Environment:
     return templates
 
 
+class _ByteCode(BytecodeCache):
+    """Templates as Python's byte code, made anew for another text of the template or of these filters."""
+
+    def load_bytecode(self, bucket: Bucket) -> None:
+        """Take what is kept of a template."""
+        if (code := byte_code.read(bucket.key, self._made_from(bucket))) is not None:
+            bucket.bytecode_from_string(code)
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Keep a template."""
+        byte_code.write(bucket.key, self._made_from(bucket), bucket.bytecode_to_string())
+
+    def _made_from(self, bucket: Bucket) -> bytes:
+        """Return the version, the template and what its constants went through."""
+        filters = (Path(file).read_text(encoding="utf-8") for file in (__file__, numbers.__file__))
+        return "".join((version("jinja2"), bucket.checksum, *filters)).encode()
+
+
 @cache
 def _library() -> str:
-    return packed((files("plotly") / "package_data/plotly.min.js").read_bytes(), LEVEL)
+    """Return plotly's script, packed; made anew where its size or time changed, as Python does with a source file."""
+    script = Path(str(files("plotly") / "package_data/plotly.min.js"))
+    made_from = f"{script.stat().st_size} {script.stat().st_mtime_ns} {LEVEL}".encode()
+    if (kept := byte_code.read(script.name, made_from)) is None:
+        byte_code.write(script.name, made_from, kept := packed(script.read_bytes(), LEVEL).encode())
+    return kept.decode()
 
 
 def packed(data: bytes, level: int = 9) -> str:
