@@ -1,11 +1,13 @@
-"""How verdicts keep their word on random clean scenes: `python -m benchmarks.promises [--scenes N] [--out FILE]`.
+"""How verdicts keep their word on random clean scenes.
 
-Every engine at FAST, balanced and EXACT, 36, 72 and 360 samples; and at accuracies from 1e-2 to 1e-6 at one of the
-three, scene by scene another one. The true errors are found outside the comparison, see `tests/true_errors.py`. Records
-go to a CSV file as they come, so that a run that was stopped goes on. 200 scenes take about an hour on one core.
+`python -m benchmarks.promises [--scenes N] [--engines a,b] [--out FILE]`: engines at FAST, balanced and EXACT, 36, 72
+and 360 samples; and at accuracies from 1e-2 to 1e-6 at one of the three, scene by scene another one. The true errors
+are found outside the comparison, see `tests/true_errors.py`. Records go to a CSV file as they come, so that a run that
+was stopped goes on. 200 scenes take about an hour on one core.
 """
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +16,7 @@ import pandas as pd
 
 from compare.engines.settings import TIERS
 from tests.clean_scenes import clean_scenes
-from tests.promises import ACCURACIES, NUMBERS, PromiseRecord, records
+from tests.promises import ACCURACIES, ENGINES, NUMBERS, PromiseRecord, records
 
 SCENES = 200
 SAMPLES = (36, 72, 360)
@@ -26,20 +28,21 @@ def main() -> None:
     """Judge the scenes that are not in the file yet, and print the tables of all that are."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=SCENES)
+    parser.add_argument("--engines", default=",".join(ENGINES))
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     with TemporaryDirectory() as folder:
-        study(Path(folder), options.scenes, options.out)
+        study(Path(folder), options.scenes, options.engines.split(","), options.out)
     report(pd.read_csv(options.out, keep_default_na=False, na_values={"error": [""], "drive": [""]}))
 
 
-def study(folder: Path, count: int, out: Path) -> None:
+def study(folder: Path, count: int, engines: Sequence[str], out: Path) -> None:
     """Append the records of the scenes that are not there yet."""
     done = set(pd.read_csv(out, usecols=["number"])["number"]) if out.exists() else set()
     for number, scene in enumerate(clean_scenes(folder, count)):
         if number not in done:
             wanted = dict.fromkeys(SAMPLES, TIERS) | {SAMPLES[number % 3]: ACCURACIES}
-            rows = [{"number": number, **asdict(record)} for record in records(scene, wanted)]
+            rows = [{"number": number, **asdict(record)} for record in records(scene, wanted, engines)]
             pd.DataFrame(rows).to_csv(out, mode="a", header=not out.exists(), index=False)
             print(f"{number + 1} of {count}: {scene.name}", flush=True)
 

@@ -1,6 +1,6 @@
 """Whether verdicts keep their word: runs called ok within what was promised, and no run refused that is."""
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import Any
@@ -59,13 +59,15 @@ class PromiseRecord:
         return self.status != "ok" and self.found_by in ("checks", "reference") and self.within
 
 
-def records(scene: Scene, wanted: dict[int, tuple[Accuracy, ...]]) -> Iterator[PromiseRecord]:
+def records(
+    scene: Scene, wanted: dict[int, tuple[Accuracy, ...]], engines: Sequence[str] = ENGINES
+) -> Iterator[PromiseRecord]:
     """Yield the verdicts of every engine on a scene, by samples a cycle and accuracy, beside the truth."""
     truth, core = Truth(scene), core_error(scene)
     with _shared():
         for samples, accuracies in wanted.items():
             for accuracy in accuracies:
-                found = compare.check(scene, ENGINES, samples, accuracy=accuracy)
+                found = compare.check(scene, engines, samples, accuracy=accuracy)
                 for run in (m.run for m in found.measurements):
                     off = core if run.engine == "analytic" else 0.0
                     yield record(truth, run, Sampling(samples), f"{accuracy}", off)
