@@ -13,9 +13,9 @@ from scenes.motion import UNITS, Samples, force_channels, kinematic_channels, qu
 from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
-from ..engines.motion_vectors import MotionVectors, distances, inertia
+from ..engines.motion_vectors import MotionVectors, Vectors, distances, inertia
 from ..engines.press_switches import Acts, acts, press_forces, sides, stroke_end
-from ..engines.reference import force_scales, sizes
+from ..engines.reference import NOTHING, force_scales, sizes
 from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
@@ -55,7 +55,7 @@ def checks(scene: Scene, motion: Motion, stroke: float, may: Sequence[Acts] | No
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
             acting = may or [acts(state, load, stroke_end(state, load)) for load in press_forces(scene)]
-            violations |= _balances(state, stroke, EPS * estimated.condition, acting)
+            violations |= _balances(state, stroke, estimated, acting)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -124,37 +124,54 @@ def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
     return gap
 
 
-def _balances(state: MotionVectors, stroke: float, rounding: Samples, may: Sequence[Acts]) -> Violations:
+def _balances(state: MotionVectors, stroke: float, estimated: Estimate, may: Sequence[Acts]) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
 
-    What `rounding`, relative and of shape (n,), explains is zero.
+    What rounding explains is zero.
     """
     least: Violations = {}
+    rounding = EPS * estimated.condition
     for acting in sides(may):
         standing = replace(state, acting=acting)
-        left_over = dict(_newton_euler(standing, stroke, rounding))
+        scale = _scales(standing, estimated.closed, stroke)
+        left_over = dict(_newton_euler(standing, scale, rounding))
         left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, stroke, rounding)
         least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
     return least
 
 
+def _scales(state: MotionVectors, closed: Motion, stroke: float) -> dict[str, float]:
+    """Return what is left over on each body is relative to: the peak force on it, or on any where it carries nothing.
+
+    It carries nothing if that is so in the motion's own poses, in `closed`: what an engine finds there is its noise.
+    """
+    peaks, carried = _peaks(state), _peaks(replace(state, motion=closed))
+    nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
+    own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
+    return force_scales(state.scene, state.motion, stroke, own)
+
+
+def _peaks(state: MotionVectors) -> dict[str, float]:
+    """Return the largest of the forces on each body."""
+    bodies = state.scene.bodies.values()
+    return {body.name: max(float(np.abs(force).max()) for force, _ in _pushes(state, body)) for body in bodies}
+
+
+def _pushes(state: MotionVectors, body: Body) -> list[tuple[Vectors, Vectors]]:
+    """Return the forces on a body, with their points of attack."""
+    return [*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))]
+
+
 def _newton_euler(
-    state: MotionVectors, stroke: float, rounding: Samples
+    state: MotionVectors, scale: Mapping[str, float], rounding: Samples
 ) -> Iterator[tuple[tuple[str, str, str], Samples]]:
     """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
-    scene = state.scene
-    pushes = {
-        body.name: [*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))]
-        for body in scene.bodies.values()
-    }
-    peaks = {name: max(float(np.abs(force).max()) for force, _ in own) for name, own in pushes.items()}
-    scale = force_scales(scene, state.motion, stroke, peaks)
-    explained, length = rounding * max(scale.values()), largest_length(scene)
-    for body in scene.bodies.values():
+    explained, length = rounding * max(scale.values()), largest_length(state.scene)
+    for body in state.scene.bodies.values():
         com, _, acceleration = state.com(body)
         force = -(body.mass or 0.0) * acceleration
         moment = state.couples(body) - inertia(body) * state.turning(body.name)[2]
-        for push, at in pushes[body.name]:
+        for push, at in _pushes(state, body):
             force = force + push
             moment = moment + ((at - com).conjugate() * push).imag
         left, turning = np.abs(force), np.abs(moment)

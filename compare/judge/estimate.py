@@ -25,6 +25,7 @@ class Estimate(NamedTuple):
     errors: Mapping[str, Samples]  # by channel, relative as against the reference, each of shape (n,)
     branch: Samples  # the sign of det J, shape (n,): it changes in a singular pose alone
     condition: Samples  # of J, shape (n,)
+    closed: Motion  # its projection onto the constraints
 
 
 @np.errstate(all="ignore")  # what is not finite is so in the result
@@ -42,7 +43,7 @@ def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
     if len(ways) > 1:
         best = np.array([reduce(np.maximum, way.values()) for way in ways]).argmin(axis=0)
         errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in errors}
-    return Estimate(errors, projection.branch, projection.condition)
+    return Estimate(errors, projection.branch, projection.condition, projection.ways[0])
 
 
 def _turns(scene: Scene, motion: Motion) -> Samples:
