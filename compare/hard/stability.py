@@ -18,9 +18,10 @@ from typing import TypeAlias
 import numpy as np
 import pandas as pd
 
-from scenes import Failure, InputError, Sampling, Scene, Settings
+from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import registry, runner
+from ..engines.reasons import described
 from ..engines.reference import Reference
 from ..engines.runner import Runs
 from ..engines.stopping import kept
@@ -95,17 +96,17 @@ def over_sweeps(
     runs: Runs = runner,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
-    needed_for = registry.engine(engine).iterations_needed
-    assert needed_for is not None
     for steps in all_steps:
+        fault = ""
         try:
-            needed = needed_for(reference.scene, _at_steps(engine, steps))
-        except Failure:
-            needed = np.nan
+            needed = _needed(engine, reference.scene, steps)
+        except Exception as error:  # an engine's own fault is an outcome to report
+            needed, fault = np.nan, f"iterations_needed: {described(error)}"
         for number in sweeps:
             progress(f"stability of {engine}: {number} sweeps, {steps} steps")
             place = Place("sweeps", engine, number, str(number), steps)
-            yield _cell(place, reference, _at_steps(engine, steps, number), runs=runs) | {"needed": needed}
+            cell = _crashed(place, fault) if fault else _cell(place, reference, runs, sweeps=(number,))
+            yield cell | {"needed": needed}
 
 
 def over_variants(
@@ -127,7 +128,7 @@ def over_variants(
             for steps in all_steps:
                 progress(f"stability of {engine}: {kind} {label}, {steps} steps")
                 place = Place(kind, engine, float(label), label, steps)
-                yield _cell(place, reference, _at_steps(engine, steps), runs=runs)
+                yield _cell(place, reference, runs)
 
 
 def over_turns(
@@ -143,7 +144,7 @@ def over_turns(
         for steps in all_steps:
             progress(f"stability of {engine}: drift over {number}, {steps} steps")
             place = Place("drift", engine, number, str(number), steps)
-            yield _cell(place, reference, _at_steps(engine, steps), number, runs)
+            yield _cell(place, reference, runs, turns=number)
 
 
 def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
@@ -159,6 +160,16 @@ def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Varia
     return variants
 
 
+def _needed(engine: str, scene: Scene, steps: int) -> float:
+    """Return how many sweeps theory asks for, not a number where the engine cannot take the scene."""
+    iterations_needed = registry.engine(engine).iterations_needed
+    assert iterations_needed is not None
+    try:
+        return float(iterations_needed(scene, _at_steps(engine, steps)))
+    except Failure:
+        return np.nan
+
+
 def _at_steps(engine: str, *numbers: int) -> Settings:
     """Return the settings for that many steps a cycle and, if given, sweeps a step."""
     at_steps: Callable[..., Settings] | None = registry.engine(engine).at_steps
@@ -166,8 +177,14 @@ def _at_steps(engine: str, *numbers: int) -> Settings:
     return at_steps(*numbers)
 
 
-def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns: int = 1, runs: Runs = runner) -> Cell:
+def _cell(
+    place: Place, reference: Reference | Scene, runs: Runs, *, sweeps: tuple[int, ...] = (), turns: int = 1
+) -> Cell:
     """Run one cell; with a scene for reference there are no errors."""
+    try:
+        settings = _at_steps(place.engine, place.steps, *sweeps)
+    except Exception as error:
+        return _crashed(place, f"at_steps: {described(error)}")
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
         found = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [])
@@ -184,3 +201,9 @@ def _cell(place: Place, reference: Reference | Scene, settings: Settings, turns:
         **{f"{group}_max": error for group, error in errors.items()},
         "solve_s": found.run.solve_s,
     }
+
+
+def _crashed(place: Place, reason: str) -> Cell:
+    """Return the cell of an engine that failed before its run."""
+    figures = {"error": np.nan, "solve_s": np.nan}
+    return asdict(place) | {"setting": "", "status": Status.crashed.name, "reason": reason} | figures

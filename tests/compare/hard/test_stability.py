@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -138,6 +139,27 @@ def test_a_stop_keeps_what_is_done(press: Scene) -> None:
     assert said[0] == "stability of pymunk: 2 sweeps, 24 steps"
     (_, figure), *_ = stability_maps(table)
     assert figure.traces[1]["z"].shape == (1, 2)
+
+
+def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what is optional in its protocol: the cells that need it are crashed, the others go on."""
+    module = SimpleNamespace(**vars(registry.engine("analytic")))
+    monkeypatch.setattr(registry, "engine", lambda _: module)
+    reference = establish(press)
+    module.at_steps, module.iterations_needed = lambda *_: module.DEFAULT, lambda *_: 1 / 0
+    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    assert (cell["status"], cell["reason"]) == ("crashed", "iterations_needed: ZeroDivisionError: division by zero")
+    module.iterations_needed = lambda *_: "many"
+    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    assert cell["status"] == "crashed"
+    module.at_steps, module.iterations_needed = lambda steps: {24: module.DEFAULT}[steps], lambda *_: 9
+    (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
+    assert (cell["status"], cell["needed"]) == ("crashed", 9)
+    assert str(cell["reason"]).startswith("at_steps: TypeError")
+    good, bad = stability.over_turns(reference, "analytic", quiet, (1,), (24, 72))
+    assert (good["status"], bad["status"], bad["reason"]) == ("ok", "crashed", "at_steps: KeyError: 72")
+    (_, figure), *_ = stability_maps(pd.DataFrame([good, bad]))
+    assert figure.checked()
 
 
 def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
