@@ -21,7 +21,7 @@ from tests.promises import ACCURACIES, ENGINES, NUMBERS, PromiseRecord, records
 SCENES = 200
 SAMPLES = (36, 72, 360)
 OUT = Path(__file__).parents[1] / "results" / "promises.csv"
-BY = ["engine", "accuracy"]
+BY, COUNTS = ["engine", "accuracy"], ["ok", "refused", "broken", "false_alarm"]
 
 
 def main() -> None:
@@ -32,12 +32,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     with TemporaryDirectory() as folder:
-        study(Path(folder), options.scenes, options.engines.split(","), options.out)
-    report(pd.read_csv(options.out, keep_default_na=False, na_values={"error": [""], "drive": [""]}))
+        report(study(Path(folder), options.scenes, options.engines.split(","), options.out))
 
 
-def study(folder: Path, count: int, engines: Sequence[str], out: Path) -> None:
-    """Append the records of the scenes that are not there yet."""
+def study(folder: Path, count: int, engines: Sequence[str], out: Path) -> pd.DataFrame:
+    """Append the records of the scenes that are not there yet, and return those of all."""
     done = set(pd.read_csv(out, usecols=["number"])["number"]) if out.exists() else set()
     for number, scene in enumerate(clean_scenes(folder, count)):
         if number not in done:
@@ -45,33 +44,39 @@ def study(folder: Path, count: int, engines: Sequence[str], out: Path) -> None:
             rows = [{"number": number, **asdict(record)} for record in records(scene, wanted, engines)]
             pd.DataFrame(rows).to_csv(out, mode="a", header=not out.exists(), index=False)
             print(f"{number + 1} of {count}: {scene.name}", flush=True)
+    return pd.read_csv(out, keep_default_na=False, na_values={"error": [""], "drive": [""]})
+
+
+def judged(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the records with what became of each run: `COUNTS`, and the error of those that are ok."""
+    names = [field.name for field in fields(PromiseRecord)]
+    made = [PromiseRecord(*row) for row in table[names].itertuples(index=False)]
+    broken, false_alarm = [record.broken for record in made], [record.false_alarm for record in made]
+    ok = table["status"] == "ok"
+    found = table.assign(ok=ok, refused=~ok, broken=broken, false_alarm=false_alarm)
+    return found.assign(error_of_ok=table["error"].where(ok))
+
+
+def by_accuracy(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row an engine and accuracy: how many runs became what, and the largest error of those that are ok."""
+    order = {str(accuracy): rank for rank, accuracy in enumerate((*TIERS, *NUMBERS))}
+    found = table.groupby(BY)[COUNTS].sum().join(table.groupby(BY)["error_of_ok"].max())
+    return found.sort_index(key=lambda index: index.map(lambda name: order.get(name, name)))
 
 
 def report(table: pd.DataFrame) -> None:
     """Print what became of all runs: by engine and accuracy, by feature, and every run with a wrong verdict."""
-    names = [field.name for field in fields(PromiseRecord)]
-    made = [PromiseRecord(*row) for row in table[names].itertuples(index=False)]
-    table = table.assign(
-        ok=table["status"] == "ok",
-        refused=table["status"] != "ok",
-        broken=[record.broken for record in made],
-        false_alarm=[record.false_alarm for record in made],
-    )
-    table["error_of_ok"] = table["error"].where(table["ok"])
-    order = {str(accuracy): rank for rank, accuracy in enumerate((*TIERS, *NUMBERS))}
-    counts = ["ok", "refused", "broken", "false_alarm"]
-    by_accuracy = table.groupby(BY)[counts].sum().join(table.groupby(BY)["error_of_ok"].max())
+    table = judged(table)
     print(f"\n{table['number'].nunique()} scenes, {len(table)} runs")
-    print(by_accuracy.sort_index(key=lambda index: index.map(lambda name: order.get(name, name))).to_string())
+    print(by_accuracy(table).to_string())
     print("\nBy feature:")
     each = table.assign(feature=table["features"].str.split()).explode("feature")
-    print(each.groupby(["engine", "feature"])[counts].sum().to_string())
+    print(each.groupby(["engine", "feature"])[COUNTS].sum().to_string())
     print("\nRefused, and why:")
     print(table[table["refused"]].groupby([*BY, "status", "found_by"]).size().to_string())
     print("\nWrong verdicts:")
-    for record in (record for record in made if record.broken or record.false_alarm):
-        what = "broken promise" if record.broken else "false alarm"
-        print(f"{what}: {record}")
+    for row in table[table["broken"] | table["false_alarm"]].to_dict("records"):
+        print(f"{'broken promise' if row['broken'] else 'false alarm'}: {row}")
 
 
 if __name__ == "__main__":
