@@ -99,7 +99,7 @@ class MujocoSimulation:
                 largest = max(largest, gap)
                 if not gap <= LARGEST_GAP:
                     where = self._scene.where(float(self._request.commanded(self._scene)[row]))
-                    raise Failure(Status.diverged, f"a joint is open by {gap:.1%} of the linkage's size at {where}")
+                    raise Failure(Status.diverged, f"a joint is open by {gap:.3g} of the linkage's size at {where}")
                 if self._poses.branch(q[row]) != self._poses.branch(self._start[0]):
                     where = self._scene.where(float(self._request.commanded(self._scene)[row]))
                     raise Failure(Status.wrong_branch, f"the bodies are assembled another way at {where}")
