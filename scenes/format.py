@@ -14,6 +14,8 @@ from .scene import GROUND
 NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
 _NAMES = 2 * limits.NAME + 1  # characters of two names and what joins them
 Name = Annotated[str, StringConstraints(pattern=NAME, max_length=limits.NAME)]
+ENGINE = r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}"  # it is part of file names, and of lists with commas
+EngineName = Annotated[str, StringConstraints(pattern=rf"^{ENGINE}(@[A-Za-z0-9_.-]+)?$", max_length=_NAMES)]
 Known = Annotated[str, StringConstraints(max_length=limits.NAME)]  # a name that is looked up
 PointPair = Annotated[str, StringConstraints(pattern=rf"{NAME[:-1]}-{NAME[1:]}", max_length=_NAMES)]
 BodyPoint = Annotated[str, StringConstraints(pattern=rf"{NAME[:-1]}\.{NAME[1:]}", max_length=_NAMES)]
@@ -184,7 +186,7 @@ class SceneFile(Table):
     )
     sketch: SketchTable = Field(description="Rough positions, which show how the bodies are assembled.")
     output: OutputTable = Field(description="The point that the report is about.")
-    tolerances: dict[Name, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")
+    tolerances: dict[EngineName, TolerancesTable] = Field({}, description="By engine, largest errors for `--check`.")
     results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
 
 
@@ -231,6 +233,7 @@ def explain(error: ValidationError, file: type[Table]) -> str:
             wanted = "letters, digits and '_', starting with a letter"
             wanted = "two point names joined by '-'" if "lengths" in location else wanted
             wanted = "a point of a body, as 'body.point'" if "between" in location else wanted
+            wanted = "an engine's, of letters, digits, '_', '.' and '-'" if "tolerances" in location else wanted
             text = f"not a name: expected {wanted}"
         case "model_type" | "dict_type":
             text = "expected a table"

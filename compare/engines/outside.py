@@ -8,10 +8,10 @@ import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
-from contextlib import ExitStack, chdir, contextmanager, redirect_stderr, redirect_stdout
+from contextlib import ExitStack, chdir, contextmanager, redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, distributions
 from importlib.util import find_spec
 from multiprocessing import current_process
 from multiprocessing.reduction import ForkingPickler
@@ -25,12 +25,12 @@ import numpy as np
 from scenes import Engine, Settings
 from scenes.engine import completed
 from scenes.errors import one_line
+from scenes.format import ENGINE
 
 from .entry import Entry
 from .isolation import Ended, Limits, isolated
 
 GROUP = "linkage_crosscheck.engines"
-NAME = r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}"  # it is part of file names, and of lists with commas
 LIMITS = Limits(20.0)  # of an import
 
 
@@ -40,11 +40,21 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
     Args:
         taken: names that other engines have.
     """
-    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    points = sorted(_points(), key=lambda point: point.name)
     count = Counter([*taken, *(point.name for point in points)])
     found = {point.name: _entry(point) for point in points if count[point.name] == 1}
     again = [(point.name, _entry(point)) for point in points if count[point.name] > 1]
     return found | {f"{name}@{entry.distribution}": entry for name, entry in again}
+
+
+def _points() -> list[EntryPoint]:
+    """Return the entry points of engines: of a distribution that is found twice the first, of a broken one none."""
+    found: dict[str, tuple[EntryPoint, ...]] = {}
+    for each in distributions():
+        with suppress(Exception):  # of anybody's files: not UTF-8, or a line that is no entry point
+            if points := tuple(each.entry_points.select(group=GROUP)):
+                found.setdefault(each.name, points)
+    return [point for points in found.values() for point in points]
 
 
 def _entry(point: EntryPoint) -> Entry:
@@ -56,7 +66,7 @@ def _entry(point: EntryPoint) -> Entry:
     needs = [need[0] for each in point.dist.requires or () if ";" not in each and (need := re.match(r"[\w.-]+", each))]
     lacking = next((need for need in needs if not _installed(need)), "")
     trouble = ""
-    if not re.fullmatch(NAME, point.name):
+    if not re.fullmatch(ENGINE, point.name):
         trouble = "its name is expected to be letters, digits, '_', '.' and '-', 40 at most"
     elif not all(part.isidentifier() for part in module.split(".")):
         trouble = f"its entry point is expected to name a module, found {module}"

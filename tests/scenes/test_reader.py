@@ -57,6 +57,12 @@ def test_a_body_of_many_points_needs_a_centre_of_mass_with_a_mass_alone() -> Non
         scene_files.load("driven_toggle", {f"bodies.{plate.name}.{what}": None for what in ("com", "inertia")})
 
 
+def test_tolerances_are_of_engines_from_outside_too() -> None:
+    """Their names have marks that no body's has, and where another has it as well, their distribution's."""
+    held = {"2nd-order.fast@acme-engines": {"position": 1e-3}}
+    assert scene_files.load("four_bar", {"tolerances": held}).tolerances == held
+
+
 def test_the_nearest_scene_is_named() -> None:
     with pytest.raises(InputError, match="did you mean 'toggle_press'"):
         scenes.load("toggle_pres")

@@ -71,6 +71,9 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     install(site, "acme", points, MODULES, "Summary: Engines of\x1b Acme\n")
     needs = "Requires-Dist: numpy\nRequires-Dist: other; extra == 'x'\nRequires-Dist: no-such-thing>=1\n"
     install(site, "needy", {"needy": "good"}, metadata=needs)
+    for name, broken in {"latin": "mine = größe".encode("latin-1"), "torn": b"[console_scripts]\nmine"}.items():
+        install(site, name, {name: "good"})
+        (site / f"{name}-1.0.dist-info" / "entry_points.txt").write_bytes(broken)
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(site))
         for name, entry in outside.entries(registry.ENTRIES).items():
