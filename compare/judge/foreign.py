@@ -47,15 +47,22 @@ def assess_result(reference: Reference, result: Result) -> Measurement:
 
 
 def coarse(measured: Measurement) -> list[str]:
-    """Return a sentence where decimals excuse more than the result promises, so that ok is no more than that."""
-    run = measured.run
-    if run.status is not Status.ok or run.settings is None:
+    """Return a sentence where decimals excuse more than the result promises, so that ok is no more than that.
+
+    Or where it is not ok, and they would have to excuse more than they may.
+    """
+    run, errors = measured.run, [row for row in measured.errors if row.group != "drive"]  # which is an input
+    if not errors or run.settings is None:
         return []
-    worst = worst_of([row for row in measured.errors if row.group != "drive"], "explained")  # the drive is an input
-    if not worst.explained > run.settings.promise:
-        return []
-    unnoticed = f"{worst.channel} may be off by {share(worst.explained)} unnoticed"
-    return [f"{run.engine}: {unnoticed}, by its decimals or next to a singular configuration"]
+    ok = run.status is Status.ok
+    worst = worst_of(errors, "explained" if ok else "unexplained")
+    if ok and worst.explained > run.settings.promise:
+        unnoticed = f"may be off by {share(worst.explained)} unnoticed"
+        return [f"{run.engine}: {worst.channel} {unnoticed}, by its decimals or next to a singular configuration"]
+    if not ok and worst.explained >= MOST:
+        coarsely = "is written too coarsely: its decimals are of more than the 1 % that they may excuse"
+        return [f"{run.engine}: {worst.channel} {coarsely}"]
+    return []
 
 
 def _with_drive_in_place(scene: Scene, result: Result) -> Result:

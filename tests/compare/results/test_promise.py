@@ -106,6 +106,9 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     assert coarse(assess_result(references("toggle_press"), found)) == []
     (line,) = coarse(assessed(references, press, tmp_path, columns, time=".2f"))
     assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
+    columns = Writer().columns(press, instants(press, 20), names)
+    (line,) = coarse(assessed(references, press, tmp_path, columns, **{"P5.y": ".2f"}))
+    assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
 def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
