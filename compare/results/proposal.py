@@ -72,7 +72,17 @@ def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     if count < FEWEST:
         raise InputError(f"expected {FEWEST} rows at least to propose a mapping from, found {count}")
     rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
-    return [*found], np.array([values[rows] for values in found.values()])
+    return [*found], np.array([_counted_on(values[rows]) for values in found.values()])
+
+
+def _counted_on(values: Samples) -> Samples:
+    """Return a column counted on from turn to turn where it jumps by one, as an angle between -180 and 180 degrees."""
+    for turn in (2 * pi / size for size in ANGLES.values()):
+        on = np.unwrap(values, period=turn)
+        jump, step = np.abs(np.diff(values)).max(), np.abs(np.diff(on)).max()
+        if 4 * step < turn < jump + 2 * step and np.ptp(values) <= (1 + NEAR) * turn:
+            return on
+    return values
 
 
 def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> Iterator[Axis]:

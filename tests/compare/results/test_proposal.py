@@ -25,10 +25,15 @@ SCENE = "offset_slider_crank"
     ids=["SI", "elsewhere"],
 )
 def test_it_is_right_where_it_is_sure(writer: Writer, tmp_path: Path, references: References) -> None:
-    """Columns in no order, late by a part of a cycle; elsewhere in millimetres, degrees and another frame."""
+    """Columns in no order, late by a part of a cycle, an angle that is counted modulo a turn and jumps by one.
+
+    Elsewhere they are in millimetres, degrees and another frame.
+    """
     scene, reference = scene_files.load(SCENE), references(SCENE)
     names = [c for c in channels(scene) if c not in ("crank.angle", "crank.omega", "crank.alpha")]
     columns = writer.columns(scene, instants(scene, 70), names)
+    turn, middle = 2 * np.pi / writer.angle, columns["rod.angle"].mean()
+    columns["rod.angle"] = (columns["rod.angle"] - middle) % turn + middle
     shuffled = np.random.default_rng(3).permutation([*columns]).tolist()
     texts = writer.texts({name: columns[name] for name in shuffled} | {"time": columns["time"] + 7.3})
     file = write(tmp_path, texts, "")
@@ -36,6 +41,7 @@ def test_it_is_right_where_it_is_sure(writer: Writer, tmp_path: Path, references
     lines = proposed(scene, f"theirs={file}").splitlines()
     sure = {line.split('"')[1]: line for line in lines if "# sure" in line}
     assert len(sure) >= 10
+    assert "rod.angle" in sure
     wrong = {channel: line for channel, line in sure.items() if by_column[_column(line)] != channel}
     assert not wrong
     head = [line for line in lines if not line.startswith('"') or line.startswith('"time"')]
