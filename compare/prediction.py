@@ -9,13 +9,13 @@ from scenes import InputError, Sampling, Scene
 
 # By `python -m benchmarks.sizes` on one core of 3 GHz: the toggle press at up to 360,000 samples, chains of up to 51
 # bodies. A number is one channel at one sample; those of an engine count with their errors, checks and files.
-FIXED = 14.0  # s, of settings that are timed and of the page
-MEMBER = 1.0  # s, of a member of a family besides
-OF_BODIES = 0.01  # s, times the square of their number: of the same, and of the certificate
-MATRIX = 5e-9  # s, times the cube of the constraints, for every sample of an engine
-NUMBER: Mapping[str, float] = {"analytic": 4e-6, "exudyn": 8e-6, "pymunk": 10e-6, "multiprecision": 1e-4}  # s
+FIXED = 4.0  # s, of settings that are timed and of the page
+MEMBER = 0.1  # s, of a member of a family besides
+OF_BODIES = 0.004  # s, times the square of their number: of the same, and of the certificate
+MATRIX = 2e-9  # s, times the cube of the constraints, for every sample of an engine
+NUMBER: Mapping[str, float] = {"analytic": 3e-6, "exudyn": 6e-6, "pymunk": 8e-6, "multiprecision": 1e-4}  # s
 OTHER = 1e-5  # s, of an engine that is not measured
-PROGRAM, SQUARE = 200e6, 0.3e6  # bytes; those times the square of the bodies
+PROGRAM, SQUARE = 200e6, 0.15e6  # bytes; those times the square of the bodies
 SHARED, OWN = 90, 25  # bytes for every number: of the reference and what is being compared, and of each engine
 
 SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown

@@ -13,12 +13,25 @@ from tests.chain import chain
 ENGINES = ("analytic", "exudyn", "pymunk")
 
 
-@pytest.mark.parametrize("sampling", [Sampling(36_000), Sampling(360, turns=100)])
-def test_the_cost_is_near_what_was_measured(sampling: Sampling) -> None:
-    """Of `python -m benchmarks.sizes`, within a factor of two."""
-    cost = predicted(load("toggle_press"), sampling, ENGINES)
-    assert 30 < cost.seconds < 120
-    assert 0.25e9 < cost.memory < 1e9
+@pytest.mark.parametrize(
+    ("sampling", "dyads", "seconds", "memory"),
+    [
+        (Sampling(360), 0, 4, 0.115e9),
+        (Sampling(36_000), 0, 36, 0.424e9),
+        (Sampling(360, turns=100), 0, 33, 0.424e9),
+        (Sampling(360), 10, 8, 0.143e9),
+        (Sampling(360), 25, 22, 0.532e9),
+    ],
+)
+def test_the_cost_is_near_what_was_measured(
+    sampling: Sampling, dyads: int, seconds: float, memory: float, tmp_path: Path
+) -> None:
+    """By `python -m benchmarks.sizes`, within a factor of two."""
+    file = tmp_path / "chain.toml"
+    file.write_text(chain(dyads or 1, "chain"), encoding="utf-8")
+    cost = predicted(load(str(file) if dyads else "toggle_press"), sampling, ENGINES)
+    assert seconds / 2 < cost.seconds < 2 * seconds
+    assert memory / 2 < cost.memory < 2 * memory
 
 
 def test_the_cost_grows_with_samples_engines_and_bodies(tmp_path: Path) -> None:
