@@ -75,7 +75,7 @@ def solve_many(
             machines, shape (m,).
         position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), or (m, n) for positions of
             each machine's own.
-        time: as of `solve`, of the same shape as the positions.
+        time: as of `solve`, of shape (n,) or (m, n) too.
         channels: as of `solve`.
 
     Returns:
@@ -83,8 +83,9 @@ def solve_many(
 
     Raises:
         Failure: the linkage has bodies that are held twice over.
-        InputError: there is no number at a path, or one that cannot differ.
-        ValueError: the numbers are not as many for each path; or as of `solve`.
+        InputError: there is no number at a path, or one that cannot differ, or two paths lead to the same one.
+        ValueError: the numbers are not as many for each path; positions or instants are of another shape; or as of
+            `solve`.
     """
     return many_solver(scene, changes, channels)(position, time)
 
@@ -94,8 +95,8 @@ def many_solver(
 ) -> "ManySolver":
     """Return `solve_many` for many calls, with what it raises: the machines are decomposed only once."""
     count = len(np.ravel(next(iter(changes.values())))) if changes else 1
-    many = machines(scene, changes)
     with np.errstate(all="ignore"):  # machines that no file could describe are named
+        many = machines(scene, changes)
         whole = decompose(many)
         failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
         for group in whole.groups:
@@ -137,7 +138,10 @@ class ManySolver:
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
         position = np.asarray(position, np.float64)
-        shape = (self.count, position.shape[-1])
+        shape = (self.count, *(position.shape[-1:] or (1,)))
+        for name, given in (("position", position), ("time", position if time is None else np.asarray(time))):
+            if given.shape not in (shape[1:], shape):
+                raise ValueError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
         _, first = self.parts[0]
         answer = Answer(first, shape, np.float64)
         endings = Endings(self.count, self.failed)
@@ -150,14 +154,15 @@ class ManySolver:
                 if block.unreached is not None:
                     part[block.unreached] = NOWHERE if np.iscomplexobj(row) else np.nan
             endings.check(block.rows, finite)
-        instants, _ = driven_at(self.scene, position, time)
+        with np.errstate(all="ignore"):  # a speed of zero, which is refused
+            instants, _ = driven_at(self.scene, position, time)
         samples = answer.samples(*(np.broadcast_to(x, shape) for x in (instants, position)))
         return Machines(samples, *endings.told())
 
     def blocks(self, position: Any, time: ArrayLike | None, endings: "Endings") -> Iterator[Block]:
         """Yield what is known of blocks of machines and positions, whose temporaries stay in cache."""
         n = position.shape[-1]
-        height = max(1, 2 * BLOCK // n)  # numbers of machines are cut for each block, which is best done seldom
+        height = max(1, 2 * BLOCK // max(n, 1))  # numbers of machines are cut for each block, which is best done seldom
         with np.errstate(all="ignore"), row_by_row(n):  # what is not finite gets a status
             for whole, solver in self.parts_and_ones(endings):
                 some = of_machines(solver) if height < whole.stop - whole.start else None

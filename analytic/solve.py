@@ -51,7 +51,7 @@ def solve(
 
     Raises:
         Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
-        ValueError: the drive follows a law, and no instants are given.
+        ValueError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
     """
     return solver(scene, channels)(position, time)
 
@@ -104,6 +104,9 @@ class Solver:
         scene, linkage = self.scene, self.linkage
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
         position = np.array(position, dtype=np.float32 if single else np.float64)
+        if position.ndim != 1 or (time is not None and np.shape(time) != position.shape):
+            found = f"{position.shape}" if time is None else f"{position.shape} and {np.shape(time)}"
+            raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")
         time, driven = driven_at(scene, position, time)
         motion_at = motion_at or partial(kinematics, rates=self.rates)
         answer = Answer(self, position.shape, position.dtype)

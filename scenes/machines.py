@@ -32,11 +32,14 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
         changes: by path in its file (`bodies.rod.mass`), in the file's units, the numbers of m machines, shape (m,).
 
     Raises:
-        InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch.
+        InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch; or two paths
+            lead to the same one.
         ValueError: the numbers are not as many for each path.
     """
     known = numbers_of(scene)
     arrays = {at_path(scene, path, known): np.array(values, np.float64) for path, values in changes.items()}
+    if len(arrays) < len(changes):
+        raise InputError(f"{scene.file}: expected each number once, and two of the paths lead to the same one")
     if len({values.shape for values in arrays.values()}) > 1 or any(values.ndim != 1 for values in arrays.values()):
         raise ValueError("changes: expected one number a machine for each path, shape (m,)")
 
@@ -120,8 +123,9 @@ def refused(scene: Scene) -> dict[int, str]:
     why: dict[int, str] = {}
     for place, fits, found in _demands(scene):
         if not fits.all():
+            numbers = np.broadcast_to(found, fits.shape)
             for machine in np.flatnonzero(~np.ravel(fits)).tolist():
-                why.setdefault(machine, f"{place}, found {np.ravel(found)[machine]:g}")
+                why.setdefault(machine, f"{place}, found {numbers[machine, 0]:g}")
     return why
 
 
@@ -230,13 +234,18 @@ def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
             yield f"{place}: expected zero or more", value >= 0, found
         fits = (value == 0) | ((one.smallest <= size) & (size <= one.largest))
         yield f"{place}: {one.expected}", fits, found
+    for body in scene.bodies.values():
+        if body.slide is not None and np.ndim(drawn := body.slide.drawn):
+            place = f"bodies.{body.name}.slides.along: expected a direction of a size from 1e-15 to 1e15"
+            yield place, (drawn >= 1e-15) & (drawn <= 1e15), drawn
+    _, unit = scene.length_unit
     for number, load in enumerate(scene.loads):
         if isinstance(load, PressForce) and np.ndim(push := _along(load, scene.bodies)):
             yield f"loads.{number}.force: expected a part along the guide", push != 0, push
         for before, after in pairwise(load.displacements if isinstance(load, ForceTable) else ()):
             if np.ndim(after - before):
-                yield f"loads.{number}.table: expected increasing displacements", after > before, after - before
-    _, unit = scene.length_unit
+                step = (after - before) / unit
+                yield f"loads.{number}.table: expected increasing displacements", step > 0, step
     for body in scene.bodies.values():
         for sides in _triangles(body):
             longest, most = np.maximum.reduce(np.broadcast_arrays(*sides)), sum(sides)
@@ -245,8 +254,10 @@ def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
                     f"bodies.{body.name}.lengths: the triangle cannot close, expected its longest side to be shorter"
                 )
                 yield f"{place} than the other two together", longest < most - longest, longest / unit
-    if not isinstance(scene.drive, MotionLaw) and np.ndim(scene.drive.cycle):
-        yield "drive.end: expected a position that the speed leads to", scene.drive.cycle > 0, scene.drive.end
+    drive = scene.drive
+    if not isinstance(drive, MotionLaw) and drive.end is not None and np.ndim(drive.cycle):
+        _, unit = scene.units["angle" if scene.driven_slide is None else "length"]
+        yield "drive.end: expected a position that the speed leads to", drive.cycle > 0, drive.end / unit
 
 
 def _triangles(body: Body) -> Iterator[list[Any]]:

@@ -1,7 +1,11 @@
 """Many machines at once: each as a file of its own would have it, and none spoilt by another."""
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 import analytic
 import scenes
@@ -11,7 +15,7 @@ from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from scenes import Failure, InputError, Scene, Status
 from scenes.machines import numbers_of
-from scenes.scene import PressForce
+from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files
 
 GROUPS = ("class_iii_among_dyads", "slotted_class_iii")  # of class III as the shipped one; the last one locks
@@ -161,3 +165,54 @@ def test_a_press_force_without_a_part_along_its_guide_is_refused() -> None:
     assert load.last > 0
     assert [status.name for status in many.status] == ["ok", "cannot_assemble"]
     assert "part along the guide" in many.reason[1]
+
+
+@pytest.mark.parametrize(("name", "end"), [("toggle_press", None), ("four_bar", 90.0)])
+def test_a_speed_that_no_file_may_have_is_refused(name: str, end: float | None) -> None:
+    """In the file's units, also where the drive stops; the other machines are solved."""
+    scene = scenes.load(name)
+    drive = scene.drive
+    assert isinstance(drive, ConstantSpeed)
+    scene = replace(scene, drive=replace(drive, end=None if end is None else drive.start + np.radians(end)))
+    speeds = [60.0, 0.0, -60.0, np.nan, 60.0]
+    with warnings.catch_warnings(action="error"):
+        many = analytic.solve_many(scene, {"drive.speed": speeds}, [0.1])
+    refused = {1: "speed other than zero, found 0", 3: "found nan"}
+    if end is not None:
+        refused[2] = f"a position that the speed leads to, found {np.degrees(drive.start) + end:g}"
+    for machine, (status, why) in enumerate(zip(many.status, many.reason, strict=True)):
+        assert (status is Status.ok) == (machine not in refused), why
+        assert refused.get(machine, "") in why
+
+
+def test_a_direction_that_no_file_may_have_is_refused() -> None:
+    along = "bodies.slider.slides.along"
+    with warnings.catch_warnings(action="error"):
+        many = analytic.solve_many(
+            scenes.load("toggle_press"), {f"{along}.0": [0.0, 0, 0], f"{along}.1": [1, 0, 1e300]}, [0.1]
+        )
+    assert [status.name for status in many.status] == ["ok", "cannot_assemble", "cannot_assemble"]
+    assert all(f"{along}: expected a direction of a size" in why for why in many.reason[1:])
+
+
+def test_two_paths_of_one_number_are_refused() -> None:
+    rocker = {f"bodies.rocker.lengths.{pair}": [300.0] for pair in ("O-P3", "P3-O")}
+    with pytest.raises(InputError, match="two of the paths lead to the same one"):
+        analytic.solve_many(scenes.load("toggle_press"), rocker, [0.1])
+
+
+@pytest.mark.parametrize(
+    ("position", "time"), [(0.1, None), (np.zeros((3, 4)), None), (np.zeros(4), np.zeros(3)), (np.zeros(4), 0.1)]
+)
+def test_positions_and_instants_of_another_shape(position: ArrayLike, time: ArrayLike | None) -> None:
+    scene = scenes.load("toggle_press")
+    with pytest.raises(ValueError, match="expected the shape"):
+        analytic.solve_many(scene, {"bodies.rod.mass": [60.0, 61]}, position, time)
+    with pytest.raises(ValueError, match="expected the shape"):
+        analytic.solve(scene, position, time)
+
+
+def test_no_positions_are_no_samples() -> None:
+    many = analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [60.0, 61]}, [])
+    assert many["P5.y"].shape == (2, 0)
+    assert many.ok.all()
