@@ -30,6 +30,7 @@ FAILED = {
     Status.crashed: "crashed",
 }  # why there is nothing to compare
 PER_CENT = 1e-6  # relative: less is given in digits
+EQUAL = 1e-6  # of a cycle: instants are written at decimals
 
 
 class Word(StrEnum):
@@ -91,10 +92,13 @@ def agreement(judged: "Judgement") -> Agreement:
         sentence = f"{alone}; {_certified(judged, _name(judged))}."
         return Agreement(Word.in_part if certified else Word.not_solved, sentence)
     sentence = f"{_confirmed(judged, confirming)}; {_certified(judged, 'it')}."
-    given = {channel for m in confirming if m.run.motion for channel in m.run.motion.samples}
+    whole = [m for m in confirming if _whole_cycle(judged.scene, m)]
+    given = {channel for m in whole if m.run.motion for channel in m.run.motion.samples}
+    given |= {"time", judged.scene.drive_channel}  # inputs
     unchecked = [channel for channel in judged.sampling.wanted(judged.scene) if channel not in given]
     if unchecked:
-        sentence += f" No other engine that is ok gives {unchecked[0]}{', among others' if len(unchecked) > 1 else ''}."
+        others = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
+        sentence += f" No other engine that is ok gives {unchecked[0]}{others}."
     if judged.ok and not unchecked:
         count = len(judged.held)
         met = {0: "", 1: " The tolerance is met."}.get(count, f" All {count} tolerances are met.")
@@ -103,6 +107,15 @@ def agreement(judged: "Judgement") -> Agreement:
     if judged.let_through:
         besides.append("The comparison let through faults that were put into copies of these runs.")
     return Agreement(Word.in_part, " ".join([sentence, *besides]))
+
+
+def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
+    """Return whether a model was compared over a whole cycle, as engines are; a result is where it has rows."""
+    if measurement.own is None:
+        return True
+    times = measurement.own.times(scene)
+    last_step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle
+    return bool(times[-1] - times[0] + last_step >= (1 - EQUAL) * scene.drive.cycle)
 
 
 def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
@@ -131,10 +144,9 @@ def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
 def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
     size = max(_size(judged, m) for m in confirming)
     verb = "agrees" if len(confirming) == 1 else "agree"
-    everything = judged.sampling.channels is None and all(m.own is None for m in confirming)
-    channels = "every channel" if everything else "every channel asked for"
+    channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
     engines = _listed([m.run.engine for m in confirming])
-    if any(m.run.motion and m.run.motion.unsupported for m in confirming):
+    if any(m.own or (m.run.motion and m.run.motion.unsupported) for m in confirming):
         channels += " that it gives" if len(confirming) == 1 else " that each gives"
     to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
     return f"{engines} {verb} with {_name(judged)}{to} in {channels}"

@@ -111,6 +111,22 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
+@pytest.mark.parametrize(("turns", "word"), [(0.0, "agrees in part"), (0.9, "agrees in part"), (59 / 60, "agrees")])
+def test_a_part_of_the_cycle_confirms_no_channel(
+    press: Scene, tmp_path: Path, references: References, turns: float, word: str
+) -> None:
+    """Sixty rows over all but the last step are the whole cycle."""
+    times = np.linspace(0.0, turns * press.drive.cycle, 60 if turns else 1)
+    file = write(tmp_path, Writer().texts(Writer().columns(press, times, channels(press))), "")
+    results = [read_result(press, f"theirs={file}")]
+    found = judgement(
+        references(press.name), [], Sampling(24), lambda _: ((), ""), lambda _: None, results=results
+    ).agreement
+    assert found.word == word
+    assert "in every channel that it gives" in found.sentence
+    assert ("gives P2.x over a whole cycle, among others." in found.sentence) == (word != "agrees")
+
+
 def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is refused: of nothing all is ok."""
     scene = scenes.load("four_bar")
