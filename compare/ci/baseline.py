@@ -27,14 +27,10 @@ LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no nu
 Line: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 
 
-class _Settings(BaseModel):
-    label: Line
-
-
 class _Engine(BaseModel):
     version: Line
     status: Line
-    settings: _Settings | None
+    settings: dict[str, Any] | None  # of a result: its file and how it was read
 
 
 class _Error(BaseModel):
@@ -134,10 +130,16 @@ def _few(texts: Sequence[str]) -> str:
 def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]:
     """Yield the path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
     names = {"scene", "sampling", "environment"}
-    before, after = (dict(_leaves(summary.model_dump(include=names))) for summary in (old, new))
+    for path, text in _differences(*(summary.model_dump(include=names) for summary in (old, new))):
+        if path[1] not in LEFT_OUT:
+            yield path, text
+
+
+def _differences(old: dict[str, Any], new: dict[str, Any]) -> Iterator[tuple[tuple[Any, ...], str]]:
+    before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
         was, now = (one_line(str(values.get(path, "none")), 60) for values in (before, after))
-        if was != now and path[1] not in LEFT_OUT:
+        if was != now:
             yield path, f"{path_in_file(path)} {now}, was {was}"
 
 
@@ -159,8 +161,9 @@ def _engines(old: Summary, new: Summary) -> Iterator[Change]:
             yield Change(f"{name}: {now.status}, was {was.status}", worse=was.status == "ok")
         if was.version != now.version:
             yield Change(f"{name}: {now.version}, was {was.version}")
-        if was.settings and now.settings and was.settings != now.settings:
-            yield Change(f"{name}: run at {now.settings.label}, was {was.settings.label}")
+        differ = [text for _, text in _differences(was.settings or {}, now.settings or {})]
+        if was.settings and now.settings and differ:
+            yield Change(f"{name}: run at {_few(differ)}")
 
 
 def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:

@@ -97,8 +97,8 @@ def agreement(judged: "Judgement") -> Agreement:
     given |= {"time", judged.scene.drive_channel}  # inputs
     unchecked = [channel for channel in judged.sampling.wanted(judged.scene) if channel not in given]
     if unchecked:
-        others = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
-        sentence += f" No other engine that is ok gives {unchecked[0]}{others}."
+        where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
+        sentence += f" No other engine that is ok gives {unchecked[0]}{where}."
     if judged.ok and not unchecked:
         count = len(judged.held)
         met = {0: "", 1: " The tolerance is met."}.get(count, f" All {count} tolerances are met.")

@@ -89,7 +89,9 @@ OTHER: Changes = {
     "sampling.samples 48, was 24": put("samples", 48, "sampling"),
     "environment.numpy 9.0, was ": put("numpy", "9.0", "environment"),
     "pymunk: pymunk 9, was pymunk 7.": put("version", "pymunk 9", "engines", "pymunk"),
-    "pymunk: run at others, was ": put("label", "others", "engines", "pymunk", "settings"),
+    "pymunk: run at label others, was ": put("label", "others", "engines", "pymunk", "settings"),
+    "pymunk: run at promise 0.5, was ": put("promise", 0.5, "engines", "pymunk", "settings"),
+    "pymunk: run at sha256 ab, was none": put("sha256", "ab", "engines", "pymunk", "settings"),  # as of a result
     "pymunk: in it alone": lambda s: (s["engines"].pop("pymunk"), s.update(errors=[], cheapest=[])),
     "pymunk reaction: smaller error in B.fx ": grown(0.4),
     "pymunk: 3 times the time, ": slower(3.0),
