@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from scenes import Motion, Rows, Status
+from scenes import Failure, Motion, Rows, Status
 
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
@@ -58,7 +58,10 @@ def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
     if found := incomplete(reference, sampling, motion):
         kind, place, sentence = found
         return Cause(kind, place, "", sentence)
-    return likeliest(evidence(reference, sampling, motion))
+    try:
+        return likeliest(evidence(reference, sampling, motion))
+    except Failure:  # there is no reference at one of its rows
+        return UNKNOWN
 
 
 def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:

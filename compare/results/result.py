@@ -26,7 +26,9 @@ VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
 TURNED = ("angle", "crank_angle")
 MIRRORED = ("omega", "alpha", "guide_force", "guide_moment", "torque")  # and angles, and y
 REVERSED = ("vx", "vy", "omega")  # where time runs the other way
-EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ
+EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
+
+BEYOND = 1e-2  # of a cycle: so far decimals may put a row outside the run of the drive
 
 
 @dataclass(frozen=True)
@@ -250,6 +252,11 @@ def _on_time(scene: Scene, found: Columns, halves: Columns, *, backwards: bool) 
         row = int((~(steps > 0)).argmax())
         way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
         raise InputError(f"row {row + 3}: expected a later instant than in the row before{way}")
+    first, last = found["time"][0], found["time"][-1]
+    hair = min(halves["time"].max(), BEYOND * drive.cycle) + EQUAL * drive.cycle
+    if not (drive.repeats or (first >= -hair and last <= drive.cycle + hair)):
+        runs = f"from 0 to {drive.cycle:g} s, while the drive runs"
+        raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
     if len(steps) > 1 and np.ptp(steps) <= EQUAL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded
 

@@ -17,7 +17,7 @@ from compare.judge.measure import Measurement
 from compare.judge.perturbation import Path, put
 from compare.judge.projection import Projection, projected
 from compare.judge.triage import Cause, cause, sentence, sentences
-from scenes import Motion, Scene, Settings, Status
+from scenes import Instants, Motion, Scene, Settings, Status
 from scenes.motion import Samples, channels, force_channels, quantity
 from tests.comparisons import SAMPLING, References, changed, commanded
 
@@ -165,6 +165,14 @@ def _times(factor: float, value: object) -> float | tuple[float, float]:
         return factor * value[0], factor * value[1]
     assert isinstance(value, float | int)
     return factor * value
+
+
+def test_rows_without_a_reference_have_no_known_cause(references: References) -> None:
+    """A driven slider beyond its end: the bodies do not reach."""
+    reference = references("driven_toggle")
+    time, output = 3 * SAMPLING.times(reference.scene), f"{reference.scene.output}.x"
+    beyond = Instants(tuple(time.tolist()), channels=frozenset([output]))
+    assert not cause(reference, beyond, spoilt(commanded(reference), {"time": time})).known
 
 
 @pytest.mark.parametrize("name", ["toggle_press", "quick_return", "swinging_law"])

@@ -13,8 +13,9 @@ from compare.judge.judgement import judgement
 from compare.judge.measure import Measurement
 from compare.results.result import read_result, read_results
 from compare.run import main
-from scenes import Sampling, Scene
+from scenes import InputError, Sampling, Scene
 from scenes.motion import Samples
+from tests import scene_files
 from tests.comparisons import SLOW, References
 from tests.foreign import MILLIMETRES, Writer, channels, instants, write
 
@@ -125,6 +126,20 @@ def test_a_part_of_the_cycle_confirms_no_channel(
     assert found.word == word
     assert "in every channel that it gives" in found.sentence
     assert ("gives P2.x over a whole cycle, among others." in found.sentence) == (word != "agrees")
+
+
+@pytest.mark.parametrize("name", ["driven_toggle", "swinging_law"])
+@pytest.mark.parametrize("late", [0.5, -0.1])
+def test_rows_outside_the_run_of_a_drive_are_refused(name: str, late: float, tmp_path: Path) -> None:
+    """There the drive asks for nothing: a spline goes on as it likes, and a body beyond its end may not assemble."""
+    scene = scene_files.load(name)
+    assert not scene.drive.repeats
+    times = np.linspace(0.0, scene.drive.cycle, 20)
+    columns = {**Writer().columns(scene, times, [f"{scene.output}.x"]), "time": times + late * scene.drive.cycle}
+    with pytest.raises(InputError, match="while the drive runs"):
+        read_result(scene, f"theirs={write(tmp_path, Writer().texts(columns), '')}")
+    rounded = Writer(decimals=".3f").texts({**columns, "time": times})
+    assert read_result(scene, f"theirs={write(tmp_path, rounded, '')}").request.count == 20
 
 
 def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
