@@ -92,18 +92,19 @@ class Tree:
 
     def moved(self, q: Samples, v: Samples | None = None, a: Samples | None = None) -> Bodies:
         """Return what the bodies do at joint coordinates and their rates, each of shape (n,); without, at rest."""
-        zero = np.zeros(len(q))
-        v, a = zero if v is None else v, zero if a is None else a
-        pinocchio.forwardKinematics(self.model, self.data, q, v, a)
+        rate = change = np.zeros(len(self.index), np.complex128)
+        spin = spin_rate = np.zeros(len(self.index))
+        if v is None:
+            pinocchio.forwardKinematics(self.model, self.data, q)
+        else:
+            a = np.zeros(len(q)) if a is None else a
+            pinocchio.forwardKinematics(self.model, self.data, q, v, a)
+            rate, change = (self._linear(of) for of in (pinocchio.getVelocity, pinocchio.getClassicalAcceleration))
+            spin, spin_rate = self.turns @ v, self.turns @ a
         places = [self.data.oMi[number] for number in self._order]
-        return Bodies(
-            np.array([complex(*place.translation[:2]) for place in places]),
-            np.array([complex(*place.rotation[:2, 0]) for place in places]),
-            self._linear(pinocchio.getVelocity),
-            self.turns @ v,
-            self._linear(pinocchio.getClassicalAcceleration),
-            self.turns @ a,
-        )
+        at = np.array([complex(*place.translation[:2]) for place in places])
+        turn = np.array([complex(*place.rotation[:2, 0]) for place in places])
+        return Bodies(at, turn, rate, spin, change, spin_rate)
 
     def jacobians(self, q: Samples) -> Plane:
         """Return the derivatives of the joint frames' origins by the coordinates, shape (bodies + 1, n)."""
