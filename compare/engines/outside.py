@@ -113,7 +113,7 @@ def _settings(entry: Entry) -> list[Settings]:
     offered = [*tiers, *(each for ladder in (*ladders, engine.ABLATIONS) for each in _tuple(ladder))]
     stepped = [engine.at_steps(24)] if engine.at_steps else []
     for settings in (*offered, *stepped):
-        _check(settings)
+        check_settings(settings)
     labels = Counter(settings.label for settings in dict.fromkeys(offered))
     if again := next((label for label, number in labels.items() if number > 1), None):
         raise ValueError(f"expected a label of its own for each of its settings, found two of {again}")
@@ -126,7 +126,12 @@ def _tuple(ladder: object) -> tuple[Any, ...]:
     return ladder
 
 
-def _check(settings: object) -> None:
+def check_settings(settings: object) -> None:
+    """Refuse what an engine offers as settings and nothing else could take for them.
+
+    Raises:
+        TypeError: the settings, their label, steps or promises are not what the protocol asks for.
+    """
     if not isinstance(settings, Settings):
         raise TypeError(f"expected scenes.Settings, found {type(settings).__name__}")
     if not (isinstance(settings.label, str) and settings.label == one_line(settings.label, 60) != ""):

@@ -21,6 +21,7 @@ import pandas as pd
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import registry, runner
+from ..engines.outside import check_settings
 from ..engines.reasons import described
 from ..engines.reference import Reference
 from ..engines.runner import Runs
@@ -174,7 +175,9 @@ def _at_steps(engine: str, *numbers: int) -> Settings:
     """Return the settings for that many steps a cycle and, if given, sweeps a step."""
     at_steps: Callable[..., Settings] | None = registry.engine(engine).at_steps
     assert at_steps is not None
-    return at_steps(*numbers)
+    settings = at_steps(*numbers)
+    check_settings(settings)
+    return settings
 
 
 def _cell(

@@ -152,12 +152,13 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     module.iterations_needed = lambda *_: "many"
     (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
     assert cell["status"] == "crashed"
-    module.at_steps, module.iterations_needed = lambda steps: {24: module.DEFAULT}[steps], lambda *_: 9
+    module.at_steps, module.iterations_needed = lambda steps: {24: module.DEFAULT, 216: 216}[steps], lambda *_: 9
     (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
     assert (cell["status"], cell["needed"]) == ("crashed", 9)
     assert str(cell["reason"]).startswith("at_steps: TypeError")
-    good, bad = stability.over_turns(reference, "analytic", quiet, (1,), (24, 72))
+    good, bad, odd = stability.over_turns(reference, "analytic", quiet, (1,), (24, 72, 216))
     assert (good["status"], bad["status"], bad["reason"]) == ("ok", "crashed", "at_steps: KeyError: 72")
+    assert odd["reason"] == "at_steps: TypeError: expected scenes.Settings, found int"
     (_, figure), *_ = stability_maps(pd.DataFrame([good, bad]))
     assert figure.checked()
 
