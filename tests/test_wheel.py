@@ -70,7 +70,10 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an environment with the wheel, which sees the other packages of this one; nothing can be written there."""
     folder = tmp_path_factory.mktemp("environment")
     venv.create(folder, symlinks=True)
-    run([sys.executable, "-m", "pip", "--python", folder, "install", "--no-deps", "--no-index", wheel], folder)
+    run(
+        [sys.executable, "-m", "pip", "--python", folder, "install", "--compile", "--no-deps", "--no-index", wheel],
+        folder,
+    )
     site = site_of(folder)
     (site / "others.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
     for path in [site, *site.rglob("*")]:

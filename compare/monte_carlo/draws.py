@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 from scipy.special import ndtri
-from scipy.stats.qmc import Sobol
 
 from scenes import Scene, numbers_in
 from scenes.motion import Samples
@@ -23,6 +22,8 @@ def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Sampl
         first: the number of the first machine, from 0.
         count: of machines.
     """
+    from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
+
     paths = [variation.path for variation in scene.variations]
     sequence = Sobol(len(paths), scramble=True, bits=BITS, rng=seed)
     if first:

@@ -50,7 +50,8 @@ def test_the_reference_is_certified(judgement: Judgement) -> None:
 @pytest.mark.usefixtures("few_settings")
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_the_command_line_reports_every_scene(name: str, tmp_path: Path) -> None:
-    assert main([name, "--check", "--out", str(tmp_path)]) == 0
+    """The engines, which take most of the time, are judged above."""
+    assert main([name, "--check", "--engines", "analytic", "--out", str(tmp_path)]) == 0
     assert (tmp_path / name / "report.html").stat().st_size > 1e6  # with the plots' library in it
 
 

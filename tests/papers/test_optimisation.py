@@ -178,14 +178,13 @@ def test_no_design_is_no_optimum() -> None:
 # --- dynamic models and the report -----------------------------------------------------------------------------------
 
 
-def test_the_dynamic_models_confirm_designs(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Scheme 4, and one whose open pose is far from that of the shipped scene."""
+def test_the_dynamic_models_confirm_a_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its open pose is far from that of the shipped scene."""
     monkeypatch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)
-    designs = {"scheme 4": SCHEME_4, "curve": search(fixed_ratio(1.1), 4).design}
-    rows = list(rechecks(designs, ENGINES, lambda _: None))
-    assert [(row.design, row.engine) for row in rows] == [(name, engine) for name in designs for engine in ENGINES]
+    d = search(fixed_ratio(1.1), 4).design
+    rows = list(rechecks({"curve": d}, ENGINES, lambda _: None))
+    assert [(row.design, row.engine) for row in rows] == [("curve", engine) for engine in ENGINES]
     for found in rows:
-        d = designs[found.design]
         assert found.status == "ok"
         assert abs(found.R_S - measure("R_S", d)) <= 1e-8
         assert abs(found.M_P / measure("M_P", d) - 1) <= 1e-4  # inertia takes 6e-5

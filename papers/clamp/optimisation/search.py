@@ -5,7 +5,6 @@ from functools import cache, lru_cache
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
-from scipy.stats import qmc
 
 from ..formulas import Design, assembles
 from ..measures import MEASURES
@@ -73,7 +72,9 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
 
 @cache
 def _starts(count: int) -> tuple[Vector, ...]:
-    points = qmc.Sobol(8, rng=np.random.default_rng(SEED)).random(MOST_STARTS)
+    from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
+
+    points = Sobol(8, rng=np.random.default_rng(SEED)).random(MOST_STARTS)
     return tuple(points[assembles(in_box(points.T))][:count])
 
 

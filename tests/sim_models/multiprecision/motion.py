@@ -89,7 +89,7 @@ def acting(scene: Scene, motion: Motion) -> list[tuple[str, str, Complex, Array]
             force = complex(*load.force) + none
         elif isinstance(load, PressForce):
             x, v, _ = (values.real for values in slid(scene, motion, load.body))
-            fine = slid(scene, named(scene.name, 720), load.body)[0].real * load.closing
+            fine = slid(scene, named(scene.name, 144), load.body)[0].real * load.closing
             acts = load.acts(x, v, load.closing * float(fine.max()))  # no sample is so near to where it begins
             assert 0 < acts.sum() < len(acts)
             force = complex(*load.force) * acts
