@@ -11,6 +11,7 @@ from scenes.motion import Samples
 from ..judge.peaks.numbers import Number
 
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
+ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
 LINEAR = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
 
 
@@ -24,7 +25,7 @@ class Spread:
     nominal: float  # of the linkage as drawn
     size: float  # what the engines' differences are relative to
     mean: float
-    deviation: float  # standard deviation
+    deviation: float  # standard deviation, 0 where it is rounding
     quantiles: Mapping[str, float]
     least: int  # the machine with the least value, from 0
     largest: int
@@ -52,6 +53,8 @@ def spread(number: Number, values: Samples, linear: Samples, gradient: Mapping[s
     parts = np.square([*gradient.values()])
     of_all = float(parts.sum())
     deviation = float(run.std(ddof=1)) if run.size > 1 else nan
+    if deviation <= ROUNDING * max(abs(nominal), abs(float(number.size[0]))):
+        deviation = 0.0
     known = run.size > 0
     quantiles = np.quantile(run, QUANTILES) if known else np.full(len(QUANTILES), nan)
     return Spread(

@@ -15,6 +15,7 @@ from compare.monte_carlo import study as solving
 from compare.report.monte_carlo.tables import differences
 from compare.run import main
 from tests import scene_files
+from tests.comparisons import SLOW
 from tests.pages import unpacked, without_scripts
 
 from .machines_of import alone
@@ -96,6 +97,16 @@ def test_machines_that_do_not_run_are_counted(tmp_path: Path) -> None:
     assert lost
     assert all(set(machine["numbers"].values()) == {None} for machine in lost)
     assert "B cannot be reached" in (folder / "monte_carlo.html").read_text(encoding="utf-8")
+
+
+@SLOW
+def test_numbers_that_nothing_changes_are_not_drawn(tmp_path: Path) -> None:
+    """The drive's speed moves no dead point but by rounding, of which there is no distribution."""
+    speed = [{"path": "drive.speed", "plus_minus": 3}]
+    assert run(scene(tmp_path, speed), tmp_path / "out", "--monte-carlo", "40") == 0
+    html = without_scripts((tmp_path / "out" / "offset_slider_crank" / "monte_carlo.html").read_text(encoding="utf-8"))
+    assert "Peak speed" in html
+    assert "Stroke" not in html
 
 
 @pytest.mark.usefixtures("small_blocks")

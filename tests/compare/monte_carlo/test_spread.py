@@ -51,3 +51,6 @@ def test_where_nothing_runs_or_nothing_differs() -> None:
     alike = of(np.full((2, 2), 5.0), np.full((2, 2), 5.0), {"x": 0.0})
     assert alike.deviation == 0
     assert alike.is_linear
+    rounding = of(5 + 1e-13 * X, np.full(X.shape, 5.0), {"x": 1e-13})
+    assert rounding.deviation == 0
+    assert rounding.is_linear
