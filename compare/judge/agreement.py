@@ -31,6 +31,7 @@ FAILED = {
 }  # why there is nothing to compare
 PER_CENT = 1e-6  # relative: less is given in digits
 EQUAL = 1e-6  # of a cycle: instants are written at decimals
+FEWEST = 8  # samples of a cycle that engines are asked for at least: a result's longest step is no longer
 
 
 class Word(StrEnum):
@@ -113,9 +114,9 @@ def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
     """Return whether a model was compared over a whole cycle, as engines are; a result is where it has rows."""
     if measurement.own is None:
         return True
-    times = measurement.own.times(scene)
-    last_step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle
-    return bool(times[-1] - times[0] + last_step >= (1 - EQUAL) * scene.drive.cycle)
+    times, cycle = measurement.own.times(scene), scene.drive.cycle
+    step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle too
+    return bool(FEWEST * step <= (1 + EQUAL) * cycle and times[-1] - times[0] + step >= (1 - EQUAL) * cycle)
 
 
 def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:

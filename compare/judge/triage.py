@@ -94,7 +94,7 @@ def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
-    moves = evidence.total > 0 and evidence.moved > STILL
+    moves = evidence.total > 0 and (evidence.moved > STILL or evidence.blind)
     if moves:
         yield from drive_causes(evidence)
     if moves or evidence.reference.scene.springs:

@@ -13,6 +13,8 @@ from ...engines import registry
 from .evidence import Channels, Evidence, Hypothesis, Kind, factor, fitted
 
 ASTRAY = 1e-9  # relative: far above rounding
+SPEED, RATES = "the drive runs at another speed", "the drive has rates of another speed"
+CLOCK = "all instants are too far apart"
 
 
 def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -70,25 +72,36 @@ def _offset(evidence: Evidence, scene: Scene) -> Iterator[Hypothesis]:
 
 
 def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[Hypothesis]:
-    """Another speed: with the poses of that speed, or with those asked for and rates that are too large."""
+    """Another speed: with its poses, with those asked for and other rates, or instants that are too far apart."""
     time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
     there = evidence.given[scene.drive_channel] - drive.start
     rates = {float(there @ time / (time @ time)), -drive.speed}
     if velocities := [c for c in evidence.names if quantity(c) in ("vx", "vy", "omega")]:
         rates.add(drive.speed * factor(evidence, velocities, evidence.true.samples))
-    for rate in rates:
-        if not rate or abs(rate - drive.speed) <= 1e-9 * abs(drive.speed):
-            continue
-        other = replace(scene, drive=replace(drive, speed=rate))
-        share = rate / drive.speed
-        how = "backwards" if abs(share + 1) < 1e-3 else f"{100 * (share - 1):+.3g} %"
-        ways = {"runs at another speed": drive.start + rate * time, "has rates of another speed": asked}
-        for what, position in ways.items():
-            predicted = _solved(evidence, other, position)
-            yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", predicted, 1)
-            if how == "backwards":  # and its channel is as commanded
-                others = {channel: predicted[channel] for channel in predicted if channel != scene.drive_channel}
-                yield Hypothesis(Kind.drive, "drive", how, f"the drive {what}, {how}", others)
+    others = [c for c in evidence.names if c != scene.drive_channel]
+
+    def at(rate: float, what: str) -> Channels:
+        other = scene if what == CLOCK else replace(scene, drive=replace(drive, speed=rate))
+        return _solved(evidence, other, asked if what == RATES else drive.start + rate * time)
+
+    def fitted_rate(what: str) -> float:
+        """Return the rate that explains most, of those near the one asked for."""
+
+        def predict(x: Samples) -> Channels:
+            predicted = at(drive.speed * (1 + float(x[0])), what)
+            return {channel: predicted[channel] for channel in others} if predicted else {}
+
+        return drive.speed * (1 + float(fitted(evidence, predict, np.full(1, 1e-6), 4)[0][0]))
+
+    for what in (SPEED, RATES, CLOCK):
+        for rate in (fitted_rate(what), *(rates if what != CLOCK else ())):
+            if not rate or abs(rate / drive.speed - 1) <= 1e-9 or not (predicted := at(rate, what)):
+                continue
+            share = drive.speed / rate if what == CLOCK else rate / drive.speed
+            how = "backwards" if abs(share + 1) < 1e-3 else f"{100 * (share - 1):+.3g} %"
+            for channels in (evidence.names, others):  # its channel may be as commanded
+                seen = {channel: predicted[channel] for channel in channels}
+                yield Hypothesis(Kind.drive, "drive", how, f"{what}, {how}", seen, 1)
 
 
 def _entries(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:

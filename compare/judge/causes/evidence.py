@@ -116,12 +116,15 @@ class Evidence:
         """The part of the deviation that the kinematic channels have."""
         return self.outside(c for c in self.names if quantity(c) in FORCES)
 
+    @cached_property
+    def blind(self) -> bool:
+        """Whether it has forces alone, which do not show whether a body is elsewhere."""
+        drive = self.reference.scene.drive_channel
+        return all(quantity(channel) in FORCES or channel == drive for channel in self.names)
+
     def difference(self, channel: str, other: Samples) -> Samples:
         """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
-        difference = self.given[channel] - other
-        if quantity(channel) in ANGLES:
-            difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-        return difference / self.scale[channel]
+        return _apart(channel, self.given[channel], other) / self.scale[channel]
 
     def _square(self, channel: str, other: Samples) -> float:
         return float(np.sum(self.difference(channel, other) ** 2))
@@ -220,7 +223,7 @@ def fitted(
         ways = [predict(x + step) for step in np.diag(steps)]
         if not all((now, *ways)):
             return x, {}
-        slopes = [_together(evidence, {c: way[c] - now[c] for c in channels}) for way in ways]
+        slopes = [np.concatenate([_apart(c, way[c], now[c]) / evidence.scale[c] for c in channels]) for way in ways]
         off = np.concatenate([evidence.difference(c, now[c]) for c in channels])
         size = np.array([np.linalg.norm(slope) for slope in slopes])
         if not (np.isfinite(size).all() and np.isfinite(off).all()):
@@ -237,5 +240,7 @@ def fitted(
     return x, now
 
 
-def _together(evidence: Evidence, change: Channels) -> Samples:
-    return np.concatenate([change[c] / evidence.scale[c] for c in change])
+def _apart(channel: str, one: Samples, other: Samples) -> Samples:
+    """Return by how much samples of a channel are more than others, angles modulo one turn."""
+    difference = one - other
+    return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if quantity(channel) in ANGLES else difference

@@ -23,6 +23,8 @@ from ...engines.motion_vectors import MotionVectors, Vectors, arms, first_point,
 from ..constraints import blocks, constraints_of
 from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
+NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
+
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
 Wrenches = Mapping[str, Wrench]  # by body; on the ground none
 
@@ -144,7 +146,10 @@ def percent(share: float) -> str:
 
 
 def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
-    """Yield another mass, moment of inertia or centre of mass of a body, or of all; two bodies' masses swapped."""
+    """Yield another mass, moment of inertia or centre of mass of a body, or of all; two bodies' masses swapped.
+
+    Less than none is no cause.
+    """
     scene = carried.scene
     own = {name: carried.weights(body) for name, body in scene.bodies.items()}
 
@@ -172,17 +177,22 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         uniform = body.inertia is None and name in turning
         for with_inertia in dict.fromkeys((uniform, False)):
             amount, predicted = by_factor([name], True, with_inertia)
-            yield Hypothesis(Kind.mass, name, percent(amount), f"{name}'s mass is {percent(amount)}", predicted, 1)
+            if amount > NONE:
+                yield Hypothesis(Kind.mass, name, percent(amount), f"{name}'s mass is {percent(amount)}", predicted, 1)
         if name in turning:
             amount, predicted = by_factor([name], False, True)
             how = _inertia_of(body, amount)
-            yield Hypothesis(Kind.inertia, name, how, f"{name}'s moment of inertia is {how}", predicted, 1)
+            if amount > NONE:
+                yield Hypothesis(Kind.inertia, name, how, f"{name}'s moment of inertia is {how}", predicted, 1)
         if name in scene.turning and own[name].mass:
             yield _com(evidence, carried, body, own[name], changed)
     for kind, names in ((Kind.mass, list(scene.bodies)), (Kind.inertia, turning)):
         if len(names) > 1:
             amount, predicted = by_factor(names, kind is Kind.mass, True)
-            yield Hypothesis(kind, "all", percent(amount), f"each body's {kind} is {percent(amount)}", predicted, 1)
+            if amount > NONE:
+                yield Hypothesis(kind, "all", percent(amount), f"each body's {kind} is {percent(amount)}", predicted, 1)
+    if scene.gravity is not None:  # without it the same as each body's mass
+        yield _at_rest(evidence, carried, own)
     for one, two in combinations(own, 2):
         a, b = own[one], own[two]
         swapped = {
@@ -191,6 +201,16 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         }
         sentence = f"the masses of {one} and {two} are swapped"
         yield Hypothesis(Kind.mass, one, f"swapped with {two}'s", sentence, changed(swapped))
+
+
+def _at_rest(evidence: Evidence, carried: Carried, own: Mapping[str, Weights]) -> Hypothesis:
+    """Return forces without m a and I alpha, as a static solution has them, or with another share of these."""
+    moved = {n: carried.needed(carried.scene.bodies[n], w, gravity=0j) for n, w in own.items()}
+    (amount,), predicted = fitted(
+        evidence, lambda x: carried.changed({n: (x[0] * f, x[0] * m) for n, (f, m) in moved.items()}), np.ones(1)
+    )
+    how = percent(amount)
+    return Hypothesis(Kind.mass, "all", how, f"inertia's share of all forces is {how}", predicted, 1)
 
 
 def _com(

@@ -185,7 +185,8 @@ def _friction(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         for how, size in (("Coulomb", load * np.sign(rate)), ("constant", np.sign(rate)), ("viscous", rate)):
             (amount,), predicted = _along(evidence, carried, [_times(size, against)])
             how = f"{how}, {amount:.3g}"
-            yield Hypothesis(Kind.friction, place, how, f"{name} has friction ({how})", predicted, 1)
+            if amount > 0:
+                yield Hypothesis(Kind.friction, place, how, f"{name} has friction ({how})", predicted, 1)
 
 
 def _effort(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:

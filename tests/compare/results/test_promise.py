@@ -112,12 +112,15 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
-@pytest.mark.parametrize(("turns", "word"), [(0.0, "agrees in part"), (0.9, "agrees in part"), (59 / 60, "agrees")])
+@pytest.mark.parametrize(
+    ("rows", "turns", "word"),
+    [(1, 0.0, "agrees in part"), (60, 0.9, "agrees in part"), (7, 6 / 7, "agrees in part"), (60, 59 / 60, "agrees")],
+)
 def test_a_part_of_the_cycle_confirms_no_channel(
-    press: Scene, tmp_path: Path, references: References, turns: float, word: str
+    press: Scene, tmp_path: Path, references: References, rows: int, turns: float, word: str
 ) -> None:
-    """Sixty rows over all but the last step are the whole cycle."""
-    times = np.linspace(0.0, turns * press.drive.cycle, 60 if turns else 1)
+    """Sixty rows over all but the last step are the whole cycle; seven are fewer than engines are asked for."""
+    times = np.linspace(0.0, turns * press.drive.cycle, rows)
     file = write(tmp_path, Writer().texts(Writer().columns(press, times, channels(press))), "")
     results = [read_result(press, f"theirs={file}")]
     found = judgement(

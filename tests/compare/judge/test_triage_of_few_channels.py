@@ -1,0 +1,83 @@
+"""The likely cause where a result has a few channels, and its drive as commanded; and causes that there cannot be."""
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import pytest
+
+from compare.engines import registry
+from compare.engines.reference import Reference
+from compare.judge.causes.drive import drive_causes
+from compare.judge.causes.evidence import Evidence, Kind, evidence
+from compare.judge.causes.force import Carried, weight_causes
+from compare.judge.causes.load import load_causes
+from compare.judge.perturbation import put
+from compare.judge.triage import likeliest
+from scenes import Motion, Sampling, Scene
+from scenes.motion import Samples, force_channels
+from scenes.scene import ConstantSpeed
+from tests.comparisons import References
+
+SAMPLING = Sampling(20)  # the half turn too, where an angle jumps by a turn
+
+
+@pytest.fixture
+def reference(references: References) -> Reference:
+    """One with weight and loads: forces of another speed are no multiple of anything."""
+    return references("loaded_four_bar")
+
+
+def commanded(scene: Scene, slower: float = 1.0, speed: float = 1.0) -> dict[str, Samples]:
+    """Return the motion at instants that are further apart, the drive at another speed."""
+    drive, times = scene.drive, slower * SAMPLING.times(scene)
+    assert isinstance(drive, ConstantSpeed)
+    drive = replace(drive, speed=speed * drive.speed)
+    return dict(registry.reference(replace(scene, drive=drive))(drive.at(times).position, times).samples)
+
+
+def seen(reference: Reference, samples: dict[str, Samples], channels: Collection[str]) -> Evidence:
+    """Return what there is of a result with these channels alone."""
+    inputs = {c: commanded(reference.scene)[c] for c in ("time", reference.scene.drive_channel)}
+    asked = replace(SAMPLING, channels=frozenset(channels))
+    return evidence(reference, asked, Motion({c: samples[c] for c in channels} | inputs))
+
+
+@pytest.mark.parametrize(("channels", "share"), [(("T.x", "T.y"), 1.01), (("drive.torque",), 0.97)])
+def test_another_speed_of_the_drive(reference: Reference, channels: tuple[str, ...], share: float) -> None:
+    known = seen(reference, commanded(reference.scene, speed=share), channels)
+    best = min(drive_causes(known), key=lambda cause: known.left(cause.predicted))
+    assert best.sentence == f"the drive runs at another speed, {100 * (share - 1):+.3g} %"
+
+
+def test_instants_that_drift(reference: Reference) -> None:
+    """What was at the right instants is written at some that are 0.05 % too far apart."""
+    drifting = commanded(reference.scene, slower=1 / 1.0005)
+    known = seen(reference, drifting, drifting)
+    best = min(drive_causes(known), key=lambda cause: known.left(cause.predicted))
+    assert best.sentence == "all instants are too far apart, +0.05 %"
+
+
+@pytest.mark.parametrize("only", ["", "drive.torque"])
+def test_forces_at_rest(reference: Reference, only: str) -> None:
+    """Those of a static solution, beside the right motion."""
+    right, slow = commanded(reference.scene), commanded(reference.scene, slower=1e6, speed=1e-6)
+    found = right | {channel: slow[channel] for channel in force_channels(reference.scene)}
+    known = seen(reference, found, [only] if only else found)
+    assert likeliest(known).sentence == "inertia's share of all forces is missing"
+
+
+def test_a_length_by_forces_alone(reference: Reference) -> None:
+    path = ("bodies", "rocker", "lengths", frozenset(("C", "D")))
+    longer = commanded(put(reference.scene, path, 1.515))
+    known = seen(reference, longer, force_channels(reference.scene))
+    assert likeliest(known).sentence == "rocker's length C-D is 0.015 m too long"
+
+
+def test_no_body_has_less_than_no_mass_and_no_friction_pushes(reference: Reference) -> None:
+    below = commanded(put(reference.scene, ("bodies", "rocker", "mass"), -2.0))
+    known = seen(reference, below, force_channels(reference.scene))
+    causes = [*weight_causes(known, Carried(known)), *load_causes(known, Carried(known))]
+    assert not [cause for cause in causes if (cause.kind, cause.place) == (Kind.mass, "rocker")]
+    friction = [float(cause.amount.rpartition(" ")[2]) for cause in causes if cause.kind is Kind.friction]
+    assert friction
+    assert min(friction) > 0
