@@ -104,18 +104,20 @@ def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
 def likeliest(evidence: Evidence) -> Cause:
     """Return the cheapest cause that explains nearly all; where none does, noise, or a drive that is not in its place.
 
-    A deviation of rounding has no cause.
+    What it leaves over is in its sentence. A deviation of rounding has no cause.
     """
     if not evidence.total > len(evidence.rows) * ROUNDING**2:
         return UNKNOWN
-    causes = ranked(evidence)
-    best = causes[0][2] if causes and causes[0][1] <= NEARLY_ALL else noisy(evidence) or strayed(evidence)
-    return Cause(best.kind, best.place, best.amount, _in_plural(best.sentence)) if best else UNKNOWN
+    causes = [(left, cause) for price, left, cause in ranked(evidence)[:1] if price <= NEARLY_ALL]
+    left, best = causes[0] if causes else (0.0, noisy(evidence) or strayed(evidence))
+    but_for = f" (all but {100 * left:.0f} % of the error)" if left > EXACT else ""
+    return Cause(best.kind, best.place, best.amount, _in_plural(best.sentence) + but_for) if best else UNKNOWN
 
 
 def _in_plural(sentence: str) -> str:
     """Return a sentence whose verb fits what it is of: `all forces have`, but `rod's force has`."""
-    return PLURAL.sub(lambda found: f"{found[1]} {VERBS[found[2]]}", sentence)
+    plural = PLURAL.sub(lambda found: f"{found[1]} {VERBS[found[2]]}", sentence)
+    return plural.replace("what it should be", "what they should be") if plural != sentence else sentence
 
 
 def sentence(engine: str, found: Cause, others_agree: bool) -> str:

@@ -16,6 +16,7 @@ from .parts import ANGLES, common
 FEW = 0.1  # of the samples
 MOST = 0.8  # of the channels, that a spoilt row spoils
 NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what its neighbours have
+TELLING = 3  # channels, by which a row is known: one number or two are about those of many rows
 FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 
 
@@ -126,7 +127,7 @@ def _exchanged(evidence: Evidence, channels: list[str]) -> Iterator[Hypothesis]:
             by = by if 2 * abs(by) < len(true) else by + len(true) - 1
             late = f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
             yield Hypothesis(Kind.lag, "all", late, f"all is {late}", {c: evidence.true[c][rows] for c in channels})
-        else:
+        elif len(channels) >= TELLING:
             yield _of_rows(evidence, Kind.rows, "all", channels, rows, "has rows of other instants")
 
 

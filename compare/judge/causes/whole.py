@@ -60,6 +60,9 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     known = next((f for f in (1.0, *LENGTHS) if abs(factor / f - 1) <= NEAR), factor)
     angle = 0.0 if abs(angle) <= NEAR else angle
     b = 0j if abs(b) <= NEAR * size * factor else b
+    size_is_odd = known not in (1.0, *LENGTHS)
+    if size_is_odd and (angle or b):
+        return  # four numbers that are fitted explain much of anything
     parts = ["mirrored"] * mirrored
     parts += [f"turned by {scene.amount('angle', angle if mirrored else -angle)}"] * bool(angle)
     if b:
@@ -71,7 +74,7 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     sentences += [f"all lengths are {unit}"] * (known != 1)
     if sentences:
         kind = Kind.frame if parts else Kind.unit
-        freedom = bool(angle) + 2 * bool(b) + (known not in (1.0, *LENGTHS))
+        freedom = bool(angle) + 2 * bool(b) + size_is_odd
         predicted = _seen(evidence, known, angle, b, mirrored=mirrored)
         yield Hypothesis(kind, "all", ", ".join(parts) or unit, " and ".join(sentences), predicted, freedom)
 

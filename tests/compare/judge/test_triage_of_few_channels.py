@@ -3,6 +3,7 @@
 from collections.abc import Collection
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from compare.engines import registry
@@ -81,3 +82,19 @@ def test_no_body_has_less_than_no_mass_and_no_friction_pushes(reference: Referen
     friction = [float(cause.amount.rpartition(" ")[2]) for cause in causes if cause.kind is Kind.friction]
     assert friction
     assert min(friction) > 0
+
+
+def test_what_few_numbers_do_not_show(reference: Reference) -> None:
+    """One number is about that of some row, and a frame with a size of its own is about any motion's."""
+    right = commanded(reference.scene)
+    backwards = seen(reference, {"drive.torque": right["drive.torque"][::-1]}, ["drive.torque"])
+    assert "rows of other instants" not in likeliest(backwards).sentence
+    place = 0.8 * np.exp(0.3j) * (right["T.x"] + 1j * right["T.y"]) + 0.3
+    smaller = seen(reference, {"T.x": place.real, "T.y": place.imag}, ("T.x", "T.y"))
+    assert "another frame" not in likeliest(smaller).sentence
+
+
+def test_what_a_cause_leaves_over_is_named(reference: Reference) -> None:
+    true = commanded(reference.scene)["T.x"]
+    uneven = seen(reference, {"T.x": true + 0.1 + 0.005 * np.cos(np.arange(true.size))}, ["T.x"])
+    assert likeliest(uneven).sentence == "T.x is off by a constant, 0.1 (all but 4 % of the error)"

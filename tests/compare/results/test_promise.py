@@ -158,3 +158,11 @@ def test_a_channel_with_two_columns(press: Scene, tmp_path: Path) -> None:
     file.write_text("time [s],P5.y [mm],P5.y [m]\n0,1,2\n0.1,1,2\n")
     with pytest.raises(scenes.InputError, match=r"a column for each channel, found two of P5\.y"):
         read_results([press], [f"theirs={file}"], None)
+
+
+def test_places_in_another_unit_are_no_other_assembly(press: Scene, tmp_path: Path, references: References) -> None:
+    """Nothing shows that its pins are closed."""
+    columns = Writer().columns(press, instants(press, 20), ["P5.y"])
+    found = assessed(references, press, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
+    assert found.run.status.name == "inaccurate"
+    assert "of the stroke away" in found.run.reason
