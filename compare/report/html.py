@@ -64,19 +64,18 @@ def _templates(package: str) -> Environment:
 class _ByteCode(BytecodeCache):
     """Templates as Python's byte code, made anew for another text of the template or of these filters."""
 
+    def __init__(self) -> None:
+        filters = (Path(file).read_bytes() for file in (__file__, numbers.__file__))  # constants went through them
+        self._compiler = b"".join((version("jinja2").encode(), *filters))
+
     def load_bytecode(self, bucket: Bucket) -> None:
         """Take what is kept of a template."""
-        if (code := byte_code.read(bucket.key, self._made_from(bucket))) is not None:
+        if (code := byte_code.read(bucket.key, self._compiler + bucket.checksum.encode())) is not None:
             bucket.bytecode_from_string(code)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep a template."""
-        byte_code.write(bucket.key, self._made_from(bucket), bucket.bytecode_to_string())
-
-    def _made_from(self, bucket: Bucket) -> bytes:
-        """Return the version, the template and what its constants went through."""
-        filters = (Path(file).read_text(encoding="utf-8") for file in (__file__, numbers.__file__))
-        return "".join((version("jinja2"), bucket.checksum, *filters)).encode()
+        byte_code.write(bucket.key, self._compiler + bucket.checksum.encode(), bucket.bytecode_to_string())
 
 
 @cache
