@@ -18,7 +18,7 @@ from sim_models.multiprecision import blocks as multiprecision_blocks  # noqa: E
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
 
-SIZES = (1, 3, 6, 1, 2)  # of diagonal blocks
+SIZES = (1, 3, 6, 1, 2, 5)  # of diagonal blocks: more equations than are solved at once
 
 
 def shuffled() -> Any:
@@ -46,12 +46,13 @@ def test_solutions_are_those_of_the_whole_matrix() -> None:
 
 
 def test_a_matrix_without_an_order_is_one_block_and_singular_where_it_is() -> None:
-    values = np.ones((3, 3))
-    values[:2, 1:] = 0  # two equations for one unknown
-    found = groups(pattern(values))
-    assert [len(group.rows) for group in found] == [3]
-    with pytest.raises(ZeroDivisionError):
-        multiprecision_blocks.solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1], [2], [3]]))
+    for count in (3, multiprecision_blocks.AT_ONCE + 1):
+        values = np.ones((count, count))
+        values[:2, 1:] = 0  # two equations for one unknown
+        found = groups(pattern(values))
+        assert [len(group.rows) for group in found] == [count]
+        with pytest.raises(ZeroDivisionError):
+            multiprecision_blocks.solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1]] * count))
 
 
 def group_sizes(scene: Scene) -> list[int]:
