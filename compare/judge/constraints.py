@@ -62,6 +62,8 @@ class Constraints:
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
         somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
         self._groups = groups([*map(_nonzero, self.jacobian(somewhere)[0])])
+        sizes = [len(group.rows) for group in self._groups]
+        self._alike = [np.flatnonzero(np.array(sizes) == size).tolist() for size in dict.fromkeys(sizes)]
 
     def _rows(self) -> Iterator[Row]:
         """Yield all constraints."""
@@ -109,19 +111,31 @@ class Constraints:
 
     def determinant(self, J: Matrices) -> tuple[Samples, Samples]:
         """Return the sign of det J, but for one that is the same everywhere, and its logarithm, each of shape (n,)."""
-        signs, sizes = zip(*(np.linalg.slogdet(_part(J, own.rows, own.columns)) for own in self._groups), strict=True)
-        return np.prod(signs, axis=0), np.sum(sizes, axis=0)
+        signs, sizes = zip(*(np.linalg.slogdet(blocks) for _, blocks in self._diagonal(J)), strict=True)
+        return np.prod(np.concatenate(signs, axis=1), axis=1), np.sum(np.concatenate(sizes, axis=1), axis=1)
 
     def solve(self, J: Matrices, right: Samples) -> Samples:
         """Return J^-1 times what is given by constraints, shape (n, m, k): infinite in singular poses."""
         found, singular = np.zeros(right.shape), np.zeros(len(J), dtype=bool)
-        for rows, columns, left in self._groups:
-            inverse = _inverse(_part(J, rows, columns))
-            known: Matrices = _part(J, rows, left) @ found[:, left]
-            found[:, columns] = inverse @ (right[:, rows] - known)
-            singular |= np.isinf(inverse).all(axis=(1, 2))
+        inverses: dict[int, Matrices] = {}
+        for numbers, blocks in self._diagonal(J):
+            alike = _inverse(blocks)
+            inverses |= zip(numbers, alike.swapaxes(0, 1), strict=True)
+            singular |= np.isinf(alike).all(axis=(2, 3)).any(axis=-1)
+        for number, (rows, columns, left) in enumerate(self._groups):
+            given = right[:, rows]
+            if left:
+                given = given - J[:, np.array(rows)[:, np.newaxis], left] @ found[:, left]
+            found[:, columns] = inverses[number] @ given
         found[singular] = np.inf
         return found
+
+    def _diagonal(self, J: Matrices) -> Iterator[tuple[Sequence[int], Matrices]]:
+        """Yield the blocks of each size, of groups by their numbers, in one array of shape (n, groups, size, size)."""
+        for numbers in self._alike:
+            rows = np.array([self._groups[number].rows for number in numbers])
+            columns = np.array([self._groups[number].columns for number in numbers])
+            yield numbers, J[:, rows[:, :, np.newaxis], columns[:, np.newaxis]]
 
     def bending(self, q: Poses, v: Poses) -> Samples:
         """Return d²C/dt² at rates v without accelerations, shape (n, m)."""
@@ -150,16 +164,12 @@ def _nonzero(row: Samples) -> list[int]:
     return [number for number, entry in enumerate(row.tolist()) if entry != 0]
 
 
-def _part(J: Matrices, rows: Sequence[int], columns: Sequence[int]) -> Matrices:
-    return J[:, np.array(rows)[:, np.newaxis], np.array(columns, dtype=np.intp)]
-
-
 def _inverse(J: Matrices) -> Matrices:
     """Return the inverses, infinite in singular poses."""
     try:
         return np.linalg.inv(J).astype(np.float64, copy=False)
     except np.linalg.LinAlgError:  # of any of them
-        singular = (np.linalg.slogdet(J)[0] == 0)[:, np.newaxis, np.newaxis]
+        singular = (np.linalg.slogdet(J)[0] == 0)[..., np.newaxis, np.newaxis]
         return np.where(singular, np.inf, np.linalg.inv(np.where(singular, np.eye(J.shape[-1]), J)))
 
 
