@@ -114,6 +114,7 @@ def _prepare() -> None:
     if sys.stdout is not None:
         cast("Any", sys.stdout).reconfigure(errors="backslashreplace")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small; each thread reserves address space
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # it looks for some in all that is installed
     with suppress(ImportError):  # on Windows
         import resource
 

@@ -3,7 +3,8 @@
 import os
 import platform
 from functools import cache
-from importlib.metadata import version
+
+from .entry import version
 
 PACKAGES = ("linkage-crosscheck", "numpy", "scipy", "pandas", "plotly")  # the engines name their own
 

@@ -1,6 +1,8 @@
 """The one place that knows the engines' names. A module is imported when its engine runs, not before."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import UserDict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
@@ -33,6 +35,27 @@ class Many(Protocol):
 SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
 
 
+class Entries(UserDict[str, Entry]):
+    """The engines by name; those of other distributions are looked for once none of the project's own has a name."""
+
+    @cached_property
+    def _all(self) -> dict[str, Entry]:
+        self.data |= outside.entries(self.data)
+        return self.data
+
+    def __missing__(self, name: str) -> Entry:
+        return self._all[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.data or name in self._all
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+
 _CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
 _DAE = "multibody DAE with Lagrange multipliers"
 _IMPULSES = "impulses, block Gauss-Seidel"
@@ -41,7 +64,7 @@ _RECURSIONS = "joint coordinates, closed loops, recursive Newton-Euler"
 _SOFT = "springs and dampers for joints, made as hard as a step allows"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
 _CERTIFY = "'linkage-crosscheck[certify]'"
-ENTRIES = {
+OWN = {
     name: Entry(purpose, f"{module}.engine", package, distribution, f"pip install {install}", everything=True)
     for name, purpose, module, package, distribution, install in (
         ("analytic", _CORE, "analytic", "numpy", "numpy", "numpy"),
@@ -53,7 +76,7 @@ ENTRIES = {
         ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
     )
 }
-ENTRIES |= outside.entries(ENTRIES)
+ENTRIES = Entries(OWN)
 REFERENCE = "analytic"
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"

@@ -47,8 +47,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("PYTHONPATH", pathsep.join((str(tmp_path / "site"), str(ROOT))))
     monkeypatch.setattr(asked, "shipped", lambda: ("stephenson_six_bar", "four_bar"))
     monkeypatch.chdir(tmp_path)
-    for name, entry in outside.entries(registry.ENTRIES).items():
-        monkeypatch.setitem(registry.ENTRIES, name, entry)
+    monkeypatch.setattr(registry, "ENTRIES", registry.Entries(registry.OWN))
     yield tmp_path
     for module in modules.keys() - {"sitecustomize"}:
         sys.modules.pop(module, None)

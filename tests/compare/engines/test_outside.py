@@ -76,8 +76,7 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         (site / f"{name}-1.0.dist-info" / "entry_points.txt").write_bytes(broken)
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(str(site))
-        for name, entry in outside.entries(registry.ENTRIES).items():
-            patch.setitem(registry.ENTRIES, name, entry)
+        patch.setattr(registry, "ENTRIES", registry.Entries(registry.OWN))
         assert not {"good", "dies"} & sys.modules.keys(), "imported"
         yield
     for module in MODULES:
@@ -96,6 +95,13 @@ def test_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("../up", "a,b"):
         assert "its name is expected to be letters" in listed[name]
     assert not {"good", "dies"} & sys.modules.keys(), "imported"
+
+
+def test_none_is_looked_for_while_the_projects_own_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outside, "entries", lambda _: pytest.fail("looked for"))
+    entries = registry.Entries(registry.OWN)
+    assert entries["exudyn"] is registry.OWN["exudyn"]
+    assert "pymunk" in entries
 
 
 @pytest.mark.usefixtures("_installed")
