@@ -35,7 +35,7 @@ def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
         gap = np.isnan(values)
         least, largest = np.where(gap, np.inf, values).argmin(axis=1), np.where(gap, -np.inf, values).argmax(axis=1)
         kept += [np.take_along_axis(rows, at[:, np.newaxis], 1)[:, 0] for at in (least, largest, gap.argmax(axis=1))]
-    return np.unique(kept)
+    return np.array(sorted({*np.concatenate(kept).tolist()}))
 
 
 def affordable(figures: Iterable[Iterable[Trace]]) -> int:

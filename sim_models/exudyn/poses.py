@@ -83,7 +83,7 @@ class PoseSolver:
         for position in positions[knots]:
             followed.append(self.follow(followed[-1], float(position)))
         known = Configuration(*map(np.array, zip(*followed, strict=True)))
-        between = np.setdiff1d(np.arange(len(positions)), knots)
+        between = np.delete(np.arange(len(positions)), knots)
         if not len(between):
             return known.rows(slice(1, None))
         last = np.searchsorted(knots, between)  # of the states that are known before each

@@ -114,7 +114,7 @@ def _cycles(cycles: Samples) -> Iterator[slice]:
     """Yield the rows of whole cycles, evenly spread over those that have passed since the first row."""
     passed = cycles - cycles[0] + ON_TIME
     turns = int(passed[-1])
-    for turn in np.unique(np.linspace(0, turns - 1, min(turns, TURNS)).astype(int)):
+    for turn in dict.fromkeys(np.linspace(0, turns - 1, min(turns, TURNS)).astype(int).tolist()):
         yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * ON_TIME)))
 
 
