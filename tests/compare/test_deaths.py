@@ -1,4 +1,4 @@
-"""Every death in the main run, in a family and in the hard cases, there of every engine: a row, and the rest goes on."""
+"""Every death in the main run, a family and the hard cases, there of every engine: a row, and the rest goes on."""
 
 import json
 from pathlib import Path
