@@ -60,7 +60,9 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
 def by_accuracy(table: pd.DataFrame) -> pd.DataFrame:
     """Return one row an engine and accuracy: how many runs became what, and the largest error of those that are ok."""
     order = {str(accuracy): rank for rank, accuracy in enumerate((*TIERS, *NUMBERS))}
-    found = table.groupby(BY)[COUNTS].sum().join(table.groupby(BY)["error_of_ok"].max())
+    groups = table.groupby(BY)
+    counted = groups.agg(scenes=("number", "nunique"), **{count: (count, "sum") for count in COUNTS})
+    found = counted.join(groups["error_of_ok"].max())
     return found.sort_index(key=lambda index: index.map(lambda name: order.get(name, name)))
 
 
