@@ -133,7 +133,7 @@ def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(registry, "engine", engine)
         patch.setattr("compare.engines.workers.SECONDS", 0.5)
-        patch.setattr("compare.engines.workers.SECONDS_EACH", 1e-5)
+        patch.setattr("compare.engines.workers.SECONDS_EACH", 2e-5)
         patch.setattr("compare.engines.isolation.WAIT", 2.0 if {*deaths.values()} & {*ASLEEP} else 1e3)
         patch.setattr("compare.engines.workers.MEMORY", MEMORY)
         yield
