@@ -104,10 +104,9 @@ class Solver:
         scene, linkage = self.scene, self.linkage
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
         position = np.array(position, dtype=np.float32 if single else np.float64)
-        if position.ndim != 1 or (time is not None and np.shape(time) != position.shape):
-            found = f"{position.shape}" if time is None else f"{position.shape} and {np.shape(time)}"
-            raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")
         time, driven = driven_at(scene, position, time)
+        if position.ndim != 1 or time.ndim != 1:
+            raise ValueError(f"position, time: expected the shape (n,) of both, found {position.shape}")
         motion_at = motion_at or partial(kinematics, rates=self.rates)
         answer = Answer(self, position.shape, position.dtype)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
@@ -191,10 +190,13 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[
     """Return the instants, s, and what the drive asks for at them and at its positions, both of one shape.
 
     Raises:
-        ValueError: the drive follows a law, and no instants are given.
+        ValueError: the drive follows a law, and no instants are given; or there are not as many as positions.
     """
     if time is not None:
         time = np.array(time, dtype=np.float64)
+    if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):
+        found = f"{position.shape}" if time is None else f"{position.shape} and {time.shape}"
+        raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")
     if isinstance(scene.drive, ConstantSpeed):
         instants = (position - scene.drive.start) / scene.drive.speed if time is None else time
         return instants, Driven(position, np.array(scene.drive.speed), np.array(0.0))

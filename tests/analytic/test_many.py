@@ -210,6 +210,10 @@ def test_positions_and_instants_of_another_shape(position: ArrayLike, time: Arra
         analytic.solve_many(scene, {"bodies.rod.mass": [60.0, 61]}, position, time)
     with pytest.raises(ValueError, match="expected the shape"):
         analytic.solve(scene, position, time)
+    if np.ndim(position) < 2:
+        for route in (analytic.fast_solver(scene), lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at)):
+            with pytest.raises(ValueError, match="expected the shape"):
+                route(position, time)
 
 
 def test_no_positions_are_no_samples() -> None:
