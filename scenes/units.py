@@ -74,7 +74,7 @@ def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = (),
     if not _PRODUCT.fullmatch(unit):
         wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
     elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
-        wrong = hint or f"is not a unit of {name} that is known"
+        wrong = hint or f"is not a known unit of {name}"
     if wrong:
         shown = one_line(unit, 40)
         raise InputError(f"{place}: '{shown}' {wrong}{nearest(shown, usual) if usual else ''}")

@@ -114,12 +114,12 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     import pandas as pd  # late: most runs read no table
 
     try:
-        text = read_text(path, BYTES)
+        text = read_text(path, BYTES).replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError:
         raise InputError("no such file") from None
     if "\0" in text:
         raise InputError("expected a text file, found zero bytes")
-    head = text.lstrip("\r\n").partition("\n")[0]
+    head = text.lstrip("\n").partition("\n")[0]
     separator = separator or _separator(head)
     try:
         names = [name.strip() for name in next(csv.reader([head], delimiter=separator, strict=True), [])]
@@ -141,8 +141,10 @@ def _separator(head: str) -> str:
     found = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
     if len(found) == 1:
         return found[0]
-    names = " and ".join(SEPARATORS[each] for each in found) or "none"
     expected = "expected either commas, semicolons or tabs between the column names"
+    if not found:
+        raise InputError(f"{expected}, found none in the first line, '{one_line(head, 40)}'")
+    names = " and ".join(SEPARATORS[each] for each in found)
     raise InputError(f"{expected}, found {names}; 'separator' in the mapping sets it")
 
 

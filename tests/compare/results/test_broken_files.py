@@ -64,7 +64,8 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
         (rows[0].encode(), mapping, "expected a row of numbers below the names, found none"),
         (text.encode("utf-16"), mapping, "expected a text file in UTF-8, and byte 0 is none"),
         (text.replace("c0", "größe").encode("latin-1"), mapping, "expected a text file in UTF-8, and byte 2 is none"),
-        (text.replace(";", "|").encode(), mapping, "commas, semicolons or tabs between the column names, found none"),
+        (text.replace(";", "|").encode(), mapping, "column names, found none in the first line, 'c0|c1|c2|c3|c4"),
+        (f"Model: press\n{text}".encode(), mapping, "column names, found none in the first line, 'Model: press'"),
         (text.replace("c0;c1", "c0;c,1").encode(), mapping, "found commas and semicolons; 'separator' in the mapping"),
         (text.replace("c1", "d1").encode(), mapping, "no column 'c1'; one of c0, c2, c3, c4, d1"),
         (text.replace("c1", "c2").encode(), mapping, "no column 'c1'"),
@@ -84,7 +85,7 @@ def test_what_is_wrong_is_named(good: Broken, tmp_path: Path, capsys: pytest.Cap
         (
             text.encode(),
             f'units = {{length = "furlongz"}}\n{mapping}',
-            "units.length: 'furlongz' is not a unit of leng",
+            "units.length: 'furlongz' is not a known unit of leng",
         ),
         (text.encode(), f'unit = "mm"\n{mapping}', "unit: unknown key; did you mean 'units'?"),
         (text.encode(), f'other_side = ["rodd"]\n{mapping}', "other_side: no joint, slider or drive 'rodd'"),

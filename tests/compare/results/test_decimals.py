@@ -36,12 +36,13 @@ def test_a_column_of_one_number_is_written_as_the_file_is(tmp_path: Path) -> Non
     assert table.numbers("c")[1].max() < 1e-14
 
 
+@pytest.mark.parametrize("ending", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", "."), ("\t", "."), (";", ","), ("\t", ",")])
-def test_separators_and_decimal_commas(tmp_path: Path, separator: str, decimal: str) -> None:
+def test_separators_and_decimal_commas(tmp_path: Path, separator: str, decimal: str, ending: str) -> None:
     file = tmp_path / "table.csv"
     rows = [["a [mm]", '"b, c"'], ["1.5", "-2e-3"], ["2.25", "0.125"]]
-    text = "\r\n".join(separator.join(row) for row in rows)
-    file.write_bytes(b"\xef\xbb\xbf" + (text.replace(".", decimal) + "\r\n").encode())
+    text = "".join(separator.join(row) + ending for row in rows)
+    file.write_bytes(b"\xef\xbb\xbf" + text.replace(".", decimal).encode())
     table = read_table(file, None, None)
     assert table.columns == ("a [mm]", "b, c")
     assert table.numbers("a [mm]")[0].tolist() == [1.5, 2.25]
