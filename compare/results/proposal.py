@@ -25,6 +25,10 @@ LATE = 24  # parts of a cycle in which the table may begin
 LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
 FITS = 1e-2  # of a column: what a channel leaves of it at most
 SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
+NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
+FRAME = (
+    0.5  # the price of a frame that is turned or mirrored, as of a sign: columns may just as well be in another order
+)
 NEAR = 2e-3  # relative: of a unit, a frame's angle
 
 
@@ -54,7 +58,7 @@ def proposed(scene: Scene, text: str) -> str:
     turn = _turn(true, columns[rest])
     frames = [(turn + k * pi / 2, mirrored) for mirrored in (False, True) for k in range(4)]
     ways = [(*_paired(_seen(true, scene, *frame), columns[rest]), frame) for frame in frames]
-    pairs, seconds, _, frame = min(ways, key=lambda way: way[2])
+    pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
     return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame)) + "\n"
 
 
@@ -116,11 +120,18 @@ def _nearest(
                  if c in channels(scene)[2:] and c[-1] != "y"]  # fmt: skip
         return float(np.log10(np.min([_left(base, others) for base in bases], axis=0) + 1e-14).mean())
 
-    axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= MOST]
+    def lags(axis: Axis) -> list[float]:
+        """Return where the table may begin; where the drive runs once it is within the run."""
+        if repeats:
+            return [k * cycle / LATE for k in range(LATE)]
+        first, last = axis.time[0], axis.time[-1]
+        return [0.0 if first >= 0 and last <= cycle else -float(first)]
+
+    most = MOST if repeats else 1 + SAME
+    axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= most]
     if not axes or len(names) < 2:
         raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
-    lags = np.arange(LATE if repeats else 1) * cycle / LATE
-    _, number, lag = min((left(axis, float(lag)), k, float(lag)) for k, axis in enumerate(axes) for lag in lags)
+    _, number, lag = min((left(axis, lag), k, lag) for k, axis in enumerate(axes) for lag in lags(axis))
     axis, step = axes[number], cycle / LATE
     if repeats and lag:
         found = minimize_scalar(
@@ -130,7 +141,7 @@ def _nearest(
             options={"xatol": 1e-9 * cycle},
         )
         lag = float(found.x)
-    lag = lag - cycle if lag > cycle / 2 else lag
+    lag = lag - cycle if repeats and lag > cycle / 2 else lag
     return axis, lag if abs(lag) > 1e-7 * cycle else 0.0
 
 
@@ -218,7 +229,7 @@ def _cost(pair: Pair) -> float:
     """Return the price of a pair: what it leaves, in powers of ten, an unknown unit, an opposite sign, a zero."""
     free = quantity(pair.channel) in ("x", "y", "angle")
     return (
-        float(np.log10(pair.left + 1e-9))
+        float(np.log10(pair.left + NOISE))
         + 4 * (not pair.unit)
         + 0.5 * (pair.sign < 0)
         + 0.5 * (bool(pair.zero) and not free)

@@ -71,3 +71,17 @@ def test_the_command_prints_it_and_writes_nothing(
     file.write_text("a,b\n" + "2,1\n1,2\n" * 5)
     assert main([str(scene_files.path(SCENE)), "--result-mapping", f"theirs={file}"]) == 2
     assert "expected a column that rises as the time does" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["four_bar", "driven_toggle"])
+def test_a_log_that_starts_late_is_in_no_other_frame(name: str, tmp_path: Path) -> None:
+    """Columns in another order are no frame; and where the drive runs once, it runs within that."""
+    scene = scene_files.load(name)
+    times, late = np.linspace(0, scene.drive.cycle, 50), 0.4 * scene.drive.cycle
+    columns = Writer().columns(scene, times, [f"{scene.output}.{axis}" for axis in "yx"]) | {"time": times + late}
+    lines = proposed(scene, f"theirs={write(tmp_path, Writer().texts(columns), '')}").splitlines()
+    assert not [line for line in lines if line.startswith("frame")]
+    assert f'"{scene.output}.x" = "c2"  # sure' in "\n".join(lines)
+    zero = re.search(r'"time" = { column = "c0", zero = (.*) }', "\n".join(lines))
+    assert zero
+    assert float(zero[1]) == pytest.approx(late, rel=1e-6)
