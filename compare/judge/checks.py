@@ -39,10 +39,17 @@ class Check:
     relative_to: str
 
 
-def checks(scene: Scene, motion: Motion, stroke: float, may: Sequence[Acts] | None = None) -> list[Check]:
+def checks(
+    scene: Scene,
+    motion: Motion,
+    stroke: float,
+    may: Sequence[Acts] | None = None,
+    ends: Sequence[float] | None = None,
+) -> list[Check]:
     """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to.
 
-    `may` is whether each press force may act, by sample; None where the motion itself decides.
+    `may` is whether each press force may act, by sample, and `ends` where their strokes end, m; None where the motion
+    itself decides, which is of a whole cycle.
     """
     state = MotionVectors(scene, motion)
     violations = {("drive", scene.drive.body, "radian" if scene.driven_slide is None else "travel"): _drive(state)}
@@ -50,7 +57,7 @@ def checks(scene: Scene, motion: Motion, stroke: float, may: Sequence[Acts] | No
         if motion.samples.keys() >= _closed_by(scene, body):
             violations["closure", body.name, "stroke"] = _gaps(state, body, stroke)
     if motion.samples.keys() >= set(kinematic_channels(scene)):
-        estimated = estimate(scene, motion, stroke)
+        estimated = estimate(scene, motion, stroke, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):

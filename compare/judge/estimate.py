@@ -1,6 +1,6 @@
 """The errors of a motion, estimated without a reference: how far it is from its projection onto the constraints."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import NamedTuple
 
@@ -29,12 +29,12 @@ class Estimate(NamedTuple):
 
 
 @np.errstate(all="ignore")  # what is not finite is so in the result
-def estimate(scene: Scene, motion: Motion, stroke: float) -> Estimate:
-    """Return what is known of a motion whose kinematic channels are complete; the stroke is in m.
+def estimate(scene: Scene, motion: Motion, stroke: float, ends: Sequence[float] | None = None) -> Estimate:
+    """Return what is known of a motion whose kinematic channels are complete; the stroke is in m, `ends` as projected.
 
     On the switch of a press force all channels count on the side where they fit best.
     """
-    projection = projected(scene, motion)
+    projection = projected(scene, motion, ends)
     scale = scales(scene, projection.ways[0], stroke)
     units = scale | _force_units(scene)
     rounding = EPS * _turns(scene, motion), projection.condition

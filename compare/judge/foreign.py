@@ -129,7 +129,8 @@ def _meanwhile(reference: Reference, result: Result, true: Motion) -> dict[str, 
 def _found(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
     """Return what the checks find; decimals may put a press's slider on the other side of a switch than in `true`."""
     complete = motion.samples.keys() >= set(channels(reference.scene))
-    return checks(reference.scene, motion, reference.stroke, reference.acts(motion, true) if complete else None)
+    may = reference.acts(motion, true) if complete else None
+    return checks(reference.scene, motion, reference.stroke, may, reference.stroke_ends)
 
 
 def _found_in_reference(reference: Reference, result: Result, true: Motion) -> list[Check]:

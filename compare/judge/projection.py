@@ -30,10 +30,14 @@ class Projection:
     condition: Samples  # of J in the Frobenius norm, shape (n,)
 
 
-def projected(scene: Scene, motion: Motion) -> Projection:
-    """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose."""
+def projected(scene: Scene, motion: Motion, ends: Sequence[float] | None = None) -> Projection:
+    """Return a motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose.
+
+    The closing strokes of press forces end at `ends`, m; where the motion is of a whole cycle, it shows them itself.
+    """
     constraints = constraints_of(scene)
-    ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
+    if ends is None:
+        ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
     parts = [_projected(constraints, block, ends) for block in blocks(constraints, motion)]
     return Projection(
         [_joined(pieces) for pieces in zip(*(part.ways for part in parts), strict=True)],
@@ -47,7 +51,7 @@ def _joined(pieces: Sequence[Motion]) -> Motion:
 
 
 def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) -> Projection:
-    """Return the projection of a part of a motion; the closing strokes of press forces end at `ends`, m."""
+    """Return the projection of a part of a motion."""
     scene = constraints.scene
     given = {channel: motion[channel] for channel in ("time", scene.drive_channel)}
     q = constraints.poses(motion)

@@ -166,3 +166,13 @@ def test_places_in_another_unit_are_no_other_assembly(press: Scene, tmp_path: Pa
     found = assessed(references, press, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
     assert found.run.status.name == "inaccurate"
     assert "of the stroke away" in found.run.reason
+
+
+@pytest.mark.parametrize("first", [0.1, 0.3, 0.8])
+def test_a_press_force_acts_by_the_whole_stroke(first: float, tmp_path: Path, references: References) -> None:
+    """Rows of a part of the cycle do not show where the closing stroke ends."""
+    scene = scenes.load("crank_press")
+    times = scene.drive.cycle * (first + np.array([0.0, 0.01, 0.02]))
+    file = write(tmp_path, Writer().texts(Writer().columns(scene, times, channels(scene))), "")
+    found = assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
+    assert found.run.status.name == "ok", found.run.reason
