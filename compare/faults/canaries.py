@@ -18,6 +18,7 @@ from ..judge.judgement import Judgement
 from ..judge.perturbation import put
 from . import spoilt_motion as spoilt
 from .thinned import (
+    CLEAR,
     Noticed,
     Thinned,
     each_channel_is_seen,
@@ -94,9 +95,9 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
 
 
 def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
-    """Return what lets the drive lag by an excess, and nothing else."""
+    """Return what lets the drive lag by a little more than it may, and nothing else."""
     drive = copy.scene.drive_channel
-    return partial(spoilt.shifted, names=[drive], by=-float(copy.amounts()[drive].max()))
+    return partial(spoilt.shifted, names=[drive], by=-float(copy.amounts(CLEAR)[drive].max()))
 
 
 def _another_mass(copy: Thinned) -> bool:
