@@ -93,7 +93,8 @@ def site_of(environment: Path) -> Path:
 
 
 def files_of(environment: Path) -> dict[Path, float]:
-    return {path: path.stat().st_mtime for path in environment.rglob("*")}
+    """Return when each file was last changed, but byte code, which nobody but root can write there."""
+    return {path: path.stat().st_mtime for path in environment.rglob("*") if "__pycache__" not in path.parts}
 
 
 def in_packages(names: set[str]) -> set[str]:
