@@ -34,21 +34,6 @@ def test_the_cost_is_near_what_was_measured(
     assert memory / 2 < cost.memory < 2 * memory
 
 
-def test_the_cost_grows_with_samples_engines_and_bodies(tmp_path: Path) -> None:
-    press, file = load("toggle_press"), tmp_path / "chain.toml"
-    file.write_text(chain(25, "chain"), encoding="utf-8")
-    small, *larger = (
-        predicted(scene, sampling, engines)
-        for scene, sampling, engines in (
-            (press, Sampling(360), ENGINES[:1]),
-            (press, Sampling(720), ENGINES[:1]),
-            (press, Sampling(360), ENGINES),
-            (load(str(file)), Sampling(360), ENGINES[:1]),
-        )
-    )
-    assert all(cost.seconds > small.seconds and cost.memory > small.memory for cost in larger)
-
-
 def test_a_usual_run_is_not_announced(capsys: pytest.CaptureFixture[str]) -> None:
     announce(load("toggle_press"), Sampling(360), ENGINES)
     assert capsys.readouterr().err == ""
