@@ -273,7 +273,7 @@ def test_a_text_is_changed_for_a_text() -> None:
     metres = scenes.load("toggle_press", {"units.length": "m"})
     assert metres.ground["P1"] == pytest.approx((404.709, -217.661), rel=1e-15)
     assert metres.file == "toggle_press, units.length = m"
-    with pytest.raises(InputError, match=r"units\.length: 'mmm' is not a unit"):
+    with pytest.raises(InputError, match=r"units\.length: 'mmm' is not a known unit"):
         scenes.load("toggle_press", {"units.length": "mmm"})
 
 
