@@ -34,9 +34,9 @@ WORK_PRECISION = (
     DEFAULT,
     AnalyticSettings("half-angle form", half_angles=True, note="the source paper's form, its misprints corrected"),
     AnalyticSettings("single precision", single=True, drive_promise=1e-6),
-    *map(_differences, (72, 360, 3600)),
+    _differences(360),
 )
-LONG_WORK_PRECISION = tuple(map(_differences, (720, 1440, 36_000, 360_000)))
+LONG_WORK_PRECISION = tuple(map(_differences, (72, 720, 1440, 3600, 36_000, 360_000)))
 FAST = EXACT = DEFAULT
 ABLATIONS: tuple[AnalyticSettings, ...] = ()
 at_steps = iterations_needed = None  # it takes no steps

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from scenes import Motion, Sampling, Scene, Settings
 
@@ -16,11 +16,13 @@ from .judge.escalation import offers, promising
 from .judge.floor import establish
 from .judge.judgement import Judgement, Offers, judgement
 from .judge.measure import Measurement
-from .results.result import Result
 from .speed import work_precision
 from .speed.row import SpeedRow
 from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
+
+if TYPE_CHECKING:
+    from .results.result import Result
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def study(
     budget: Budget,
     progress: Callable[[str], None],
     accuracy: Accuracy = "balanced",
-    results: Sequence[Result] = (),
+    results: Sequence["Result"] = (),
 ) -> Study:
     """Solve a scene by every engine named, measure, gate, and time; results of other programs are judged beside them.
 

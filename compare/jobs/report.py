@@ -33,7 +33,7 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
             raise Stopped
         show(f"{scene.name}: {doing}")
 
-    budget = Budget(rounds=20, seconds=0.25)
+    budget = Budget(rounds=20, seconds=0.15)
     if options.full:
         budget = Budget(rounds=100, seconds=60.0, full=True, point_s=10.0)
     try:

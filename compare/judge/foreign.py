@@ -5,6 +5,7 @@ the checks of the result's own output it explains what they find in the referenc
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,19 +13,21 @@ from scenes import Failure, Motion, Scene, Status
 from scenes.motion import Samples, channels
 
 from ..engines.reference import Reference, relative_errors, sizes
-from ..results.result import Result
 from .checks import Check, checks
 from .errors import SHOWN_GROUPS, worst_of
 from .measure import Measurement, assess
 from .round_off import Explained, explain
 from .verdict import BALANCES, share
 
+if TYPE_CHECKING:
+    from ..results.result import Result
+
 MOST = 1e-2  # relative: more than that is an error, and no decimals excuse it
 ALIKE = 3.0  # times what the checks find in the reference: the roundings of two motions differ by chance
 SEED = 20261122
 
 
-def assess_result(reference: Reference, result: Result) -> Measurement:
+def assess_result(reference: Reference, result: "Result") -> Measurement:
     """Return the judgement of a result, at its own instants, in the channels that it has.
 
     It is held against a reference that is in doubt too.
@@ -67,7 +70,7 @@ def coarse(measured: Measurement) -> list[str]:
     return []
 
 
-def _with_drive_in_place(scene: Scene, result: Result) -> Result:
+def _with_drive_in_place(scene: Scene, result: "Result") -> "Result":
     """Return the result with its drive where the time has it, but for what the drive's own decimals do not explain.
 
     These excuse no other channel: all are held against the reference at the result's instants.
@@ -84,7 +87,7 @@ def _with_drive_in_place(scene: Scene, result: Result) -> Result:
     return replace(result, run=placed, half_decimals=halves)
 
 
-def explained_by_decimals(reference: Reference, result: Result) -> Explained:
+def explained_by_decimals(reference: Reference, result: "Result") -> Explained:
     """Return errors that round-off and decimals explain, at the instants of a result.
 
     Raises:
@@ -106,13 +109,13 @@ def explained_by_decimals(reference: Reference, result: Result) -> Explained:
     return replace(explained, written=written)
 
 
-def _off(scene: Scene, result: Result) -> tuple[Samples, Samples]:
+def _off(scene: Scene, result: "Result") -> tuple[Samples, Samples]:
     """Return what instants, s, and the positions of the drive there may be off as written, shape (n,)."""
     time = result.half_decimals["time"]
     return time, np.abs(scene.drive.at(result.request.times(scene)).rate) * time
 
 
-def _meanwhile(reference: Reference, result: Result, true: Motion) -> dict[str, Samples]:
+def _meanwhile(reference: Reference, result: "Result", true: Motion) -> dict[str, Samples]:
     """Return how far each channel moves while the instants are off as written, relative, shape (n,)."""
     (time, position), moved = _off(reference.scene, result), dict[str, Samples]()
     for way in (1, -1) if position.any() else ():
@@ -133,7 +136,7 @@ def _found(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
     return checks(reference.scene, motion, reference.stroke, may, reference.stroke_ends)
 
 
-def _found_in_reference(reference: Reference, result: Result, true: Motion) -> list[Check]:
+def _found_in_reference(reference: Reference, result: "Result", true: Motion) -> list[Check]:
     """Return what the checks find in the reference's own motion, each number off by as much as it may be as written."""
     scene, request = reference.scene, result.request
     draw = np.random.default_rng(SEED)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import combinations
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from ..engines.reference import Reference, relative_errors
 from ..engines.registry import ORACLE, REFERENCE
 from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
-from ..results.result import Result
 from .agreement import Agreement, agreement
 from .errors import ChannelError
 from .escalation import escalated
@@ -26,6 +25,9 @@ from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
 from .sketch import warnings
 from .verdict import judged
+
+if TYPE_CHECKING:
+    from ..results.result import Result
 
 Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an engine: settings to try, and why these
 
@@ -104,7 +106,7 @@ def judgement(
     offers: Offers,
     progress: Callable[[str], None],
     runs: Runs = runner,
-    results: Sequence[Result] = (),
+    results: Sequence["Result"] = (),
 ) -> Judgement:
     """Run every engine at the settings chosen for it, and at others if these fail; a stop leaves what is done.
 

@@ -13,8 +13,10 @@ from ..engines.runner import Run
 from ..engines.stopping import kept
 
 LEAST_ROUNDS = 3  # for a minimum, a median and a spread
-PATIENCE = 0.5  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
-AGREE = 0.02  # the three fastest solves within this of each other: chance alone would hardly repeat a lucky one
+PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+# The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
+# three times as far apart and name the same setting, or call both level.
+AGREE = 0.05
 
 
 @dataclass(frozen=True)

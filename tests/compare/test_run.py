@@ -126,7 +126,7 @@ def test_speed_file(results: Path) -> None:
     assert set(speed["engine"]) == set(registry.DEFAULT_ENGINES)
     failed = speed[speed["status"] != "ok"]
     assert failed["reason"].str.len().gt(0).all(), "a setting that fails stays in the table, and says why"
-    assert len(failed) <= 0.1 * len(speed)
+    assert set(failed["family"]) <= {"textbook"}, "what a first script would take may fail, and nothing else"
     speed = speed[speed["status"] == "ok"]
     for engine in registry.DEFAULT_ENGINES:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Sampling, Scene
 from sim_models.exudyn import engine as model
-from sim_models.exudyn.engine import DEFAULT, EXACT, WORK_PRECISION
+from sim_models.exudyn.engine import DEFAULT, EXACT, LONG_WORK_PRECISION
 from sim_models.exudyn.settings import ExudynSettings
 from tests import scene_files
 from tests.absolute_coordinates import solve
@@ -18,7 +18,7 @@ from tests.agreement import errors, worst
 
 NAMES = (*scene_files.MECHANISMS, "wedge", "wedge_of_points", "oldham")
 ROD = "bodies.rod.lengths.P4-P5"
-CHEAP = next(settings for settings in WORK_PRECISION if settings.label == "trapezoidal, loose Newton, 144")
+CHEAP = next(settings for settings in LONG_WORK_PRECISION if settings.label == "trapezoidal, loose Newton, 144")
 BOTH_ROUTES = pytest.mark.parametrize("settings", [DEFAULT, EXACT], ids=lambda settings: settings.label)
 
 
