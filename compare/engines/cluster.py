@@ -7,6 +7,7 @@ blame, or another that they had: it is tried once more by itself, and then given
 import asyncio
 import logging
 import pickle
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
@@ -77,7 +78,7 @@ def _here(workers: int) -> Iterator["Client"]:
         dask.config.set(SETTINGS | {"temporary-directory": scratch}),
     ):
         resource_tracker.ensure_running()  # which lets Ctrl-C through to the thread that begins it, and its processes
-        with uninterrupted():
+        with uninterrupted(signal.SIGINT):
             begun = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,

@@ -79,7 +79,7 @@ class Worker(Generic[Item, Result]):
         try:
             self.connection, theirs = CONTEXT.Pipe()
             self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
-            with uninterrupted():
+            with uninterrupted(signal.SIGINT, signal.SIGTERM):
                 self._process.start()
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
@@ -184,12 +184,12 @@ def isolated(
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Have Ctrl-C wait, so that it does not reach a process that does not ignore it yet."""
+def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
+    """Have signals wait, so that they do not reach a process that has its parent's handlers still."""
     if not LINUX:
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
     try:
         yield
     finally:
@@ -226,9 +226,11 @@ def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> me
 
 
 def _prepare(parent: int) -> None:
-    """End with the parent, leave Ctrl-C to it, and print nothing."""
+    """End with the parent or by SIGTERM, leave Ctrl-C to the parent, and print nothing."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if LINUX:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
         CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:  # it died before
             os._exit(1)
