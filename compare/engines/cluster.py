@@ -165,7 +165,9 @@ def _spread(
                 if client.cluster is not None:  # one that dies while it begins is not begun anew by itself
                     client.cluster.scale(len(client.cluster.worker_spec))
                 continue
-            yield running.pop(future), _outcome(future)
+            item, outcome = running.pop(future), _outcome(future)
+            future.release()  # as its __del__ does, where Python would drop Ctrl-C
+            yield item, outcome
     finally:
         with suppress(Exception):  # it has gone
             client.cancel(list(running))
