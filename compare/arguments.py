@@ -9,6 +9,7 @@ from pathlib import Path
 from scenes import InputError, Sampling, Scene, limits
 from scenes.errors import nearest, one_line
 from scenes.motion import channels
+from scenes.request import FEWEST
 
 from .command_line import Parser, called
 from .engines import registry
@@ -33,7 +34,9 @@ def parser() -> argparse.ArgumentParser:
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
     parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument("--samples", type=_count(8, 100_000), default=360, help="samples per cycle of the drive (360)")
+    parser.add_argument(
+        "--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)"
+    )
     parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_out("the reports")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")

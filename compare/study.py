@@ -1,9 +1,9 @@
 """One scene through the whole comparison."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from scenes import Motion, Sampling, Scene, Settings
 
@@ -22,6 +22,8 @@ from .speed.speed_table import speed_table
 from .speed.timing import NO_CLOCK, Budget
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from .results.result import Result
 
 
@@ -31,8 +33,8 @@ class Study(Judgement):
 
     motion: Motion  # the reference's, as commanded
     speed: Sequence[SpeedRow]  # one a setting
-    maps: Sequence[Mapping[Any, Any]] = ()  # of stability, one row a cell
-    hard: Sequence[Mapping[Any, Any]] = ()  # one row an attempt at a hard case
+    maps: "DataFrame | None" = None  # of stability, one row a cell
+    hard: "DataFrame | None" = None  # one row an attempt at a hard case
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:

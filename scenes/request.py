@@ -9,6 +9,8 @@ from .drive import ConstantSpeed
 from .motion import Samples, channels, force_channels
 from .scene import Scene
 
+FEWEST = 8  # samples of a cycle: of fewer no course is seen
+
 
 @dataclass(frozen=True)
 class _Channels:

@@ -1,9 +1,8 @@
 """What is known of an engine that has not been imported."""
 
-import re
 from dataclasses import dataclass
 from functools import cache
-from importlib import metadata
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
 
@@ -38,15 +37,5 @@ def installed(distribution: str) -> str:
     """Return what is installed of a distribution, with its version."""
     try:
         return f"{distribution} {version(distribution)}"
-    except metadata.PackageNotFoundError:
+    except PackageNotFoundError:
         return "not installed"
-
-
-def version(distribution: str) -> str:
-    """Return what `importlib.metadata.version` does, which parses all of the metadata, licences too, as a mail.
-
-    Raises:
-        PackageNotFoundError: it is not installed.
-    """
-    head = re.search(r"^Version: *(\S+)", metadata.distribution(distribution).read_text("METADATA") or "", re.MULTILINE)
-    return head[1] if head else metadata.version(distribution)

@@ -3,8 +3,7 @@
 import os
 import platform
 from functools import cache
-
-from .entry import version
+from importlib.metadata import version
 
 PACKAGES = ("linkage-crosscheck", "numpy", "scipy", "pandas", "plotly")  # the engines name their own
 

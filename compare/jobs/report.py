@@ -82,4 +82,4 @@ def _in_full(result: "Study", options: argparse.Namespace, progress: Callable[[s
     to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).rungs]
     maps = stability_table(result.scene, able, to_lock, progress)
     hard = hard_cases(catalogue(), able, options.out, progress, result.reasons.append)
-    return replace(result, maps=maps.to_dict("records"), hard=hard.to_dict("records"))
+    return replace(result, maps=maps, hard=hard)

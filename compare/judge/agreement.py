@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from scenes import Scene, Status
+from scenes.request import FEWEST
 
 from ..engines import registry
 from ..engines.axis import axis
@@ -31,7 +32,6 @@ FAILED = {
 }  # why there is nothing to compare
 PER_CENT = 1e-6  # relative: less is given in digits
 EQUAL = 1e-6  # of a cycle: instants are written at decimals
-FEWEST = 8  # samples of a cycle that engines are asked for at least: a result's longest step is no longer
 
 
 class Word(StrEnum):
@@ -111,7 +111,10 @@ def agreement(judged: "Judgement") -> Agreement:
 
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
-    """Return whether a model was compared over a whole cycle, as engines are; a result is where it has rows."""
+    """Return whether a model was compared over a whole cycle, as engines are; a result is where it has rows.
+
+    Its longest step is no longer than that of the fewest samples that engines are asked for.
+    """
     if measurement.own is None:
         return True
     times, cycle = measurement.own.times(scene), scene.drive.cycle

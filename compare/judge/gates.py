@@ -76,12 +76,3 @@ def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[Mi
     runs = [m.run for m in measurements if m.run.status is not Status.ok and m.run.engine not in named]
     tolerances = [Miss(gate.engine, gate.group, str(gate)) for gate in gated if gate.missed]
     return tolerances + [Miss(r.engine, "", f"{r.engine}: {r.status.name}: {r.reason}") for r in runs]
-
-
-def gate_table(held: Iterable[Gate]) -> list[dict[str, object]]:
-    """Return one row a tolerance: the error measured, and whether it was met."""
-    return [
-        {"engine": gate.engine, "group": gate.group, "tolerance": gate.tolerance}
-        | {"error": gate.error, "met": gate.met, "worst": gate.worst}
-        for gate in held
-    ]

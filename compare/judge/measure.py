@@ -12,7 +12,7 @@ from ..engines.reference import Reference, stroke
 from ..engines.registry import REFERENCE
 from ..engines.runner import Run, Runs, complete
 from .checks import Check, checks
-from .errors import SHOWN_GROUPS, ChannelError, Comparison, by_group, compare, error_table
+from .errors import SHOWN_GROUPS, ChannelError, Comparison, by_group, compare, error_table, worst_of
 from .round_off import Explained, explain
 from .verdict import compared, judged
 
@@ -31,12 +31,12 @@ class Measurement:
     def worst(self, figure: str = "max") -> dict[str, float]:
         """Return the largest of a figure of the errors by channel group; a NaN counts as the largest."""
         groups = sorted(by_group(self.errors).items())
-        return {group: float(np.max([getattr(row, figure) for row in rows])) for group, rows in groups}
+        return {group: getattr(worst_of(rows, figure), figure) for group, rows in groups}
 
     @property
     def largest(self) -> float:
         """The largest error of all channels, not a number where none is known."""
-        return float(np.max([*self.worst().values()])) if self.errors else np.nan
+        return worst_of(self.errors).max if self.errors else np.nan
 
     @property
     def estimate(self) -> float:

@@ -26,6 +26,7 @@ from . import tables
 from .origin import origin
 from .page import page
 from .placing import placed, remove
+from .speed import tables as speed_tables
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -57,12 +58,14 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    written: dict[str, Sequence[Mapping[Any, Any]]] = {"peaks": tables.peaks(study), "errors": tables.errors(study)}
-    written["speed"] = [row.cells() for row in study.speed]
-    written |= {name: table for name, table in (("stability", study.maps), ("hard", study.hard)) if table}
+    written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
+    in_full = {"stability": study.maps, "hard": study.hard}
     with _result(folder, study.scene.name, REPORT, complete=complete) as (aside, place):
         for name, table in written.items():
             _write_table(table, aside / f"{name}.csv")
+        for name, frame in in_full.items():
+            if frame is not None and len(frame):
+                frame.to_csv(aside / f"{name}.csv", index=False)
         for engine, motion in study.motions.items():
             _write_motion(motion, aside / f"motion.{engine}.csv")
         head = {"complete": complete, "made_from": origin(study.scene, place)}
@@ -123,7 +126,7 @@ def _write_many(
     return place
 
 
-def _write_table(rows: Sequence[Mapping[Any, Any]], file: Path) -> None:
+def _write_table(rows: tables.Rows, file: Path) -> None:
     """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
     columns = dict.fromkeys(column for row in rows for column in row)
     with file.open("w", encoding="utf-8", newline="") as text:
@@ -172,12 +175,10 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
 def summary(study: Study) -> dict[str, Any]:
     """Return what is known of a study, for `summary.json`."""
     scene, hard = study.scene, list[Any]()
-    if study.hard:
-        import pandas as pd  # late, as what few runs need
+    if study.hard is not None:
+        from .hard.tables import counts  # late, as what few runs need
 
-        from .hard.tables import counts
-
-        hard = counts(pd.DataFrame(study.hard)).to_dict("records")
+        hard = counts(study.hard).to_dict("records")
     return {
         "scene": scene,
         "sampling": study.sampling,

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from gzip import compress
+from importlib.metadata import version
 from importlib.resources import files
 from itertools import islice
 from json import dumps
@@ -16,7 +17,6 @@ from jinja2 import BytecodeCache, ChoiceLoader, Environment, PackageLoader, Stri
 from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
-from ..engines.entry import version
 from ..engines.environment import environment
 from . import byte_code, numbers
 from .extremes import CURVE

@@ -65,14 +65,12 @@ def page(study: Study) -> str:
 
 def _in_full(study: Study) -> dict[str, Any]:
     """Return what the section about hard cases and maps of stability uses, by name."""
-    if not (study.maps or study.hard):
+    if study.maps is None or study.hard is None:
         return {"maps": [], "hard": {}}
-    import pandas as pd  # late, as what few runs need
-
-    from .hard.section import hard_cases
+    from .hard.section import hard_cases  # late, as what few runs need
     from .hard.stability import stability_maps
 
-    return {"maps": [*stability_maps(pd.DataFrame(study.maps))], "hard": hard_cases(pd.DataFrame(study.hard))}
+    return {"maps": [*stability_maps(study.maps)], "hard": hard_cases(study.hard)}
 
 
 def _sections(study: Study, drawn: Iterable[Panel]) -> Iterator[tuple[str, Figure, str, str]]:
