@@ -272,7 +272,7 @@ def _order(x: Samples, y: Samples) -> tuple[float, float, list[float]]:
 
 def _line(x: Samples, y: Samples) -> tuple[float, float]:
     line = np.polynomial.Polynomial.fit(x, y, 1)
-    return -float(line.convert().coef[1]), float(np.sqrt(np.mean((y - line(x)) ** 2)))
+    return -float(line.deriv()(0.0)), float(np.sqrt(np.mean((y - line(x)) ** 2)))
 
 
 def step_costs(speed: Sequence[SpeedRow]) -> list[StepCost]:
