@@ -105,6 +105,18 @@ def test_the_clock_in_a_process_is_fine(scene: Scene) -> None:
     assert len(solves) > 1
 
 
+def test_the_clock_is_fine_under_a_limit_of_processor_time() -> None:
+    """Where Python's own goes by ticks of 4 ms, and a run of the core takes none."""
+    code = (
+        "from resource import RLIMIT_CPU, setrlimit; setrlimit(RLIMIT_CPU, (600, 600))\n"
+        "import scenes; from compare.engines.runner import run\n"
+        "asked = scenes.load('four_bar'), scenes.Sampling(24)\n"
+        "print(len({run('analytic', *asked).solve_s for _ in range(9)}))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert int(done.stdout) > 2
+
+
 @pytest.mark.parametrize(
     ("asked", "least"),
     [(SAMPLING, 20.0), (Sampling(360, turns=1000), 1000.0), (Positions((0.0,) * 360_000), 1000.0)],

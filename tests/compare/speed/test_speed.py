@@ -34,7 +34,7 @@ def stub(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> StubEngine:
     engine = StubEngine(reference, clock)
     monkeypatch.setitem(registry.ENTRIES, "stub", registry.Entry("a stub", "", "numpy", "numpy", ""))
     monkeypatch.setattr(registry, "engine", lambda name: engine if name == "stub" else real(name))
-    for name in ("process_time", "perf_counter"):
+    for name in ("processor_time", "perf_counter"):
         monkeypatch.setattr(f"compare.engines.runner.{name}", clock)
     return engine
 
@@ -52,6 +52,14 @@ def test_a_table(reference: Reference) -> None:
     assert rows["100 steps"]["solve_min_s"] == pytest.approx(0.144)
     assert rows["100 steps"]["timed_runs"] == 3
     assert [row["tier"] for row in rows.values()] == ["fast", "", ""]
+
+
+def test_a_clock_that_stands_still_divides_nothing_by_zero(reference: Reference, stub: StubEngine) -> None:
+    """As Python's own does between its ticks, under a limit of processor time."""
+    stub.slowness, stub.clock.tick = repeat(0.0), 0.0
+    speed = speed_table(reference, ["stub"], FULL, quiet)
+    assert {row.solve_min_s for row in speed} == {row.solve_wall_s for row in speed} == {1e-6}
+    assert {choice.ratio for choice in choices(speed) if choice.setting} == {1.0}
 
 
 def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngine) -> None:
