@@ -16,6 +16,7 @@ from .stroke import Switches, press_switches
 from .system import Array, ExudynSystem, engine
 
 SCENES = 4  # whose starts are kept; one that is run has up to two
+WHOLE_TURN = tau - 1e-6  # rad; the ends of a turn are rounded
 
 
 @lru_cache(SCENES)
@@ -53,8 +54,9 @@ def _sketched_position(system: ExudynSystem) -> float:
     drawn, begin = scene.sketch.drive, scene.drive.start
     if scene.driven_slide is not None:
         return drawn
-    # A crank that turns may go either way; another only within its range.
-    near = begin if scene.drive.repeats else sum(scene.drive.extent) / 2
+    low, high = scene.drive.extent
+    # A crank that turns fully may go either way; another only within its range, to and fro as it may go there.
+    near = begin if high - low >= WHOLE_TURN else (low + high) / 2
     return near - remainder(near - drawn, tau)
 
 

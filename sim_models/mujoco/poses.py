@@ -14,6 +14,7 @@ from scenes.scene import GROUND
 
 from .model import Linkage
 
+FULL_TURN = tau - 1e-6  # rad, less roundings
 LARGEST = np.radians(2.0)  # step of the drive, and as a part of its travel
 SMALLEST = 1e-6  # of that: a linkage that needs a shorter step is singular
 ITERATIONS = 8  # near a solution 3 or 4 are enough
@@ -54,7 +55,8 @@ class Poses:
         """
         scene, drawn = self.scene, self.scene.sketch.drive
         if scene.driven_slide is None:
-            near = scene.drive.start if scene.drive.repeats else float(np.mean(scene.drive.extent))
+            low, high = scene.drive.extent
+            near = scene.drive.start if high - low > FULL_TURN else (low + high) / 2  # no lock lies past its ends
             drawn = near + remainder(drawn - near, tau)
         sketch = self.sketched(drawn)
         x = self._closed(sketch, drawn, PATIENT)

@@ -11,6 +11,9 @@ from scenes.scene import GROUND
 from .constraints import LinkageEquations
 from .continuation import Continuation
 
+INSTANTS = 180  # a cycle, among which are the ends of a crank's range to a fraction of a degree
+FULL_TURN = tau - 1e-6  # rad, but for roundings
+
 
 def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     """Return the pose at the drive's start, shape (3 bodies, 1).
@@ -21,7 +24,11 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
     scene = linkage.scene
     begin, sketched = linkage.law.at(Fraction(0)).position, scene.sketch.drive
     if scene.driven_slide is None:
-        sketched = float(begin) + remainder(sketched - float(begin), tau)  # from there the short way round to the start
+        way = [float(linkage.law.at(Fraction(k, INSTANTS)).position) for k in range(INSTANTS + 1)]
+        low, high = min(way), max(way)
+        # Past either end of its range a crank may lock; one that turns fully goes the short way round to the start.
+        near = (low + high) / 2 if high - low < FULL_TURN else float(begin)
+        sketched = near + remainder(sketched - near, tau)
     return continuation.follow(assembled(linkage, continuation, sketched), linkage.drive(begin))
 
 

@@ -15,6 +15,7 @@ from .stroke import stroke_ends
 from .tree import Tree
 
 CLOSING = 12  # steps in which the sketch's gaps are closed
+ALL_ROUND = tau - 1e-6  # rad: the way of a crank that turns fully, and may go to its start by the shorter side
 SCENES = 4  # whose trees are kept
 
 
@@ -94,7 +95,7 @@ def _drawn(scene: Scene) -> float:
     """Return the drive's position in the sketch; of a crank's that counted by whole turns nearest to its way."""
     if scene.driven_slide is not None:
         return scene.sketch.drive
-    near = scene.drive.start if scene.drive.repeats else float(np.mean(scene.drive.extent))
+    near = scene.drive.start if np.ptp(scene.drive.extent) > ALL_ROUND else float(np.mean(scene.drive.extent))
     return near + remainder(scene.sketch.drive - near, tau)
 
 

@@ -28,6 +28,7 @@ PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 10.0  # of processor time on one path, half of what an engine's process has; the shipped scenes take 0.03
 TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
+TURNS_FULLY = 2 * pi - 1e-6  # rad; a turn less all roundings
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
@@ -78,14 +79,16 @@ def rates(linkage: LinkageConstraints, q: Poses, drive_rate: float) -> Poses:
 
 
 def _sketched(linkage: LinkageConstraints) -> float:
-    """Return the sketch's position of the drive: of a crank, by whole turns into its range, or near its start."""
+    """Return the sketch's position of the drive: of a crank, by whole turns next to the middle of its range.
+
+    One that turns fully has no end to lock beyond, and may go the shorter way to its start.
+    """
     drive, position = linkage.scene.drive, linkage.scene.sketch.drive
     if linkage.scene.driven_slide is not None:
         return position
     low, high = drive.extent
-    inside = low + (position - low) % (2 * pi)
-    turns_fully = high - low > 6  # but for a rounding; then it may go the shorter way
-    return inside if inside <= high and not turns_fully else drive.start - remainder(drive.start - position, 2 * pi)
+    near = drive.start if high - low > TURNS_FULLY else (low + high) / 2
+    return near - remainder(near - position, 2 * pi)
 
 
 def _sketch(linkage: LinkageConstraints, position: float) -> Poses:
