@@ -57,13 +57,15 @@ class Reference:
 
     def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
         """Return `true`, with the forces on a press force's switch those of the side where the motion's fit best."""
-        judged = [channel for channel in force_channels(self.scene) if channel in motion]
+        forces = force_channels(self.scene)  # all: a component is judged by its vector's magnitude
+        judged = [channel for channel in forces if channel in motion]
         for scene, rows in fixed(self.scene, may) if judged else ():
-            there, now = (Motion({channel: of[channel][rows] for channel in judged}) for of in (motion, true))
+            there = Motion({channel: motion[channel][rows] for channel in judged})
+            now = Motion({channel: true[channel][rows] for channel in forces})
             other = registry.reference(scene)(true[scene.drive_channel][rows], true["time"][rows])
             off, before = (sum(relative_errors(there, side, self.scale).values()) for side in (other, now))
-            changed = {channel: true[channel].copy() for channel in judged}
-            for channel in judged:
+            changed = {channel: true[channel].copy() for channel in forces}
+            for channel in forces:
                 changed[channel][rows] = np.where(off < before, other[channel], now[channel])
             true = Motion({**true.samples, **changed})
         return true

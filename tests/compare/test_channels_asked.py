@@ -12,17 +12,21 @@ import pytest
 import scenes
 from compare.arguments import accuracy, matching
 from compare.engines import registry, runner
-from compare.engines.reference import Reference
+from compare.engines.reference import Reference, found
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
+from compare.judge.measure import assess
+from compare.judge.peaks.peaks import peaks
+from compare.judge.triage import sentences
 from compare.judge.verdict import compared, judged
 from compare.report import files as output
 from compare.report import tables
 from compare.report.curves import Panel, panels
-from scenes import InputError, Motion, Request, Sampling, Status
-from scenes.motion import header
-from tests.comparisons import SAMPLING, Studies, all_checks, studied
+from scenes import InputError, Motion, Request, Sampling, Settings, Status
+from scenes.motion import channels, header
+from tests import scene_files
+from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, studied
 
 
 @pytest.mark.parametrize(
@@ -137,8 +141,8 @@ def test_checks_that_have_their_channels(reference: Reference, patterns: list[st
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:
     few = studies("shaper", "block.*")
     assert {check.check for check in few.measurements[0].checks} == {"drive"}
-    found = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.stroke)
-    assert {check.of for check in found if check.check == "closure"} == set(few.scene.bodies)
+    made = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.stroke)
+    assert {check.of for check in made if check.check == "closure"} == set(few.scene.bodies)
 
 
 @pytest.mark.parametrize(
@@ -150,10 +154,35 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     moved = {c: motion[c] + 0.1 * reference.stroke for c in ("P5.x", "P5.y") if c in motion}
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
-    found = checks(scene, wrong, reference.stroke)
+    made = checks(scene, wrong, reference.stroke)
     comparison = compare(reference, SAMPLING, wrong)
-    verdict = compared(judged(run, found), scene, comparison, comparison.commanded)
+    verdict = compared(judged(run, made), scene, comparison, comparison.commanded)
     assert verdict.status is status
+
+
+def test_one_channel_of_a_press_on_its_switch() -> None:
+    """One component of a vector is judged by the vector, on the side of the switch where it fits: right or spoilt.
+
+    The middle sample is the lower dead point, where the press force ends and rounding decides whether it acts.
+    """
+    pressing = found(scene_files.load("crank_press", {"drive.start": 90}))
+    scene = pressing.scene
+    without = of_scene(pressing, replace(scene, loads=()))
+    on, off = (commanded(reference) for reference in (pressing, without))
+    on_switch = np.arange(SAMPLING.count) == SAMPLING.count // 2
+    (may,) = pressing.acts(on)
+    assert np.array_equal(on_switch, may.any(axis=0) & ~may.all(axis=0))
+    for channel in channels(scene)[2:]:
+        few = replace(SAMPLING, channels=frozenset({channel}))
+        for side in (on, off):
+            right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
+            spoilt = right | {channel: 1.1 * right[channel] + 0.1 * pressing.scale[channel]}
+            runs = (Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=Motion(m)) for m in (right, spoilt))
+            well, badly = (assess(pressing, few, run) for run in runs)
+            assert well.run.status is Status.ok, well.run.reason
+            assert badly.run.status is not Status.ok, channel
+            assert sentences(pressing, few, [badly], set())["stub"]
+            assert peaks(pressing, few, [well, badly]) is not None
 
 
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
