@@ -8,6 +8,7 @@ Each position beside it is solved on its own branch, and all look fine.
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.arguments import refuse
 from scenes.drive import Driven
 from scenes.motion import Samples
 
@@ -33,6 +34,8 @@ def check_way(solver: Solver) -> None:
     Raises:
         Failure: `cannot_assemble` at a singular configuration, or where the bodies do not reach.
     """
+    if not isinstance(solver, Solver):
+        refuse("solver", "what analytic.solver(...) returns", solver)
     scene, linkage = solver.scene, solver.linkage
     way = np.linspace(*scene.drive.extent, SAMPLES + 1)
     k = _poses(scene, linkage, way)

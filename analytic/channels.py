@@ -1,6 +1,6 @@
 """The scene's channels, each with how it is taken from the kinematics and the reactions."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TypeAlias
 
 import numpy as np
@@ -12,7 +12,6 @@ from scenes.scene import Pin
 from .decomposition import Dyad, inner_joint
 from .dyads import Vectors, dot
 from .group_equations import Group
-from .kinematics import Linkage
 from .kinetostatics import Reactions
 from .newton_group import to_lock
 from .placing import Kinematics
@@ -30,7 +29,7 @@ def vector_channels(scene: Scene) -> Iterator[Channels]:
             yield _of_pin(pin)
 
 
-def scalar_channels(scene: Scene, linkage: Linkage) -> Iterator[Channels]:
+def scalar_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[Channels]:
     """Yield the other channels, and those that only this model has."""
     for body in scene.turning:
         yield from _of_turning(body)
@@ -38,7 +37,7 @@ def scalar_channels(scene: Scene, linkage: Linkage) -> Iterator[Channels]:
         for body in (body.name for body in scene.bodies.values() if body.slide is not None):
             yield from _of_slider(body)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
-    for group in linkage.groups:
+    for group in groups:
         yield from _of_group(group)
 
 

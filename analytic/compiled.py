@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
+from scenes.arguments import doubles
 from scenes.drive import Driven
 from scenes.machines import at_path, machines, numbers_of, refused
 from scenes.motion import Samples
@@ -64,7 +65,8 @@ def fast_solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Fast
     """
     if any(isinstance(group, Group) for group in decompose(scene).groups):
         raise Failure(Status.unsupported, "a group that is solved by Newton's method is no straight line")
-    return FastSolver(scene, None if channels is None else frozenset(channels), solver(scene, channels))
+    core = solver(scene, channels)
+    return FastSolver(scene, core.request.channels, core)
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class FastSolver:
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises."""
-        position = np.array(position, np.float64)
+        position = doubles("position", position)
         instants, driven = driven_at(self.scene, position, time)
         names, rows_at = self._single
         rows = rows_at({}, driven)[:, 0]
@@ -88,7 +90,7 @@ class FastSolver:
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        scene, position = self.scene, np.asarray(position, np.float64)
+        scene, position = self.scene, doubles("position", position)
         many, known = machines(scene, changes), numbers_of(scene)
         given = {at_path(scene, path, known): np.asarray(values, np.float64) for path, values in changes.items()}
         numbers = {path: values * known[path][1] for path, values in given.items()}
@@ -194,23 +196,23 @@ def _compiled(made: list[Expression], known: Mapping[str, float]) -> Rows:
 @cache
 def kernel_of(source: str) -> Kernel:
     """Return the function of a text as machine code, from the disk where it was made before."""
-    folder = Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck"
-    file = folder / f"kernel_{sha256(source.encode()).hexdigest()[:24]}.py"
     try:
+        folder = Path(environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "linkage-crosscheck"
+        file = folder / f"kernel_{sha256(source.encode()).hexdigest()[:24]}.py"
         if not file.is_file() or file.read_text(encoding="utf-8") != source:
             folder.mkdir(parents=True, exist_ok=True)
             aside = file.with_suffix(f".{getpid()}")
             aside.write_text(source, encoding="utf-8")
             aside.replace(file)
-    except (OSError, UnicodeDecodeError):  # a home that cannot be written: made anew by each process
+        spec = spec_from_file_location(file.stem, file)
+        assert spec is not None
+        assert spec.loader is not None
+        module = sys.modules[file.stem] = module_from_spec(spec)  # where numba looks for what it kept
+        spec.loader.exec_module(module)
+    except (OSError, RuntimeError, UnicodeDecodeError):  # no home, or none that can be written: made by each process
         run: dict[str, Any] = {}
         exec(source.replace("cache=True, ", ""), run)
         return cast("Kernel", run["kernel"])
-    spec = spec_from_file_location(file.stem, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules[file.stem] = module_from_spec(spec)  # where numba looks for what it kept
-    spec.loader.exec_module(module)
     return cast("Kernel", module.kernel)
 
 

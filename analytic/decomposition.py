@@ -14,6 +14,7 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Scene, Status
+from scenes.arguments import scene_of
 from scenes.scene import GROUND
 
 from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
@@ -88,7 +89,7 @@ def decompose(scene: Scene) -> Decomposition:
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
-    bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
+    bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
     placed = _Placed(scene, bodies)
     driven = scene.drive.body
     driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))

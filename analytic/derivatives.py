@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Scene
+from scenes.arguments import doubles, names
 from scenes.machines import at_path, numbers_of
 from scenes.motion import Samples
 
@@ -44,9 +45,9 @@ def derivatives(
     """
     solve = solver(scene, channels)
     known = numbers_of(scene)
-    keys = [at_path(scene, path, known) for path in numbers]
+    keys = [at_path(scene, path, known) for path in names("numbers", numbers)]
     program = recorded(scene, {*keys}, channels)
-    position = np.asarray(position, np.float64)
+    position = doubles("position", position)
     _, driven = driven_at(scene, position, time)
     with np.errstate(invalid="ignore", divide="ignore"):  # where a group does not reach, which is refused
         k = kinematics(scene, solve.linkage, driven, rates=False)
@@ -54,8 +55,8 @@ def derivatives(
     values = {key: known[key][0] for key in keys}
     values |= {stroke_end(number): end for number, end in solve.stroke_ends.items()}
     found = differentiated(program, keys)
-    names = [(channel, key) for channel in program.channels for key in range(len(keys))]
-    line = StraightLine([found[key][channel] for channel, key in names])
+    pairs = [(channel, key) for channel in program.channels for key in range(len(keys))]
+    line = StraightLine([found[key][channel] for channel, key in pairs])
     rows = line(values, {**driven._asdict(), **coordinates(scene, k, solve.linkage)})[:, 0]
     units = np.array([known[key][1] for key in keys])[:, None]
     return {

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Failure, Scene, Status
+from scenes.arguments import doubles
 from scenes.motion import Samples
 
 from .dead_points import SAMPLES, Displaced, bisected, dead_points, displacement
@@ -52,8 +53,9 @@ def inverse(
         Failure: the linkage does not decompose, or does not assemble all the way.
         ValueError: the output point does not slide on the ground, or does not move.
     """
-    s, v, a = (np.atleast_1d(np.asarray(x, float)) for x in np.broadcast_arrays(position, velocity, acceleration))
     linkage = followed(scene, decompose(scene))
+    asked = {"position": position, "velocity": velocity, "acceleration": acceleration}
+    s, v, a = map(np.atleast_1d, np.broadcast_arrays(*(doubles(name, value) for name, value in asked.items())))
     displaced = displacement(scene, linkage, scene.output)
     way = np.linspace(*scene.drive.extent, SAMPLES)
     along = displaced(way)[0]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
+from scenes.arguments import doubles
 from scenes.machines import machines, refused
 from scenes.motion import Samples
 
@@ -94,9 +95,9 @@ def many_solver(
     scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
 ) -> "ManySolver":
     """Return `solve_many` for many calls, with what it raises: the machines are decomposed only once."""
-    count = len(np.ravel(next(iter(changes.values())))) if changes else 1
     with np.errstate(all="ignore"):  # machines that no file could describe are named
         many = machines(scene, changes)
+        count = len(np.ravel(next(iter(changes.values())))) if changes else 1
         whole = decompose(many)
         failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
         for group in whole.groups:
@@ -137,9 +138,9 @@ class ManySolver:
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        position = np.asarray(position, np.float64)
+        position, time = doubles("position", position), time if time is None else doubles("time", time)
         shape = (self.count, *(position.shape[-1:] or (1,)))
-        for name, given in (("position", position), ("time", position if time is None else np.asarray(time))):
+        for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
                 raise ValueError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
         _, first = self.parts[0]

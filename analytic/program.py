@@ -80,7 +80,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
             both = (x, traced(make, vector).x), (y, traced(make, vector).y)
             found |= {name: one for name, one in both if request.channels is None or name in request.channels}
     singular_values = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
-    for (name,), take in scalar_channels(scene, linkage):
+    for (name,), take in scalar_channels(scene, linkage.groups):
         if (request.channels is None or name in request.channels) and name not in singular_values:
             found[name] = traced(make, take(k, on)).x
     least: Any = traced(make, np.inf)

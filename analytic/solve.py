@@ -4,12 +4,14 @@ from collections.abc import Callable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from scenes import Failure, Motion, Request, Sampling, Scene, Status
+from scenes.arguments import doubles, known_names
 from scenes.drive import Driven
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
@@ -51,6 +53,7 @@ def solve(
 
     Raises:
         Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
+        InputError: no scene, no such channel, or positions or instants that are no plain numbers.
         ValueError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
     """
     return solver(scene, channels)(position, time)
@@ -69,6 +72,7 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     Raises:
         Failure: `unsupported` when the sketch leaves a branch open or a part is held twice over, `cannot_assemble` when
             a larger group does not close near the sketch.
+        InputError: no scene, or no such channel.
     """
     return prepared(scene, decompose(scene), channels)
 
@@ -76,8 +80,16 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
 def prepared(
     scene: Scene, whole: Decomposition, channels: AbstractSet[str] | None = None, machines: int = 1
 ) -> "Solver":
-    """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed."""
-    request = Sampling(channels=None if channels is None else frozenset(channels))
+    """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed.
+
+    Raises:
+        InputError: there is no such channel.
+    """
+    if channels is not None:
+        every = (*vector_channels(scene), *scalar_channels(scene, whole.groups))
+        known = ("time", scene.drive_channel, *chain.from_iterable(names for names, _ in every))
+        channels = known_names("channels", channels, known)
+    request = Sampling(channels=channels)
     forces = request.wants_forces(scene)
     linkage = followed(scene, _needed(whole, request.channels, forces=forces))
     press_forces = [n for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces]
@@ -103,7 +115,7 @@ class Solver:
         """
         scene, linkage = self.scene, self.linkage
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
-        position = np.array(position, dtype=np.float32 if single else np.float64)
+        position = doubles("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(scene, position, time)
         if position.ndim != 1 or time.ndim != 1:
             raise ValueError(f"position, time: expected the shape (n,) of both, found {position.shape}")
@@ -131,7 +143,7 @@ class Solver:
     @cached_property
     def scalars(self) -> Mapping[tuple[str, ...], FromBoth]:
         """The other channels wanted."""
-        return _chosen(scalar_channels(self.scene, self.linkage), self.request.channels)
+        return _chosen(scalar_channels(self.scene, self.linkage.groups), self.request.channels)
 
     @cached_property
     def rates(self) -> bool:
@@ -193,7 +205,7 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[
         ValueError: the drive follows a law, and no instants are given; or there are not as many as positions.
     """
     if time is not None:
-        time = np.array(time, dtype=np.float64)
+        time = doubles("time", time)
     if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):
         found = f"{position.shape}" if time is None else f"{position.shape} and {time.shape}"
         raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Scene, Status
+from scenes.arguments import doubles, refuse
 from scenes.motion import Samples
 
 from .decomposition import decompose
@@ -119,8 +120,10 @@ def reduce_many(
     """
     if any(isinstance(group, Group) for group in decompose(scene).groups):  # some machines of which are solved anew
         raise Failure(Status.unsupported, "a linkage with a group that is solved by Newton's method has no streams")
+    if not isinstance(reductions, Sequence):
+        refuse("reductions", "several, as [Extremes(...)]", reductions)
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
-    positions = position if isinstance(position, Grid) else np.asarray(position, np.float64)
+    positions = position if isinstance(position, Grid) else doubles("position", position)
     endings, done = Endings(many.count, many.failed), 0
     _, first = many.parts[0]
     for block in many.blocks(positions, None, endings):

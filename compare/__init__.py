@@ -41,13 +41,12 @@ def check(
     """
     from scenes import Scene, load  # late, as all imports here: the commands report what stops those
 
-    from .arguments import parser, sampling
+    from .arguments import checked, sampling
     from .report.notebook import Result
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)
-    asked = {"engines": ",".join(engines), "samples": samples, "turns": turns, "accuracy": accuracy}
-    options = parser().parse_args([f"--{name}={value}" for name, value in asked.items()])
+    options = checked(engines=engines, samples=samples, turns=turns, accuracy=accuracy)
     asked_for = sampling(scene, options.samples, options.turns)
     return Result.of(judged(scene, options.engines, asked_for, options.accuracy))
 
@@ -72,20 +71,19 @@ def vary(
         InputError: no such scene or engine, or number in the scene, or an argument out of range.
     """
     from scenes import load, numbers_in
+    from scenes.arguments import names
 
-    from .arguments import parser, sampling
+    from .arguments import checked, sampling
     from .family.family import members
     from .family.grid import grid
+    from .family.grid import variation as read
     from .report.notebook import Varied
 
     scene = load(name_or_path)
-    asked = (
-        f"--engines={','.join(engines)}",
-        f"--samples={samples}",
-        *(f"--vary={each}" for each in (variation, *more)),
+    options = checked(engines=engines, samples=samples)
+    varied = [read(text) for text in names("variation", (variation, *more))]
+    numbers_in(scene.file, [each.path for each in varied])
+    request, changes = sampling(scene, options.samples, 1), grid(varied)
+    return Varied(
+        scene, varied, options.engines, [*members(scene.file, changes, options.engines, request, lambda _: None)]
     )
-    options = parser().parse_args(asked)
-    numbers_in(scene.file, [varied.path for varied in options.vary])
-    request, changes = sampling(scene, options.samples, 1), grid(options.vary)
-    found = members(scene.file, changes, options.engines, request, lambda _: None)
-    return Varied(scene, options.vary, options.engines, [*found])

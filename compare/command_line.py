@@ -15,7 +15,7 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, redirect_stdout, suppress
 from errno import ENOMEM
 from functools import wraps
@@ -41,6 +41,17 @@ class Parser(argparse.ArgumentParser):
     def add_out(self, what: str) -> None:
         """Take the folder that is written to."""
         self.add_argument("--out", type=_folder, default=Path("results"), help=f"folder for {what} (results)")
+
+    def parse_args(self, args: Iterable[str] | None = None, namespace: Any = None) -> Any:
+        """Return the options, or raise InputError, which for one that is unknown names the nearest."""
+        from scenes.errors import InputError, nearest
+
+        options, unknown = self.parse_known_args(None if args is None else [*args], namespace)
+        for name in (word.partition("=")[0] for word in unknown if word.startswith("-")):
+            raise InputError(f"arguments: no option '{name}'{nearest(name, self._option_string_actions)}")
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return options
 
     def error(self, message: str) -> NoReturn:
         """Raise InputError with the message and the usage."""

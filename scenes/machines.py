@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arguments import check_changes, doubles, scene_of
 from .drive import MotionLaw
 from .errors import InputError, nearest
 from .loads import ForceTable, Load, PressForce, Spring
@@ -36,8 +37,9 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
             lead to the same one.
         ValueError: the numbers are not as many for each path.
     """
-    known = numbers_of(scene)
-    arrays = {at_path(scene, path, known): np.array(values, np.float64) for path, values in changes.items()}
+    check_changes(changes)
+    known = numbers_of(scene_of(scene))
+    arrays = {at_path(scene, path, known): doubles(path, values) for path, values in changes.items()}
     if len(arrays) < len(changes):
         raise InputError(f"{scene.file}: expected each number once, and two of the paths lead to the same one")
     if len({values.shape for values in arrays.values()}) > 1 or any(values.ndim != 1 for values in arrays.values()):

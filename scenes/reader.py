@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import hypot
+from os import PathLike
 from os.path import isfile
 from pathlib import Path
 from types import MappingProxyType
@@ -11,6 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from .arguments import check_changes, refuse
 from .changes import Value, change, label, numbers
 from .consistency import check
 from .drive import ConstantSpeed, Drive, MotionLaw
@@ -46,6 +48,7 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
         InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
             the changes, the path in it, what was expected, and the nearest valid name.
     """
+    check_changes(changes)
     found = file_of(name_or_path)
     tables = tables_of(found)
     file = label(found, changes)
@@ -78,6 +81,8 @@ def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
 
 def file_of(name_or_path: str | Path) -> str | Path:
     """Return the name of a shipped scene, or else the file; `mine` is `mine.toml` where no file has that name."""
+    if not isinstance(name_or_path, str | PathLike):
+        refuse("scene", "the name of a shipped one, or the path of a file", name_or_path)
     name, ending = str(name_or_path), f"{name_or_path}.toml"
     alone = name not in shipped() and isfile(ending) and not isfile(name)  # noqa: PTH113 - Path raises for odd names
     return ending if alone else name_or_path

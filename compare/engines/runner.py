@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from scenes import Engine, Failure, Motion, Request, Rows, Scene, Settings, Status
-from scenes.motion import kinematic_channels, quantity
+from scenes.motion import Samples, kinematic_channels, quantity
 
 from . import registry
 from .reasons import described, text_of
@@ -135,9 +135,15 @@ def _plain(motion: object) -> Motion:
     if not isinstance(motion, Motion):
         raise TypeError(f"expected scenes.Motion, found {type(motion).__name__}")
     return Motion(
-        {channel: np.asarray(samples) for channel, samples in motion.samples.items()},
+        {channel: _unmasked(channel, samples) for channel, samples in motion.samples.items()},
         {channel: text_of(reason) for channel, reason in motion.unsupported.items()},
     )
+
+
+def _unmasked(channel: str, samples: object) -> Samples:
+    if isinstance(samples, np.ma.MaskedArray):
+        raise TypeError(f"{channel}: expected plain numbers, found a masked array")
+    return np.asarray(samples)
 
 
 def _finite(motion: Motion | None) -> Motion | None:

@@ -101,14 +101,26 @@ def test_machine_code_is_kept_by_its_text(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @SLOW
-def test_where_nothing_can_be_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A file where the folder should be: the code is made anew, and nothing is left anywhere."""
+@pytest.mark.parametrize("trouble", ["a file for a folder", "a cache that cannot be written", "no home"])
+def test_where_nothing_can_be_kept(trouble: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The code is made anew, and nothing is left anywhere; files where folders should be stop root too."""
     pytest.importorskip("numba")
-    (tmp_path / "linkage-crosscheck").write_text("", encoding="utf-8")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(compiled, "COMPILES", True)
     scene, angles = scenes.load("four_bar"), np.linspace(0, 1, 4)
+    if trouble == "a file for a folder":
+        (tmp_path / "linkage-crosscheck").write_text("", encoding="utf-8")
+    elif trouble == "no home":  # as of a user without an entry, in a container
+        for name in ("XDG_CACHE_HOME", "HOME", "USERPROFILE"):
+            monkeypatch.delenv(name, raising=False)
+        monkeypatch.setattr("pwd.getpwuid", {}.__getitem__)
+    else:
+        folder = tmp_path / "linkage-crosscheck"
+        folder.mkdir()
+        for place in (folder / "__pycache__", tmp_path / "numba"):
+            place.write_text("", encoding="utf-8")
+    before = sorted(path.name for path in tmp_path.iterdir())
     compiled.kernel_of.cache_clear()
     found = analytic.fast_solver(scene, {"B.x"})(angles)
     assert found["B.x"] == pytest.approx(analytic.solve(scene, angles)["B.x"], rel=1e-12)
-    assert [path.name for path in tmp_path.iterdir()] == ["linkage-crosscheck"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == before

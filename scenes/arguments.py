@@ -1,0 +1,76 @@
+"""What callers from Python pass, refused in one line where it is of another kind."""
+
+from collections.abc import Iterable, Mapping
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError, nearest, one_line
+from .scene import Scene
+
+
+def refuse(argument: str, expected: str, value: object) -> NoReturn:
+    """Raise InputError for an argument that is not as expected."""
+    raise InputError(f"{argument}: expected {expected}, found {one_line(repr(value), 60)}")
+
+
+def scene_of(value: object) -> Scene:
+    """Return the argument `scene`.
+
+    Raises:
+        InputError: it is none.
+    """
+    if not isinstance(value, Scene):
+        refuse("scene", "a Scene, as scenes.load(...) returns it", value)
+    return value
+
+
+def check_changes(value: object) -> None:
+    """Raise InputError for changes that are not by path."""
+    if not (isinstance(value, Mapping) and all(isinstance(path, str) for path in value)):
+        refuse("changes", "values by path, as {'bodies.rod.mass': 2}", value)
+
+
+def names(argument: str, value: object) -> tuple[str, ...]:
+    """Return several names; one text is not several.
+
+    Raises:
+        InputError: it is none, or has something else among them.
+    """
+    several = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes) else (None,)
+    if not all(isinstance(name, str) for name in several):
+        refuse(argument, f"several names{f', as {one_line(repr([value]), 60)}' * isinstance(value, str)}", value)
+    return several
+
+
+def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset[str]:
+    """Return several names, all of them known.
+
+    Raises:
+        InputError: as of `names`, or one is unknown; the nearest one is named.
+    """
+    several, valid = names(argument, value), frozenset(known)
+    for name in several:
+        if name not in valid:
+            raise InputError(f"{argument}: no '{name}'{nearest(name, valid)}")
+    return frozenset(several)
+
+
+def doubles(argument: str, value: object) -> NDArray[np.float64]:
+    """Return numbers as an array of their own, of the same shape.
+
+    Raises:
+        InputError: they are no real numbers, or masked, which no model knows of.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        raise InputError(f"{argument}: expected plain numbers, found a masked array; its .filled(...) gives some")
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind == "O":
+            given = np.vectorize(float, otypes=[np.float64])(given)  # NumPy itself would make NaN of None
+        if given.dtype.kind in "biuf":
+            return given.astype(np.float64)
+    except (TypeError, ValueError):  # of ragged lists, and what is no number among others
+        pass
+    refuse(argument, "real numbers", value)

@@ -1,0 +1,140 @@
+"""What callers from Python pass: of another kind, or unknown, it is refused in one line that names the nearest."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import analytic as typed_analytic
+import compare as typed_compare
+import scenes as typed_scenes
+from scenes import InputError, Motion
+from tests.comparisons import SAMPLING, Plug, commanded
+
+analytic: Any = typed_analytic  # so that they may be called with what they do not take
+compare: Any = typed_compare
+scenes: Any = typed_scenes
+
+PRESS = scenes.load("toggle_press")
+MANY: dict[str, Any] = {"bodies.rod.mass": [60.0, 61.0]}
+MASKED: Any = np.ma.masked_array([0.5, 1.0], [False, True])
+ROD = ["bodies.rod.mass"]
+
+# Every function of docs/python.md that takes it, called with something in the place of a right argument.
+WITH_CHANNELS: dict[str, Callable[[Any], object]] = {
+    "solve": lambda channels: analytic.solve(PRESS, [0.5], channels=channels),
+    "solver": lambda channels: analytic.solver(PRESS, channels),
+    "solve_many": lambda channels: analytic.solve_many(PRESS, MANY, [0.5], channels=channels),
+    "many_solver": lambda channels: analytic.many_solver(PRESS, MANY, channels),
+    "fast_solver": lambda channels: analytic.fast_solver(PRESS, channels),
+    "derivatives": lambda channels: analytic.derivatives(PRESS, ROD, [0.5], channels=channels),
+}
+WITH_A_SCENE: dict[str, Callable[[Any], object]] = {
+    "solve": lambda scene: analytic.solve(scene, [0.5]),
+    "solver": analytic.solver,
+    "solve_many": lambda scene: analytic.solve_many(scene, MANY, [0.5]),
+    "many_solver": lambda scene: analytic.many_solver(scene, MANY),
+    "fast_solver": analytic.fast_solver,
+    "derivatives": lambda scene: analytic.derivatives(scene, ROD, [0.5]),
+    "inverse": lambda scene: analytic.inverse(scene, [-1.0]),
+    "reduce_many": lambda scene: analytic.reduce_many(scene, MANY, [0.5], []),
+    "route": analytic.route,
+}
+WITH_POSITIONS: dict[str, Callable[[Any], object]] = {
+    "solve": lambda position: analytic.solve(PRESS, position),
+    "its time": lambda time: analytic.solve(PRESS, [0.5, 1.0], time),
+    "solver": lambda position: analytic.solver(PRESS)(position),
+    "solve_many": lambda position: analytic.solve_many(PRESS, MANY, position),
+    "its numbers": lambda masses: analytic.solve_many(PRESS, {"bodies.rod.mass": masses}, [0.5]),
+    "fast_solver": lambda position: analytic.fast_solver(PRESS)(position),
+    "fast_solver.many": lambda position: analytic.fast_solver(PRESS).many(MANY, position),
+    "derivatives": lambda position: analytic.derivatives(PRESS, ROD, position),
+    "inverse": lambda position: analytic.inverse(PRESS, position),
+    "its velocity": lambda velocity: analytic.inverse(PRESS, -1.0, velocity),
+    "reduce_many": lambda position: analytic.reduce_many(PRESS, MANY, position, [analytic.Extremes("P5.y", 2)]),
+}
+
+
+def refused(call: Callable[[], object]) -> str:
+    """Return the line of the error."""
+    with pytest.raises(InputError) as caught:
+        call()
+    line = str(caught.value)
+    assert "\n" not in line
+    assert len(line) < 250
+    return line
+
+
+@pytest.mark.parametrize("name", WITH_CHANNELS)
+def test_channels_that_are_not(name: str) -> None:
+    call = WITH_CHANNELS[name]
+    assert "channels: no 'P5.z'; did you mean 'P5." in refused(lambda: call({"P5.y", "P5.z"}))
+    assert "channels: no 'P5.*'; did you mean 'P5." in refused(lambda: call({"P5.*"}))
+    assert refused(lambda: call("P5.y")) == "channels: expected several names, as ['P5.y'], found 'P5.y'"
+    assert refused(lambda: call(3)) == "channels: expected several names, found 3"
+
+
+@pytest.mark.parametrize("given", [["P5.y"], ("P5.y",), {"P5.y"}, frozenset({"P5.y"})])
+def test_channels_that_are(given: Any) -> None:
+    assert set(analytic.solve(PRESS, [0.5], channels=given).samples) == {"time", "crank_angle", "P5.y"}
+    assert "P5.to_lock" in analytic.solve(PRESS, [0.5], channels={"P5.to_lock"})
+
+
+@pytest.mark.parametrize("name", WITH_A_SCENE)
+def test_a_name_is_no_scene(name: str) -> None:
+    line = refused(lambda: WITH_A_SCENE[name]("toggle_press"))
+    assert line == "scene: expected a Scene, as scenes.load(...) returns it, found 'toggle_press'"
+
+
+@pytest.mark.parametrize("name", WITH_POSITIONS)
+def test_masked_arrays_and_what_is_no_number(name: str) -> None:
+    call = WITH_POSITIONS[name]
+    assert "expected plain numbers, found a masked array" in refused(lambda: call(MASKED))
+    for other in ("half", [1j, 0j], [None, 0.5], [[1.0], [1.0, 2.0]]):
+        assert "expected real numbers, found" in refused(partial(call, other))
+
+
+def test_a_masked_array_of_an_engine(plug: Plug, reference: Any) -> None:
+    """What is masked is no answer, whatever lies below the mask."""
+    right = commanded(reference)
+    plug(Motion({**right.samples, "P5.y": np.ma.masked_array(right["P5.y"], right["P5.y"] > -1.0)}))
+    status, reason = compare.check(PRESS, ["stub"], SAMPLING.samples).verdicts["stub"]
+    assert status == "crashed"
+    assert "P5.y: expected plain numbers, found a masked array" in reason
+
+
+@pytest.mark.parametrize(
+    ("call", "line"),
+    [
+        (lambda: scenes.load(None), "scene: expected the name of a shipped one, or the path of a file, found None"),
+        (lambda: scenes.load("four_bar", 3), "changes: expected values by path, as {'bodies.rod.mass': 2}, found 3"),
+        (lambda: analytic.solve_many(PRESS, ROD, [0.5]), "changes: expected values by path"),
+        (lambda: analytic.derivatives(PRESS, ROD[0], [0.5]), "numbers: expected several names, as ['bodies.rod.mass']"),
+        (lambda: analytic.derivatives(PRESS, ["bodies.rod.mas"], [0.5]), "did you mean 'bodies.rod.mass'?"),
+        (lambda: analytic.reduce_many(PRESS, MANY, [0.5], [analytic.Extremes("P5.z", 2)]), "did you mean 'P5."),
+        (lambda: analytic.reduce_many(PRESS, MANY, [0.5], analytic.Extremes("P5.y")), "reductions: expected several"),
+        (lambda: analytic.check_way(PRESS), "solver: expected what analytic.solver(...) returns"),
+        (lambda: compare.check(None), "scene: expected the name of a shipped one, or the path of a file, found None"),
+        (lambda: compare.check("four_bar", "exudyn"), "engines: expected several names, as ['exudyn'], found 'exudyn'"),
+        (lambda: compare.check("four_bar", ["exudin"]), "no engine 'exudin'; did you mean 'exudyn'?"),
+        (lambda: compare.check("four_bar", samples="72"), "samples: expected a whole number, found '72'"),
+        (lambda: compare.check("four_bar", samples=72.0), "samples: expected a whole number, found 72.0"),
+        (lambda: compare.check("four_bar", samples=3), "samples: expected a whole number from 8 to 100000, found '3'"),
+        (lambda: compare.check("four_bar", turns=True), "turns: expected a whole number, found True"),
+        (lambda: compare.check("four_bar", accuracy=None), "accuracy: expected fast, balanced, exact or a relative"),
+        (lambda: compare.vary("four_bar", 3), "variation: expected several names, found (3,)"),
+        (lambda: compare.vary("four_bar", "drive.sped=1:2:3"), "did you mean 'speed'?"),
+        (lambda: compare.vary("four_bar", "drive.speed=1:2:3", engines="exudyn"), "engines: expected several names"),
+        (lambda: compare.vary(PRESS, "drive.speed=1:2:3"), "scene: expected the name of a shipped one"),
+    ],
+)
+def test_other_arguments(call: Callable[[], object], line: str) -> None:
+    assert line in refused(call)
+
+
+def test_numbers_of_numpy_and_exact_ones_are_numbers() -> None:
+    assert compare.check("four_bar", ("analytic",), samples=np.int64(24)).ok
+    assert analytic.solve(PRESS, [Fraction(1, 2)])["P5.y"] == analytic.solve(PRESS, [0.5])["P5.y"]
