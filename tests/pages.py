@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+WITHIN = ("data:", "blob:")  # of an address in the page itself: a picture of a figure
+
 
 def unpacked(text: str) -> list[str]:
     """Return the library and all figures of a page, as JSON."""
@@ -44,7 +46,7 @@ def silent(browser: "Browser", path: Path, **context: Any) -> "Iterator[Page]":
     page, heard = browser.new_page(**context), list[str]()
     page.on("console", lambda message: heard.append(message.text))
     page.on("pageerror", lambda error: heard.append(str(error)))
-    page.on("request", lambda request: heard.append(request.url))
+    page.on("request", lambda request: heard.append(request.url) if not request.url.startswith(WITHIN) else None)
     page.goto(path.as_uri())
     yield page
     page.close()

@@ -19,6 +19,9 @@ Attributes: TypeAlias = Mapping[str, Any]  # as plotly names them
 
 TEMPLATE = "plotly_white"
 TYPES = {"f4", "f8", "i1", "i2", "i4", "u1", "u2", "u4"}  # of arrays that plotly's script takes as bytes
+# Every button by name, so that none comes in with another version of plotly; nothing in a figure leads to another host.
+BUTTONS = [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "autoScale2d", "resetScale2d"]]
+CONFIG = {"modeBarButtons": BUTTONS, "displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
 HEADING = {"font": {"size": 16}, "xanchor": "center", "yanchor": "bottom", "xref": "paper", "yref": "paper"}
 
 
@@ -90,14 +93,14 @@ class Figure:
         return json.dumps(_plain({"data": thinned(self.traces, most), "layout": self.layout}))
 
     def checked(self) -> "Checked":
-        """Return plotly's own figure.
+        """Return plotly's own figure, with the buttons of the pages.
 
         Raises:
             ValueError: an attribute is none of plotly's, or has a value that it does not take.
         """
-        from plotly.graph_objects import Figure as Checked
+        from .offline import Offline
 
-        return Checked({"data": self.traces, "layout": self.layout | {"template": TEMPLATE}})
+        return Offline({"data": self.traces, "layout": self.layout | {"template": TEMPLATE}})
 
 
 def _shares(parts: Sequence[float], gap: float) -> list[tuple[float, float]]:

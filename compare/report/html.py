@@ -20,7 +20,7 @@ from markupsafe import Markup, escape
 from ..engines.environment import environment
 from . import byte_code, numbers
 from .extremes import CURVE
-from .figure import Figure, template
+from .figure import CONFIG, Figure, template
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -125,8 +125,9 @@ class Parts:
 
     @property
     def figures(self) -> str:
-        """All figures and the look that they share, packed; nothing where there are none."""
-        text = f'{{"template":{template()},"figures":[{",".join(self._figures)}]}}'
+        """All figures, and the look and the buttons that they share, packed; nothing where there are none."""
+        shared = f'"template":{template()},"config":{dumps(CONFIG)}'
+        text = f'{{{shared},"figures":[{",".join(self._figures)}]}}'
         return packed(text.encode()) if self._figures else ""
 
 

@@ -6,13 +6,15 @@ const inflated = id => {
 const unpacked = id => inflated(id).text();
 const places = new Set(document.querySelectorAll("[data-figure]"));
 const pointed = matchMedia("(hover: hover)").matches; // by a mouse: its bar of buttons would lie over a phone's legend
-let figures;
+let figures, config;
 
 const draw = place => {
   if (!figures || !places.delete(place)) return;
-  const { data, layout } = figures[place.dataset.figure];
-  const left = ["select2d", "lasso2d"], bar = { displayModeBar: pointed && "hover", modeBarButtonsToRemove: left };
-  Plotly.newPlot(place, data, layout, { ...bar, displaylogo: false, responsive: true });
+  const { data, layout } = figures[place.dataset.figure], { modeBarButtons } = config;
+  const icon = Plotly.Icons.spikeline, click = () => Plotly.relayout(place, { dragmode: false });
+  const own = layout.hovermode === false ? [[{ name: "Cursor", icon, click }]] : []; // back from zoom and pan
+  const bar = { displayModeBar: pointed && "hover", modeBarButtons: [...modeBarButtons, ...own] };
+  Plotly.newPlot(place, data, layout, { ...config, ...bar, responsive: true });
   for (const picture of place.querySelectorAll("svg")) picture.setAttribute("aria-hidden", "true"); // the label has it
   place.dispatchEvent(new Event("drawn"));
 };
@@ -25,7 +27,7 @@ const unpack = async () => {
   library.textContent = await unpacked("plotly");
   const found = JSON.parse(await unpacked("figures"));
   document.head.append(library);
-  figures = found.figures;
+  ({ figures, config } = found);
   for (const { layout } of figures) layout.template = found.template;
   places.forEach(place => near.observe(place));
 };

@@ -202,8 +202,8 @@ class Plot {
     if (!found || this.plot._fullLayout.dragmode) return;
     if (event.type === "pointerleave") return this.show(now);
     const n = nearest(found.p2l(event.clientX - this.plot.getBoundingClientRect().left - found._offset));
-    if (event.type === "pointerdown") this.plot.setPointerCapture(event.pointerId);
-    if (event.buttons) scrub(n);
+    if (event.type === "pointerdown" && event.target.closest(".nsewdrag")) this.plot.setPointerCapture(event.pointerId);
+    if (this.plot.hasPointerCapture(event.pointerId)) scrub(n); // begun inside the axes: buttons and legend have theirs
     else this.show(n);
   }
 }

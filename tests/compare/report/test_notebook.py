@@ -39,6 +39,23 @@ def test_a_plot_has_every_engine_and_the_error(result: Result) -> None:
     assert max(error.y) == table["max"]["exudyn", "T.ay"]
 
 
+def test_a_shown_plot_has_no_button_that_sends_its_data(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By whatever a notebook asks a figure for; tests/compare/test_browser_controls.py has its buttons."""
+    import plotly.io
+
+    figure, shown = result.plot("T.ay"), []
+    monkeypatch.setattr(plotly.io, "show", lambda *_, config, **__: shown.append(config))
+    figure.show()
+    figure._ipython_display_()
+    monkeypatch.setattr(plotly.io.renderers, "default", "plotly_mimetype")
+    shown.append(figure._repr_mimebundle_()["application/vnd.plotly.v1+json"]["config"])
+    for config in shown:
+        assert not config["showSendToCloud"]
+        assert not config["displaylogo"]
+        assert all("cloud" not in name.lower() for group in config["modeBarButtons"] for name in group)
+    assert len(shown) == 3
+
+
 @pytest.mark.parametrize("channel", ["T.az", "time", "B.to_lock"])
 def test_a_channel_that_is_none(result: Result, channel: str) -> None:
     with pytest.raises(KeyError, match="no such channel"):
