@@ -155,9 +155,9 @@ class VariationTable(Table):
 class TolerancesTable(Table):
     """The largest relative errors by channel group; `--check` fails where one is larger."""
 
-    position: Positive | None = Field(None, description="Of points, over the stroke; of angles, in rad.")
-    velocity: Positive | None = Field(None, description="Of points and angles, over stroke times the drive's rate.")
-    acceleration: Positive | None = Field(None, description="Of points and angles, over stroke times its square.")
+    position: Positive | None = Field(None, description="Of points, over their own travel; of angles, over 1 rad.")
+    velocity: Positive | None = Field(None, description="Over the same times the drive's rate.")
+    acceleration: Positive | None = Field(None, description="Over the same times its square.")
     reaction: Positive | None = Field(None, description="Of the forces of joints and guides, over their peaks.")
     torque: Positive | None = Field(None, description="Of the driven crank's torque, over its peak.")
     force: Positive | None = Field(None, description="Of the driven slider's force, over its peak.")

@@ -104,11 +104,6 @@ def off_50_digits(reference: Reference, request: Request) -> dict[str, Samples]:
     return found
 
 
-def size(motion: Motion, scene: Scene) -> float:
-    """Return the stroke of the output, the driver's pin, m."""
-    return float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
-
-
 def assert_agree(scene: Scene, motion: Motion, expected: Channels, whole: Motion | None = None) -> None:
     """Compare every channel of the scene's motion with the one expected."""
     assert set(expected) == set(channels(scene))

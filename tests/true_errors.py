@@ -1,7 +1,8 @@
 """How far a motion is off the truth, by nothing of the comparison's: every vector's distance as DESIGN.md defines it.
 
-The error of a vector is its distance over the larger of its scale and its true magnitude there: S w and S w^2 for
-points, w and w^2 for bodies, the peak of its joint for a force. A place is relative to the stroke S, an angle to 1 rad.
+The error of a vector is its distance over the larger of its scale and its true magnitude there: T w and T w^2 for
+points, w and w^2 for bodies, the peak of its joint for a force. A place is relative to the travel T of its point, the
+largest distance between two of its positions, but at least a hundredth of the linkage's largest; an angle to 1 rad.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 import analytic
 from scenes import Motion, Sampling, Scene
 from scenes.motion import Samples
-from scenes.scene import Force, PressForce
+from scenes.scene import GROUND, Force, PressForce
 
 from . import absolute_coordinates
 
@@ -105,19 +106,33 @@ class Truth:
     # --- errors ---
 
     @cached_property
-    def _scales(self) -> tuple[float, float, float]:
-        """Return the stroke, m, the drive's travel, m or rad, and its rate, travels a second."""
-        path, (least, most) = _vector(self._cycle, f"{self.scene.output}."), self.scene.drive.extent
+    def _travels(self) -> dict[str, float]:
+        """Return the travel of each moving point, m."""
+        paths = {point: _vector(self._cycle, f"{point}.") for point in self.scene.moving_points}
+        own = {point: float(np.abs(path[:, None] - path).max()) for point, path in paths.items()}
+        return {point: max(travel, max(own.values()) / 100) for point, travel in own.items()}
+
+    def _reach(self, channel: str) -> float:
+        """Return the largest travel of the points of both bodies of a guide, m."""
+        body = self.scene.bodies[channel.partition(".")[0]]
+        assert body.slide is not None
+        points = [p for name in (body.name, body.slide.on) if name != GROUND for p in self.scene.bodies[name].points]
+        return max(self._travels.get(point, 0.0) for point in points)
+
+    @cached_property
+    def _drive(self) -> tuple[float, float]:
+        """Return the drive's travel, m or rad, and its rate, travels a second."""
+        least, most = self.scene.drive.extent
         travel = 1.0 if self.scene.driven_slide is None else most - least
-        return float(np.hypot(np.ptp(path.real), np.ptp(path.imag))), travel, self.scene.drive.peak_rate / travel
+        return travel, self.scene.drive.peak_rate / travel
 
     @cached_property
     def _peaks(self) -> dict[str, float]:
-        """Return what forces and moments are relative to; a guide's moment at least to its force times the stroke."""
+        """Return what forces and moments are relative to; a guide's moment at least to its force times the travel."""
         peaks = {name: float(np.abs(force).max()) for name, force in self._forces(self._cycle)}
         for name in peaks:
             if name.endswith("moment"):
-                peaks[name] = max(peaks[name], self._scales[0] * peaks[name.replace("moment", "force")])
+                peaks[name] = max(peaks[name], self._reach(name) * peaks[name.replace("moment", "force")])
         largest = max(peaks.values()) or 1.0
         return {name: peak if peak > NOTHING * largest else largest for name, peak in peaks.items()}
 
@@ -129,12 +144,13 @@ class Truth:
         yield effort, motion[effort] + 0j
 
     def _errors(self, motion: Channels, true: Channels) -> Iterator[tuple[str, Samples]]:
-        scene, (stroke, travel, w) = self.scene, self._scales
+        scene, (travel, w) = self.scene, self._drive
         yield DRIVE, np.abs(motion[scene.drive_channel] - true[scene.drive_channel]) / travel
         for point in scene.moving_points:
             z, there = (_vector(of, f"{point}.") for of in (motion, true))
-            yield point, np.abs(z - there) / stroke
-            for name, scale in ((f"{point}.v", stroke * w), (f"{point}.a", stroke * w**2)):
+            own = self._travels[point]
+            yield point, np.abs(z - there) / own
+            for name, scale in ((f"{point}.v", own * w), (f"{point}.a", own * w**2)):
                 yield name, _mixed(_vector(motion, name), _vector(true, name), scale)
         for body in scene.turning:
             turned = motion[f"{body}.angle"] - true[f"{body}.angle"]

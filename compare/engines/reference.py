@@ -12,11 +12,13 @@ from scenes.motion import Samples, channels, force_channels, quantity
 from . import registry
 from .motion_vectors import MotionVectors
 from .press_switches import Acts, acts, fixed, press_forces, stroke_end
+from .travel import guide_travel, largest_distance, travels
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 NOTHING = 1e-12  # of the largest force: what a joint carries that carries but round-off
-REST = 1e-6  # of S w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
+REST = 1e-6  # of T w^2, and of what it takes for the heaviest body: what engines find where nothing accelerates
 REMEMBERED, FEW = 4, 4096  # motions, of samples at most
+POWERS = {"x": 0, "y": 0, "vx": 1, "vy": 1, "ax": 2, "ay": 2}  # of w, in what points are scaled by
 PLACES = {"x", "y", "angle"}  # quantities whose magnitude depends on where one counts from
 
 
@@ -36,6 +38,7 @@ class Reference:
     scene: Scene
     at: registry.Solve  # the motion at positions of the drive and instants: every channel
     stroke: float  # m, of the output point
+    travel: Mapping[str, float]  # m, of each moving point, see `travels`
     scale: Mapping[str, float]  # by channel, what errors are divided by
     floor: Floor
     cycle: Motion = field(default_factory=lambda: Motion({}))  # at `SCALE_SAMPLES`
@@ -103,36 +106,39 @@ def found(scene: Scene) -> Reference:
     sampling = Sampling(SCALE_SAMPLES)
     solve = registry.checked_reference(scene)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
-    size = stroke(scene, motion)
-    if not size > 0:
-        raise InputError(f"{scene.file}: output: {scene.output} does not move; expected a point that does")
+    output, travel = scene.output, travels(scene, motion)
+    stroke = largest_distance(motion[f"{output}.x"] + 1j * motion[f"{output}.y"])
+    if not stroke > 0:
+        raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
     ends = tuple(stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene))
-    return Reference(scene, Remembering(solve), size, scales(scene, motion, size), Floor({}, ""), motion, ends)
+    return Reference(
+        scene, Remembering(solve), stroke, travel, scales(scene, motion, travel), Floor({}, ""), motion, ends
+    )
 
 
-def stroke(scene: Scene, motion: Motion) -> float:
-    """Return the diagonal of the box in which the output point moves, m."""
-    return float(np.hypot(np.ptp(motion[f"{scene.output}.x"]), np.ptp(motion[f"{scene.output}.y"])))
+def scales(scene: Scene, motion: Motion, travel: Mapping[str, float]) -> dict[str, float]:
+    """Return what errors are divided by, channel by channel; `travel` is that of each moving point, m, see `travels`.
 
-
-def scales(scene: Scene, motion: Motion, stroke: float) -> dict[str, float]:
-    """Return what errors are divided by, channel by channel.
-
-    Points are scaled by the stroke S, S w and S w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of their
-    pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
+    Points are scaled by their own travel T, T w and T w^2; turning by 1 rad, w and w^2; forces by the peak magnitude of
+    their pin, guide or drive. w is the crank's peak rate, or that of a driven slider over its travel.
     """
-    least, largest = scene.drive.extent
-    travel = largest - least
-    w = natural_rate(scene)
-    size = dict.fromkeys(("x", "y"), stroke) | dict.fromkeys(("vx", "vy"), stroke * w)
-    size |= dict.fromkeys(("ax", "ay"), stroke * w**2) | {"angle": 1.0, "crank_angle": 1.0, "omega": w, "alpha": w**2}
-    size |= {"displacement": travel, "time": scene.drive.cycle}
-    peaks = {c: float(magnitude(motion, c).max()) for c in channels(scene) if quantity(c) not in size}
-    for channel in peaks:
-        if quantity(channel) == "guide_moment":  # often zero by symmetry; a force times the stroke is its natural size
-            peaks[channel] = max(peaks[channel], stroke * peaks[channel.replace("guide_moment", "guide_force")])
-    forces = force_scales(scene, motion, stroke, peaks)
-    return {c: size[quantity(c)] if quantity(c) in size else forces[c] for c in channels(scene)}
+    known = kinematic_scales(scene, travel)
+    peaks = {c: float(magnitude(motion, c).max()) for c in channels(scene) if c not in known}
+    for body in scene.bodies.values():
+        moment, force = f"{body.name}.guide_moment", f"{body.name}.guide_force"
+        if moment in peaks:  # often zero by symmetry; a force times the travel is its natural size
+            peaks[moment] = max(peaks[moment], guide_travel(scene, travel, body) * peaks[force])
+    return known | force_scales(scene, motion, travel, peaks)
+
+
+def kinematic_scales(scene: Scene, travel: Mapping[str, float]) -> dict[str, float]:
+    """Return what errors of all channels but forces are divided by, see `scales`."""
+    (least, largest), w = scene.drive.extent, natural_rate(scene)
+    size = {"angle": 1.0, "crank_angle": 1.0, "omega": w, "alpha": w**2}
+    size |= {"displacement": largest - least, "time": scene.drive.cycle}
+    size |= {f"{point}.{of}": T * w**power for point, T in travel.items() for of, power in POWERS.items()}
+    sizes = {channel: size.get(channel, size.get(quantity(channel))) for channel in channels(scene)}
+    return {channel: of for channel, of in sizes.items() if of is not None}
 
 
 def natural_rate(scene: Scene) -> float:
@@ -141,16 +147,19 @@ def natural_rate(scene: Scene) -> float:
     return scene.drive.peak_rate if scene.driven_slide is None else scene.drive.peak_rate / (largest - least)
 
 
-def force_scales(scene: Scene, motion: Motion, stroke: float, peaks: Mapping[str, float]) -> dict[str, float]:
+def force_scales(
+    scene: Scene, motion: Motion, travel: Mapping[str, float], peaks: Mapping[str, float]
+) -> dict[str, float]:
     """Return what errors of forces are divided by: their peak, or the largest of all where it is rounding.
 
-    Where nothing accelerates and nothing pushes, all are rounding: then 1 N, or what S w^2 takes for the heaviest body
-    if that is less.
+    Where nothing accelerates and nothing pushes, all are rounding: then 1 N, or what T w^2 of the largest travel takes
+    for the heaviest body if that is less.
     """
     largest, w = max(peaks.values(), default=0.0), natural_rate(scene)
-    natural = max(body.mass or 0.0 for body in scene.bodies.values()) * stroke * w**2
-    rest = {"ax": REST * stroke * w**2, "ay": REST * stroke * w**2, "alpha": REST * w**2}
-    still = (np.abs(motion[c]).max() <= rest[quantity(c)] for c in motion.samples if quantity(c) in rest)
+    natural = max(body.mass or 0.0 for body in scene.bodies.values()) * max(travel.values()) * w**2
+    known = kinematic_scales(scene, travel)
+    rates = (c for c in motion.samples if c in known and quantity(c) in ("ax", "ay", "alpha"))
+    still = (np.abs(motion[c]).max() <= REST * known[c] for c in rates)
     if largest <= REST * natural and all(still):
         return dict.fromkeys(peaks, min(natural, 1.0) or 1.0)
     largest = largest or 1.0

@@ -16,6 +16,7 @@ from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, Vectors, distances, inertia
 from ..engines.press_switches import Acts, acts, press_forces, sides, stroke_end
 from ..engines.reference import NOTHING, force_scales, sizes
+from ..engines.travel import guide_travel
 from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
@@ -42,11 +43,11 @@ class Check:
 def checks(
     scene: Scene,
     motion: Motion,
-    stroke: float,
+    travel: Mapping[str, float],
     may: Sequence[Acts] | None = None,
     ends: Sequence[float] | None = None,
 ) -> list[Check]:
-    """Return every check that the motion has the channels for; `stroke` in m is what lengths are relative to.
+    """Return every check that the motion has the channels for; `travel` is that of each moving point, m.
 
     `may` is whether each press force may act, by sample, and `ends` where their strokes end, m; None where the motion
     itself decides, which is of a whole cycle.
@@ -55,14 +56,14 @@ def checks(
     violations = {("drive", scene.drive.body, "radian" if scene.driven_slide is None else "travel"): _drive(state)}
     for body in scene.bodies.values():
         if motion.samples.keys() >= _closed_by(scene, body):
-            violations["closure", body.name, "stroke"] = _gaps(state, body, stroke)
+            violations["closure", body.name, "travel of its points"] = _gaps(state, body, travel)
     if motion.samples.keys() >= set(kinematic_channels(scene)):
-        estimated = estimate(scene, motion, stroke, ends)
+        estimated = estimate(scene, motion, travel, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
             acting = may or [acts(state, load, stroke_end(state, load)) for load in press_forces(scene)]
-            violations |= _balances(state, stroke, estimated, acting)
+            violations |= _balances(state, travel, estimated, acting)
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -111,27 +112,30 @@ def _closed_by(scene: Scene, body: Body) -> set[str]:
     return angles | {f"{point}.{axis}" for point in points - set(scene.ground) for axis in "xy"}
 
 
-def _gaps(state: MotionVectors, body: Body, stroke: float) -> Samples:
-    """Return by how much the body's points miss their distances, and it its guide, relative to the stroke, shape (n,).
+def _gaps(state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samples:
+    """Return by how much the body's points miss their distances, and it its guide, by their travel, shape (n,).
 
-    A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. A body
-    that is turned against its guide is off by that angle, rad, at an arm of one stroke.
+    A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. Of two
+    points the larger travel counts: it is the less accurate one whose error opens the distance. A body that is turned
+    against its guide is off by that angle, rad, at an arm of its travel.
     """
     gap = np.zeros(state.motion["time"].shape)
     for (p, q), length in distances(body).items():
         first, second = state.place(p), state.place(q)
         off = np.abs(np.abs(first - second) - length)
-        rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the stroke
-        gap = np.maximum(gap, np.where(off <= rounding, 0.0, off) / stroke)
+        rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the travel
+        gap = np.maximum(gap, np.where(off <= rounding, 0.0, off) / max(travel.get(p, 0.0), travel.get(q, 0.0)))
     if body.slide is not None:
-        gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / stroke)
+        gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / guide_travel(state.scene, travel, body))
         if body.name in state.scene.turning:
             between = state.angle(body.name) - state.angle(body.slide.on)
             gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
     return gap
 
 
-def _balances(state: MotionVectors, stroke: float, estimated: Estimate, may: Sequence[Acts]) -> Violations:
+def _balances(
+    state: MotionVectors, travel: Mapping[str, float], estimated: Estimate, may: Sequence[Acts]
+) -> Violations:
     """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
 
     What rounding explains is zero.
@@ -140,14 +144,14 @@ def _balances(state: MotionVectors, stroke: float, estimated: Estimate, may: Seq
     rounding = EPS * estimated.condition
     for acting in sides(may):
         standing = replace(state, acting=acting)
-        scale = _scales(standing, estimated.closed, stroke)
+        scale = _scales(standing, estimated.closed, travel)
         left_over = dict(_newton_euler(standing, scale, rounding))
-        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, stroke, rounding)
+        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, travel, rounding)
         least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
     return least
 
 
-def _scales(state: MotionVectors, closed: Motion, stroke: float) -> dict[str, float]:
+def _scales(state: MotionVectors, closed: Motion, travel: Mapping[str, float]) -> dict[str, float]:
     """Return what is left over on each body is relative to: the peak force on it, or on any where it carries nothing.
 
     It carries nothing if that is so in the motion's own poses, in `closed`: what an engine finds there is its noise.
@@ -155,7 +159,7 @@ def _scales(state: MotionVectors, closed: Motion, stroke: float) -> dict[str, fl
     peaks, carried = _peaks(state), _peaks(replace(state, motion=closed))
     nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
     own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
-    return force_scales(state.scene, state.motion, stroke, own)
+    return force_scales(state.scene, state.motion, travel, own)
 
 
 def _peaks(state: MotionVectors) -> dict[str, float]:
@@ -187,7 +191,7 @@ def _newton_euler(
         yield ("Euler", body.name, "peak force times the linkage's size"), turning / (scale[body.name] * length)
 
 
-def _power(state: MotionVectors, stroke: float, rounding: Samples) -> Samples:
+def _power(state: MotionVectors, travel: Mapping[str, float], rounding: Samples) -> Samples:
     """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
     driven = state.scene.bodies[state.scene.drive.body]
     if state.scene.driven_slide is None:
@@ -201,7 +205,7 @@ def _power(state: MotionVectors, stroke: float, rounding: Samples) -> Samples:
         terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
     forces = [c for c in force_channels(state.scene) if UNITS[quantity(c)] == "N"]
     peaks = {c: float(np.abs(state.motion[c]).max()) for c in forces}
-    natural = max(force_scales(state.scene, state.motion, stroke, peaks).values(), default=0.0)
+    natural = max(force_scales(state.scene, state.motion, travel, peaks).values(), default=0.0)
     natural *= max((float(np.abs(state.point(p)[1]).max()) for p in state.scene.moving_points), default=0.0)
     peak = max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0
     left = np.abs(sum(terms)) / peak

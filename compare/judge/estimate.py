@@ -29,13 +29,18 @@ class Estimate(NamedTuple):
 
 
 @np.errstate(all="ignore")  # what is not finite is so in the result
-def estimate(scene: Scene, motion: Motion, stroke: float, ends: Sequence[float] | None = None) -> Estimate:
-    """Return what is known of a motion whose kinematic channels are complete; the stroke is in m, `ends` as projected.
+def estimate(
+    scene: Scene, motion: Motion, travel: Mapping[str, float], ends: Sequence[float] | None = None
+) -> Estimate:
+    """Return what is known of a motion whose kinematic channels are complete.
+
+    `travel` is that of each point, m, see `travels`; `ends` as projected.
+
 
     On the switch of a press force all channels count on the side where they fit best.
     """
     projection = projected(scene, motion, ends)
-    scale = scales(scene, projection.ways[0], stroke)
+    scale = scales(scene, projection.ways[0], travel)
     units = scale | _force_units(scene)
     rounding = EPS * _turns(scene, motion), projection.condition
     ways = [_unexplained(motion, way, scale, units, *rounding) for way in projection.ways]

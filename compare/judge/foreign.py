@@ -133,7 +133,7 @@ def _found(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
     """Return what the checks find; decimals may put a press's slider on the other side of a switch than in `true`."""
     complete = motion.samples.keys() >= set(channels(reference.scene))
     may = reference.acts(motion, true) if complete else None
-    return checks(reference.scene, motion, reference.stroke, may, reference.stroke_ends)
+    return checks(reference.scene, motion, reference.travel, may, reference.stroke_ends)
 
 
 def _found_in_reference(reference: Reference, result: "Result", true: Motion) -> list[Check]:

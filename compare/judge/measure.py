@@ -8,9 +8,10 @@ import numpy as np
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 
 from ..engines import runner
-from ..engines.reference import Reference, stroke
+from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..engines.runner import Run, Runs, complete
+from ..engines.travel import travels
 from .checks import Check, checks
 from .errors import SHOWN_GROUPS, ChannelError, Comparison, by_group, compare, error_table, worst_of
 from .round_off import Explained, explain
@@ -78,7 +79,7 @@ def assess(
     outcome = complete(outcome, scene, sampling)
     if outcome.motion is None:
         return Measurement(outcome, None, [])
-    found = find(outcome.motion) if find else checks(scene, outcome.motion, reference.stroke)
+    found = find(outcome.motion) if find else checks(scene, outcome.motion, reference.travel)
     verdict = judged(outcome, found)
     try:
         explained = explained or explain(reference, sampling)
@@ -103,4 +104,4 @@ def checked_run(
     outcome = complete(runs.run(engine, scene, sampling, settings), scene, sampling)
     if outcome.motion is None:
         return outcome
-    return judged(outcome, checks(scene, outcome.motion, stroke(scene, outcome.motion)))
+    return judged(outcome, checks(scene, outcome.motion, travels(scene, outcome.motion)))

@@ -16,9 +16,9 @@ from ..engines.runner import Run
 from .checks import Check
 from .errors import SHOWN_GROUPS, Comparison
 
-OPEN = 1e-2  # of the stroke: a pin that gapes this far is no pin
+OPEN = 1e-2  # of the travel of its points: a pin that gapes this far is no pin
 WORTHLESS = 0.1  # of the scale or magnitude: what is so far off belongs to another motion
-ELSEWHERE = 5e-2  # of the stroke: with closed pins and the drive in place, only another assembly is so far off
+ELSEWHERE = 5e-2  # of its travel: with closed pins and the drive in place, only another assembly is so far off
 SUM = 10.0  # times the promise: to what errors within it add up over the joints of a body
 BALANCES = {
     "Newton": "forces and m a of {of} are out of balance by {worst} of the {relative_to}",
@@ -82,7 +82,7 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
         far = np.max(places, axis=0, initial=0.0)
         if not far.max() <= ELSEWHERE:
             first = scene.where(float(comparison.position[(~(far <= ELSEWHERE)).argmax()]))
-            reason = f"{point} is {share(far.max())} of the stroke away from the reference, first at {first}"
+            reason = f"{point} is {share(far.max())} of its travel away from the reference, first at {first}"
             return replace(run, status=Status.wrong_branch, reason=reason, found_by="reference")
     worst = {channel: float(error.max()) for channel, error in unexplained.items() if channel != scene.drive_channel}
     channel = max(worst, key=lambda name: np.inf if np.isnan(worst[name]) else worst[name], default="")

@@ -17,6 +17,7 @@ from analytic.kinematics import followed
 from analytic.motion_range import motion_range
 from analytic.solve import Solver, prepared
 from compare.engines.reference import found, relative_errors
+from compare.engines.travel import travels
 from compare.judge.checks import checks
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.motion import channels
@@ -41,7 +42,7 @@ def solve(class_iii: Scene) -> Solver:
 
 def test_power_balance(class_iii: Scene, solve: Solver) -> None:
     motion = solve(TURN)
-    for check in checks(class_iii, motion, 0.08):
+    for check in checks(class_iii, motion, travels(class_iii, motion)):
         assert check.worst <= 1e-12, check  # roundings only, as above
     torque = motion["drive.torque"]  # weights and a constant force give back what they take
     assert abs(torque.mean()) <= 1e-12 * np.abs(torque).max()

@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 import analytic
 from analytic.decomposition import _Placed, decompose, larger_group, members
 from analytic.solve import prepared
+from compare.engines.travel import travels
 from compare.judge.checks import checks
 from compare.judge.errors import SHOWN_GROUPS
 from scenes import Sampling, Scene
 from scenes.motion import Samples, channels, force_channels
 from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
 from tests import absolute_coordinates
-from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, size, solve, where
+from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, solve, where
 from tests.comparisons import all_checks
 from tests.linkage_scenes import linkages, loads_on
 from tests.linkages import numbers, xy
@@ -109,7 +110,7 @@ def test_masses_do_not_change_the_motion(scene: Scene) -> None:
 @given(linkages())
 def test_joints_close_and_forces_and_power_balance(scene: Scene) -> None:
     motion = solve(scene)
-    found = checks(scene, motion, size(motion, scene))
+    found = checks(scene, motion, travels(scene, motion))
     assert {c.check for c in found} == all_checks(scene)
     for c in found:  # what is summed up rounds, at 5e-15; what is solved for, by its condition
         assert c.worst <= (FORCES if c.check in SOLVED else MOTION), c

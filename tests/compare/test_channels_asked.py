@@ -132,16 +132,16 @@ def motion_of(reference: Reference, *patterns: str) -> Motion:
 )
 def test_checks_that_have_their_channels(reference: Reference, patterns: list[str], made: set[str]) -> None:
     motion = motion_of(reference, *patterns)
-    assert {check.of for check in checks(reference.scene, motion, reference.stroke) if check.check != "drive"} == made
+    assert {check.of for check in checks(reference.scene, motion, reference.travel) if check.check != "drive"} == made
     whole = reference.at(motion["crank_angle"], motion["time"])
-    everything = checks(reference.scene, whole, reference.stroke)
+    everything = checks(reference.scene, whole, reference.travel)
     assert {check.check for check in everything} == all_checks(reference.scene)
 
 
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:
     few = studies("shaper", "block.*")
     assert {check.check for check in few.measurements[0].checks} == {"drive"}
-    made = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.stroke)
+    made = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.travel)
     assert {check.of for check in made if check.check == "closure"} == set(few.scene.bodies)
 
 
@@ -154,7 +154,7 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     moved = {c: motion[c] + 0.1 * reference.stroke for c in ("P5.x", "P5.y") if c in motion}
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
-    made = checks(scene, wrong, reference.stroke)
+    made = checks(scene, wrong, reference.travel)
     comparison = compare(reference, SAMPLING, wrong)
     verdict = compared(judged(run, made), scene, comparison, comparison.commanded)
     assert verdict.status is status

@@ -8,6 +8,7 @@ import pytest
 import analytic
 from compare.engines.reference import Reference
 from compare.engines.runner import run
+from compare.engines.travel import travels
 from compare.judge.checks import checks
 from scenes import Motion, Sampling
 from scenes.scene import ForceTable
@@ -38,8 +39,8 @@ WHAT_NOTICES = {  # a channel, by how much it is moved, the check and body that 
 @pytest.mark.parametrize("channel", WHAT_NOTICES)
 def test_a_check_notices(reference: Reference, motion: Motion, channel: str) -> None:
     by, name, of = WHAT_NOTICES[channel]
-    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.stroke)}
-    found = checks(reference.scene, changed(motion, channel, by), reference.stroke)
+    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.travel)}
+    found = checks(reference.scene, changed(motion, channel, by), reference.travel)
     noticed = next(c for c in found if (c.check, c.of) == (name, of))
     assert before[name, of] <= 1e-13
     assert noticed.worst > 1e-9
@@ -73,8 +74,8 @@ def test_a_check_notices_in_a_mechanism(
 ) -> None:
     reference = references(name)
     motion = commanded(reference)
-    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.stroke)}
-    found = checks(reference.scene, changed(motion, channel, by), reference.stroke)
+    before = {(c.check, c.of): c.worst for c in checks(reference.scene, motion, reference.travel)}
+    found = checks(reference.scene, changed(motion, channel, by), reference.travel)
     noticed = next(c for c in found if (c.check, c.of) == (check, of))
     assert max(before.values()) <= 1e-13
     assert noticed.worst > 1e-9
@@ -86,7 +87,7 @@ def test_a_guide_presses_its_slider_and_its_carrier_opposite_ways(references: Re
     reference = references("shaper")
     motion = commanded(reference)
     turned = Motion({**motion.samples, "block.guide_force": -motion["block.guide_force"]})
-    found = {(c.check, c.of): c for c in checks(reference.scene, turned, reference.stroke)}
+    found = {(c.check, c.of): c for c in checks(reference.scene, turned, reference.travel)}
     assert min(found["Newton", body].worst for body in ("block", "rocker")) > 0.5
     assert found["Newton", "ram"].worst <= 1e-13
 
@@ -106,7 +107,7 @@ def test_another_load_than_the_scenes_is_noticed(references: References, of: str
     else:
         (spring,) = scene.springs
         wrong = replace(scene, springs=(replace(spring, **{of: 1.001 * getattr(spring, of)}),))
-    found = {(c.check, c.of): c.worst for c in checks(scene, commanded(of_scene(reference, wrong)), reference.stroke)}
+    found = {(c.check, c.of): c.worst for c in checks(scene, commanded(of_scene(reference, wrong)), reference.travel)}
     assert found["Newton", body] > 1e-6
     assert found["power", "mechanism"] > 1e-6
 
@@ -121,7 +122,7 @@ def test_forces_on_a_body_that_carries_nothing_are_relative_to_the_largest(
     largest = max(float(np.abs(motion[channel]).max()) for channel in ("O.fx", "A.fx"))
     assert np.abs(motion["C.fx"]).max() < 1e-12 * largest
     noisy = changed(motion, "C.fx", noise * largest)
-    found = {(c.check, c.of): c.worst for c in checks(reference.scene, noisy, reference.stroke)}
+    found = {(c.check, c.of): c.worst for c in checks(reference.scene, noisy, reference.travel)}
     assert found["Newton", "cylinder"] == pytest.approx(noise, rel=0.5)  # the largest of both axes
 
 
@@ -132,7 +133,7 @@ def test_two_models_pass_every_check(references: References, name: str, engine: 
     scene = references(name).scene
     outcome = run(engine, scene, Sampling(8))
     assert outcome.motion is not None, outcome.reason
-    for check in checks(scene, outcome.motion, references(name).stroke):
+    for check in checks(scene, outcome.motion, references(name).travel):
         assert check.worst <= 1e-13, check
 
 
@@ -140,5 +141,5 @@ def test_checks_with_gravity_and_given_inertia() -> None:
     crank = {"bodies.crank.mass": 3, "bodies.crank.com": [0.4, 0.1], "bodies.crank.inertia": 0.2}
     scene = scene_files.load("slider_crank", crank | {"gravity": [1, -9.81]})
     motion = analytic.solve(scene, np.linspace(0, 6, 100))
-    for check in checks(scene, motion, 2.0):
+    for check in checks(scene, motion, travels(scene, motion)):
         assert check.worst <= 1e-13, check

@@ -25,7 +25,7 @@ from tests.comparisons import SAMPLING, References, changed, commanded, of_scene
 
 def largest(reference: Reference, motion: Motion) -> dict[str, float]:
     """Return the largest estimated error by channel."""
-    return {c: float(e.max()) for c, e in estimate(reference.scene, motion, reference.stroke).errors.items()}
+    return {c: float(e.max()) for c, e in estimate(reference.scene, motion, reference.travel).errors.items()}
 
 
 def settings(engine: str) -> list[Settings]:
@@ -50,7 +50,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
     reference = references(name)
     motion = commanded(reference)
-    own = scales(reference.scene, motion, reference.stroke)
+    own = scales(reference.scene, motion, reference.travel)
     for channel in own:
         if GROUPS.get(quantity(channel), "drive") not in ("drive", "position"):
             off = largest(reference, changed(motion, channel, -1e-3 * own[channel]))
@@ -79,7 +79,7 @@ def test_a_drive_that_lags_is_off_alone(name: str, lag: float) -> None:
     scene = reference.scene
     motion = reference.at(SAMPLING.commanded(scene) - lag, SAMPLING.times(scene))
     assert max(largest(reference, motion).values()) <= 1e-12
-    (drive,) = (check for check in checks(scene, motion, reference.stroke) if check.check == "drive")
+    (drive,) = (check for check in checks(scene, motion, reference.travel) if check.check == "drive")
     assert drive.worst == pytest.approx(1e-2)
 
 
@@ -116,7 +116,7 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
     constraints = Constraints(scene)
     J = constraints.jacobian(constraints.poses(motion))[-1]
     kappa = float(np.linalg.norm(J) * np.linalg.norm(np.linalg.inv(J)))
-    own = scales(scene, motion, reference.stroke)
+    own = scales(scene, motion, reference.travel)
     forces = force_channels(scene)
     kind = forces if channel in forces else [c for c in own if GROUPS.get(quantity(c)) == GROUPS[quantity(channel)]]
     allowed = EPS * kappa**power * max(abs(motion[c][-1]) / own[c] for c in kind)
@@ -151,7 +151,7 @@ def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, mo
     forces = force_channels(reference.scene)
     rest = Motion({channel: samples for channel, samples in motion.samples.items() if channel not in forces})
     assert set(largest(reference, rest)).isdisjoint(forces)
-    assert {c.check for c in checks(reference.scene, rest, reference.stroke)}.isdisjoint(("reaction", "torque"))
+    assert {c.check for c in checks(reference.scene, rest, reference.travel)}.isdisjoint(("reaction", "torque"))
 
 
 @pytest.mark.parametrize("of", ["stiffness", "length"])

@@ -25,9 +25,9 @@ def test_no_channel_passes_the_checks(references: References, name: str) -> None
     """Among the checks are minima over the ways in which a press force may stand, and maxima over a body's points."""
     reference = references(name)
     motion = commanded(reference)
-    assert judged(OK, checks(reference.scene, motion, reference.stroke)) == OK
+    assert judged(OK, checks(reference.scene, motion, reference.travel)) == OK
     for channel in set(channels(reference.scene)) - {"time"}:
-        found = checks(reference.scene, changed(motion, channel, np.nan), reference.stroke)
+        found = checks(reference.scene, changed(motion, channel, np.nan), reference.travel)
         assert judged(OK, found).status is not Status.ok, channel
 
 
@@ -38,7 +38,7 @@ def test_each_balance_of_a_body_has_it(references: References, name: str) -> Non
     motion = commanded(reference)
     for pin in reference.scene.pins:
         for channel in (f"{pin.channel}.fx", f"{pin.channel}.fy"):
-            found = checks(reference.scene, changed(motion, channel, np.nan), reference.stroke)
+            found = checks(reference.scene, changed(motion, channel, np.nan), reference.travel)
             worst = {(c.check, c.of): c.worst for c in found}
             for body in {pin.first, pin.second} & set(reference.scene.bodies):
                 assert np.isnan([worst["Newton", body], worst["Euler", body]]).all(), (channel, body)
@@ -50,7 +50,7 @@ def test_each_balance_of_a_body_has_it(references: References, name: str) -> Non
 def test_an_open_joint_has_it(references: References, channel: str, body: str) -> None:
     """On a guide, at a bar's end, in a slot, and where a block turns against its slot."""
     reference = references("shaper")
-    found = checks(reference.scene, changed(commanded(reference), channel, np.nan), reference.stroke)
+    found = checks(reference.scene, changed(commanded(reference), channel, np.nan), reference.travel)
     assert np.isnan(next(c.worst for c in found if (c.check, c.of) == ("closure", body)))
 
 

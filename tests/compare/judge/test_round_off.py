@@ -59,7 +59,7 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     solve = registry.reference(scene)
     motion = solve(TURN.commanded(scene), TURN.times(scene))
     scale = dict.fromkeys(channels(scene), 1.0)
-    assert not explain(Reference(scene, solve, 1.0, scale, Floor({}, "")), TURN).decidable
+    assert not explain(Reference(scene, solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
     assert condition(scene, motion).max() > 1e15
 
 

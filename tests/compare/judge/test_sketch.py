@@ -16,7 +16,7 @@ UPSIDE_DOWN = {"sketch.E": [-27, 46], "sketch.G": [-59, 28], "sketch.F": [-43, 9
 
 
 def unscaled(scene: Scene) -> Reference:
-    return Reference(scene, registry.reference(scene), 0.0, {}, Floor({}, ""))
+    return Reference(scene, registry.reference(scene), 0.0, {}, {}, Floor({}, ""))
 
 
 @pytest.mark.parametrize("name", scenes.shipped())

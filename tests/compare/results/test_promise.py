@@ -165,7 +165,7 @@ def test_places_in_another_unit_are_no_other_assembly(press: Scene, tmp_path: Pa
     columns = Writer().columns(press, instants(press, 20), ["P5.y"])
     found = assessed(references, press, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
     assert found.run.status.name == "inaccurate"
-    assert "of the stroke away" in found.run.reason
+    assert "of its travel away" in found.run.reason
 
 
 @pytest.mark.parametrize("first", [0.1, 0.3, 0.8])

@@ -1,0 +1,66 @@
+"""How far points travel: the largest distance between two of their positions, and what errors are divided by."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.scene import GROUND, Body
+
+from .motion_vectors import Vectors
+
+LEAST = 1e-2  # of the largest travel: what a point's own is taken for at least
+
+
+def travels(scene: Scene, motion: Motion) -> dict[str, float]:
+    """Return the largest distance between two positions of each moving point, m, no less than `LEAST` of the largest.
+
+    Left out are points whose positions the motion has not.
+    """
+    known = [point for point in scene.moving_points if {f"{point}.x", f"{point}.y"} <= motion.samples.keys()]
+    own = {point: largest_distance(motion[f"{point}.x"] + 1j * motion[f"{point}.y"]) for point in known}
+    least = LEAST * max(own.values(), default=0.0)
+    return {point: max(travel, least) for point, travel in own.items()}
+
+
+def guide_travel(scene: Scene, travel: Mapping[str, float], body: Body) -> float:
+    """Return the largest travel of the points of a body that slides and of the one that it slides on, m."""
+    assert body.slide is not None
+    points = {*body.points, *(() if body.slide.on == GROUND else scene.bodies[body.slide.on].points)}
+    return max(travel[point] for point in points & travel.keys())
+
+
+def largest_distance(places: Vectors) -> float:
+    """Return the largest distance between two of some positions, given as x + iy, shape (n,); exact, by n log n.
+
+    It is one between corners of their convex hull that two parallel lines touch (rotating calipers, Shamos 1978): the
+    corner opposite to an edge has that edge's direction, turned by half a turn, between those of its own two edges.
+    """
+    ordered = np.unique(places)  # by x, then by y
+    hull = np.concatenate([_below(ordered)[:-1], _below(ordered[::-1])[:-1]])
+    if len(hull) < 3:
+        return float(np.abs(ordered[-1] - ordered[0]))
+    ends = np.roll(hull, -1)
+    edges = np.unwrap(np.angle(ends - hull))  # rising, round once
+    opposite = hull[np.searchsorted([*edges, *(edges + 2 * np.pi)], edges + np.pi) % len(hull)]
+    pairs = np.concatenate([hull - opposite, ends - opposite, ordered[-1:] - ordered[:1]])  # these if but for round-off
+    return float(np.abs(pairs).max())  # all are on one line
+
+
+def _below(places: Vectors) -> Vectors:
+    """Return the corners of the hull from the first to the last of sorted positions, to the right of that way.
+
+    Quickhull (Eddy 1977) on all edges at once: the furthest position outside each is a corner; what is inside is not.
+    """
+    corners, others = np.array([0, len(places) - 1]), np.arange(1, len(places) - 1)
+    while others.size:
+        edge = np.searchsorted(corners, others) - 1
+        start, end = places[corners[edge]], places[corners[edge + 1]]
+        outside = -((end - start).conjugate() * (places[others] - start)).imag
+        order = np.lexsort((-outside, edge))
+        order = order[outside[order] > 0]
+        first = np.diff(edge[order], prepend=-1) > 0
+        corners = np.sort([*corners, *others[order[first]]])
+        others = np.sort(others[order[~first]])
+    half: Vectors = places[corners]
+    return half
