@@ -19,7 +19,7 @@ from scenes import Settings
 from scenes.motion import Samples
 
 from ..engines.registry import REFERENCE
-from ..engines.settings import settings_of
+from ..engines.settings import settings_of, tiers
 from ..judge.errors import SHOWN_GROUPS
 from .row import SpeedRow
 
@@ -203,12 +203,26 @@ def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> li
 def within(engine: str, accuracy: float, speed: Sequence[SpeedRow]) -> list[Settings]:
     """Return an engine's settings without a note that meet an accuracy in every group: the cheapest first.
 
-    Each that follows is the cheapest of those more accurate than the ones before.
+    Each that follows is the cheapest of those more accurate than the ones before. No clock decides, so that equal calls
+    choose the same: the cost is the largest of the engine's counters, that of its innermost loop. Left out are settings
+    that promise less of the drive than those that the engine offers by name.
     """
+    drive_promise = max(settings.drive_promise for settings in tiers(engine).values())
+    by_label = {
+        settings.label: settings
+        for settings in settings_of(engine, full=True)
+        if settings.drive_promise <= drive_promise
+    }
     names = [f"{group}_max" for group in groups(speed)]
-    points = [row for row in solved(speed) if row.engine == engine and not row.note]
-    worst = [replace(row, errors={"worst": float(np.max([*map(row.error, names)] or [nan]))}) for row in points]
-    by_label = {settings.label: settings for settings in settings_of(engine, full=True)}
+    points = [row for row in solved(speed) if row.engine == engine and not row.note and row.setting in by_label]
+    worst = [
+        replace(
+            row,
+            solve_min_s=float(max(row.counters.values(), default=0)),
+            errors={"worst": float(np.max([*map(row.error, names)] or [nan]))},
+        )
+        for row in points
+    ]
     return [by_label[row.setting] for row in front([row for row in worst if row.error("worst") <= accuracy], "worst")]
 
 

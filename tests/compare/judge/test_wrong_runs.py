@@ -33,7 +33,7 @@ WRONG = [  # a scene, its settings, the channel that is furthest off, and by how
     ("double_toggle_clamp", "exudyn", RINGING, "crosshead_link.alpha", 2.0),  # begun next to a lock, it rings
     ("walking_leg", "exudyn", FIVE_DEGREES, "foot.alpha", 0.42),  # too long a step
     ("walking_leg", "pymunk", COARSE, "foot.alpha", 0.103),
-    ("toggle_press", "pymunk", TextbookSettings("", 2304), "P4.ax", 0.11),  # at the start: its velocities are late
+    ("toggle_press", "pymunk", TextbookSettings("", 1872), "P4.ax", 0.28),  # at the start: its velocities are late
     ("toggle_press", "pymunk", PymunkSettings("", 360, 1, 18), "P5.ay", 0.37),  # too few sweeps
 ]
 
