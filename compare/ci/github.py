@@ -87,7 +87,7 @@ def _table(judgement: Judgement) -> Iterator[str]:
         for group in groups:
             gate = gates.get((m.run.engine, group))
             text = f"{worst[group]:.1e}" if group in worst else "no error known"
-            text += f" of {gate.tolerance:.0e}" if gate else ""
+            text += f" of {gate.tolerance:.0e}{'' if gate.held else ', not held'}" if gate else ""
             cells.append(f"**{text}**" if gate and gate.missed else text)
         yield f"| {' | '.join(cells)} |"
     yield ""

@@ -57,6 +57,9 @@ def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, m
     for name, found in misses.items():
         for miss in found:
             print(f"{name}  missed: {miss.text}")
+        for gate in judged[name].held if name in judged else ():
+            if not gate.held:
+                print(f"{name}  not held: {gate}")
     if output_format == "github":
         github.report(scene, judged, misses)
     return any(misses.values())

@@ -48,6 +48,8 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
     found = assess(held, request, run, explained, lambda own: _excused(_found(reference, own, true), allowed))
     if found.run.status is Status.wrong_branch and not any(check.check == "closure" for check in found.checks):
         found = replace(found, run=replace(found.run, status=Status.inaccurate))  # its units or frame may be others
+    if reference.floor.doubt and found.run.found_by == "reference":
+        found = replace(found, run=replace(found.run, reason=f"{found.run.reason}; the reference itself is in doubt"))
     return replace(found, own=request)
 
 

@@ -57,11 +57,12 @@ class Judgement:
 
     @property
     def misses(self) -> list[Miss]:
-        """The same, each with its engine and channel group."""
+        """The same, each with its engine and channel group; a doubt about the reference comes first."""
         doubt = self.reference.floor.doubt
         asked = any(m.run.engine == REFERENCE for m in self.measurements)
         doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
-        return missed(self.measurements, self.held) + doubted + [Miss("", "", line) for line in self.let_through]
+        found = doubted + missed(self.measurements, self.held) + [Miss("", "", line) for line in self.let_through]
+        return sorted(found, key=lambda miss: miss.engine != REFERENCE) if doubt else found
 
     @cached_property
     def causes(self) -> dict[str, str]:
@@ -141,7 +142,7 @@ def judgement(
             yield assessed
 
     reference, measurements = _voted(reference, list(kept(main_runs())))
-    held = list(gates(scene, measurements, sampling.channels))
+    held = list(gates(scene, measurements, sampling.channels, reference.floor.doubt))
     return Judgement(scene, sampling, reference, explained, measurements, held, reasons)
 
 

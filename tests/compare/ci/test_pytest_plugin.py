@@ -4,13 +4,16 @@ import os
 import subprocess
 import sys
 import tomllib
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
-from compare.judge.gates import Miss
+from compare.judge.gates import Gate, Miss
 from linkage_crosscheck.pytest_plugin import ChannelGroup
 from tests import scene_files
 
@@ -121,6 +124,17 @@ JUDGEMENT = SimpleNamespace(
 def test_every_miss_fails_a_test(names: tuple[str, str], lines: list[str]) -> None:
     item = SimpleNamespace(_names=names)
     assert [*ChannelGroup._trouble(item, JUDGEMENT)] == lines  # type: ignore[arg-type]
+
+
+def test_a_tolerance_that_is_not_held_is_skipped() -> None:
+    gate = Gate("exudyn", "position", 1e-3, np.nan, "the reference is in doubt", held=False)
+    judgement = SimpleNamespace(verdicts={"exudyn": ("ok", "")}, misses=[], causes={}, held=[gate])
+    for group, skipped in (("position", True), ("velocity", False)):
+        item = SimpleNamespace(_names=("exudyn", group), parent=SimpleNamespace(judgement=judgement))
+        item._trouble = partial(ChannelGroup._trouble, item)  # type: ignore[arg-type]
+        with pytest.raises(pytest.skip.Exception) if skipped else nullcontext() as why:
+            ChannelGroup.runtest(item)  # type: ignore[arg-type]
+        assert not why or str(why.value) == "not held: exudyn position: a tolerance of 1e-03; the reference is in doubt"
 
 
 @pytest.mark.slow

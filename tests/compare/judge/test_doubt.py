@@ -1,7 +1,9 @@
 """The core under suspicion: a reference that is wrong is not ok, and no simulator is blamed for it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,7 @@ from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.judge.judgement import Judgement, _voted
 from compare.judge.measure import Measurement
+from compare.run import main
 from scenes import InputError, Motion, Scene, Settings, Status
 from tests.comparisons import commanded
 
@@ -93,6 +96,54 @@ def test_a_doubt_stops_though_the_core_is_not_asked_for(monkeypatch: pytest.Monk
     assert result.verdicts == {"exudyn": ("ok", "")}
     assert result.missed == [f"analytic: {result.reference.floor.doubt}"]
     assert result.reference.floor.doubt.startswith("the core and arbitrary precision differ")
+
+
+@pytest.fixture
+def doubted(monkeypatch: pytest.MonkeyPatch) -> Scene:
+    """Have the core doubted, and return the toggle press."""
+    monkeypatch.setattr("compare.judge.floor._doubt", lambda *_: "the core contradicts itself, suspect the core: power")
+    return scenes.load("toggle_press")
+
+
+def test_tolerances_against_a_reference_in_doubt_are_not_held(doubted: Scene) -> None:
+    tolerances = {engine: dict.fromkeys(of, 1e-99) for engine, of in doubted.tolerances.items()}
+    result = compare.check(replace(doubted, tolerances=tolerances), ("exudyn", "pymunk", "analytic"), samples=24)
+    assert not result.ok
+    assert result.missed == ["analytic: inaccurate: the core contradicts itself, suspect the core: power"]
+    assert set(result.gates["met"]) == {"not held"}
+    assert set(result.gates["worst"]) == {"the reference is in doubt"}
+    assert result.gates["error"].isna().all()
+
+
+def test_what_fails_by_itself_is_named_after_a_core_in_doubt(doubted: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    def crash(*_: object) -> object:
+        raise RuntimeError("no memory")
+
+    monkeypatch.setattr("sim_models.exudyn.engine.build", crash)
+    result = compare.check(doubted, ("exudyn", "analytic"), samples=24)
+    core, exudyn = result.missed
+    assert core.startswith("analytic: inaccurate: the core contradicts itself")
+    assert exudyn.startswith("exudyn: crashed: ")
+
+
+@pytest.mark.usefixtures("doubted")
+def test_what_is_not_held_is_reported_as_such(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On the terminal, to GitHub, in the page and in `summary.json`."""
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path / "summary.md"))
+    asked = ["four_bar", "--engines", "analytic,exudyn", "--samples", "24", "--check", "--format", "github"]
+    assert main([*asked, "--out", str(tmp_path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    (missed,) = (line for line in lines if "  missed: " in line)
+    assert missed.startswith("four_bar  missed: analytic: inaccurate: the core contradicts itself")
+    assert "four_bar  not held: exudyn velocity: a tolerance of 2e-07; the reference is in doubt" in lines
+    (annotation,) = (line for line in lines if line.startswith("::error"))
+    assert "analytic" in annotation
+    gates = json.loads((tmp_path / "four_bar" / "summary.json").read_text(encoding="utf-8"))["gates"]
+    assert {(gate["met"], gate["error"]) for gate in gates} == {("not held", None)}
+    assert "not held" in (tmp_path / "four_bar" / "report.html").read_text(encoding="utf-8")
+    assert " of 2e-07, not held |" in (tmp_path / "summary.md").read_text(encoding="utf-8")
 
 
 def test_one_simulator_alone_is_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:

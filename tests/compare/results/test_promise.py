@@ -94,7 +94,8 @@ def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, referen
     assert {name: status for name, (status, _) in found.verdicts.items()} == {"one": "inaccurate", "two": "inaccurate"}
     assert not found.reference.floor.doubt
     doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
-    assert assess_result(doubted, results[0]).run.status.name == "inaccurate"
+    run = assess_result(doubted, results[0]).run
+    assert (run.status.name, run.reason.partition("; the reference")[2]) == ("inaccurate", " itself is in doubt")
 
 
 def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, references: References) -> None:
