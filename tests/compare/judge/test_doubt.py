@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 import analytic
 import compare
 import scenes
+from analytic.solve import Solver
 from compare.engines import registry
 from compare.engines.reference import Reference
 from compare.engines.runner import Run
@@ -29,18 +30,15 @@ def judged(monkeypatch: pytest.MonkeyPatch, scene: Scene, other: Scene, spoil: S
     """Judge a scene by a core that solves another one, and spoils the motion."""
     real = analytic.solver
 
-    class Spoilt:
-        def __init__(self, scene: Scene, channels: frozenset[str] | None = None) -> None:
-            self.solver = real(replace(scene, sketch=other.sketch), channels)
+    class Spoilt(Solver):
+        def __call__(self, position: ArrayLike, time: ArrayLike | None = None, *more: Any) -> Motion:
+            return spoil(super().__call__(position, time, *more))
 
-        def __call__(self, position: ArrayLike, time: ArrayLike | None = None, *more: object) -> Motion:
-            return spoil(self.solver(position, time, *more))  # type: ignore[arg-type]
+    def spoilt(scene: Scene, channels: frozenset[str] | None = None) -> Solver:
+        return Spoilt(**vars(real(replace(scene, sketch=other.sketch), channels)))
 
-        def __getattr__(self, name: str) -> object:
-            return getattr(self.solver, name)
-
-    monkeypatch.setattr("analytic.solver", Spoilt)
-    monkeypatch.setattr("analytic.engine.solver", Spoilt)
+    monkeypatch.setattr("analytic.solver", spoilt)
+    monkeypatch.setattr("analytic.engine.solver", spoilt)
     return compare.check(scene, samples=72)
 
 
