@@ -7,6 +7,8 @@ from .command_line import command, shown_progress, starting
 with starting(__name__):
     import argparse
     from collections.abc import Sequence
+    from contextlib import nullcontext
+    from typing import Any
 
     from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
 
@@ -39,7 +41,13 @@ def _list() -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    scenes = [load(name) for name in options.scenes]
+    annotated: Any = nullcontext
+    if options.format == "github":
+        from .ci.github import refusals as annotated  # late, as below
+    scenes = []
+    for name in options.scenes:
+        with annotated(name):
+            scenes.append(load(name))
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
     if options.result_mapping:
@@ -69,8 +77,11 @@ def _run(options: argparse.Namespace) -> int:
     check_writable(options.out, places, own)
     for name, scene in places.items():
         check_origin(scene, options.out / name)
+    missed = []
     with shown_progress() as show:
-        missed = [run(scene, request, options, show) for scene, request in zip(scenes, requests, strict=True)]
+        for scene, request in zip(scenes, requests, strict=True):
+            with annotated(scene.file):
+                missed.append(run(scene, request, options, show))
     if options.full:
         from .hard.cases import forget
 

@@ -2,10 +2,12 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 
 from scenes import InputError, Scene, shipped
+from scenes.reader import file_of
 
 from ..judge.errors import shown_groups
 from ..judge.gates import Miss
@@ -51,16 +53,35 @@ def annotation(scene: Scene, name: str, miss: Miss, cause: str = "") -> str:
         miss: what is to be shown.
         cause: the likely one, if known.
     """
+    path, title = ("tolerances", miss.engine, miss.group), f"{name} {miss.engine} {miss.group}".strip()
+    return _error(scene.file, path, title, f"{miss.text}; likely cause: {cause}" if cause else miss.text)
+
+
+@contextmanager
+def refusals(name_or_path: str) -> Iterator[None]:
+    """Print the annotation of a scene file that is refused, and go on with the error.
+
+    Raises:
+        InputError: the file is refused.
+    """
+    try:
+        yield
+    except InputError as error:
+        print(_error(str(file_of(name_or_path)), (), name_or_path, str(error)))
+        raise
+
+
+def _error(name_or_file: str, path: Sequence[str], title: str, text: str) -> str:
+    """Return the workflow command that marks an error, at the line of a path in a file, if it is none that ships."""
     place: dict[str, object] = {}
-    if scene.file not in shipped():
-        file = Path(scene.file).resolve()
+    if name_or_file not in shipped():
+        file = Path(name_or_file).resolve()
         root = Path(os.environ.get(WORKSPACE) or Path.cwd()).resolve()
         place["file"] = file.relative_to(root).as_posix() if file.is_relative_to(root) else file
-        if line := line_of(file, ("tolerances", miss.engine, miss.group)):
+        if line := line_of(file, path):
             place["line"] = line
-    place["title"] = f"{name} {miss.engine} {miss.group}".strip()
-    properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in place.items())
-    return f"::error {properties}::{_escaped(f'{miss.text}; likely cause: {cause}' if cause else miss.text)}"
+    properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in (place | {"title": title}).items())
+    return f"::error {properties}::{_escaped(text)}"
 
 
 def _escaped(text: str, more: str = "") -> str:

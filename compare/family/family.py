@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
 
+import numpy as np
+
 from scenes import Failure, InputError, Motion, Sampling, Scene, Status, load
 from scenes.changes import label
 
@@ -17,6 +19,7 @@ from ..judge.escalation import offers
 from ..judge.floor import solved
 from ..judge.judgement import Judgement, judgement
 from ..judge.measure import Measurement
+from ..judge.round_off import Explained
 from .cycle import Cycle, cycle
 from .grid import Variation
 
@@ -118,5 +121,23 @@ def _member(
     """
     reference = solved(scene, runs=runs)
     judged = judgement(reference, engines, sampling, lambda name: (offers(name, "balanced"), ""), progress, runs)
-    kept = replace(judged, reference=replace(reference, at=copy(reference.at), cycle=Motion({})))  # curves are enough
-    return Member(change, Status.ok.name, "", cycle(judged), kept)
+    return Member(change, Status.ok.name, "", cycle(judged), _kept(judged))
+
+
+def _kept(judged: Judgement) -> Judgement:
+    """Return a judgement without samples, of which two hundred members would take half a gigabyte, and what they show.
+
+    Motions keep the names of their channels.
+    """
+    reference = replace(judged.reference, at=copy(judged.reference.at), cycle=Motion({}), neighbours=())
+    measurements = [
+        replace(m, run=replace(m.run, motion=_names(m.run.motion)), comparison=None) for m in judged.measurements
+    ]
+    nothing = Explained(np.empty(0), {})
+    kept = replace(judged, reference=reference, explained=nothing, measurements=measurements)
+    vars(kept).update(causes=judged.causes, peaks=judged.peaks)
+    return kept
+
+
+def _names(motion: Motion | None) -> Motion | None:
+    return motion and replace(motion, samples=dict.fromkeys(motion.samples, np.empty(0)))

@@ -10,7 +10,7 @@ import numpy as np
 from scenes import InputError
 from scenes.errors import one_line
 
-MOST_MEMBERS = 200  # each takes a second or more, a curve in every figure, and its engines' motions in memory
+MOST_MEMBERS = 200  # each takes a second or more, a curve in every figure
 
 
 @dataclass(frozen=True)

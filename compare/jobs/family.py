@@ -20,7 +20,8 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     from ..family.family import Family
     from ..family.going_on import going_on, kept_members
     from ..report import files as output
-    from ..report.family.tables import label, on_a_line
+    from ..report.family.tables import agreement, label, on_a_line
+    from ..study import judged
 
     def progress(doing: str) -> None:
         show(f"{scene.name}: member {len(family.members) + 1} of {len(changes)}: {doing}")
@@ -41,6 +42,8 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     family.members.sort(key=lambda member: changes.index(member.changes))
     progress("writing the report")
     page = output.write_family(family, options.out) / "family.html"
+    verdict = agreement(family)
+    print(f"{scene.name}  {verdict.word}: {verdict.sentence}")
     print(f"family: {page}")
     if family.complete:
         kept.forget()
@@ -52,6 +55,9 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         )
     if options.open:
         open_page(page)
+    if not options.check:
+        return False
     able = {f"{scene.name}  {label(family, m)}": m.judgement for m in family.members if m.judgement is not None}
-    none = () if able else ("every tolerance, since no member runs",)
-    return bool(options.check) and stops(scene, able, options.format, none)
+    for first in [*able.values()][:1]:  # whose motions are gone: the comparison itself is checked with others
+        first.let_through.extend(judged(first.scene, options.engines, request).let_through)
+    return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))

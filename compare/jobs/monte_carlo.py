@@ -14,6 +14,7 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     Raises:
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
+    from ..faults.canaries import canaries
     from ..monte_carlo.study import begun, solved
     from ..report import files as output
     from ..report.monte_carlo.tables import ran, verdicts
@@ -38,4 +39,6 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         raise KeyboardInterrupt(f"stopped; {page} has the {study.count} of {study.asked} machines that were done")
     if options.open:
         open_page(page)
-    return bool(options.check) and stops(scene, {scene.name: study.judged}, options.format)
+    none = () if study.running else ("every tolerance, since no drawn machine runs",)
+    study.judged.let_through.extend(canaries(study.judged) if options.check else ())
+    return bool(options.check) and stops(scene, {scene.name: study.judged}, options.format, none)

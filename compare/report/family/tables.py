@@ -141,13 +141,17 @@ def verdict(family: Family) -> str:
     sentences = [_ran(family)]
     for engine, solved, worst in _worst(family):
         near = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
-        sentences.append(f"{engine} solved {solved} of them{near}.")
+        sentences.append(f"{engine} solved {solved} of those that run{near}.")
     return " ".join(sentences)
 
 
 def _ran(family: Family) -> str:
     stopped = "" if family.complete else f"Stopped after {len(family.members)} of {family.asked} members. "
-    return f"{stopped}{sum(m.cycle is not None for m in family.members)} of {len(family.members)} members run."
+    failed = [m for m in family.members if m.cycle is None]
+    if not failed:
+        return f"{stopped}All {len(family.members)} members run."
+    first = f"{label(family, failed[0])} ({failed[0].status})"
+    return f"{stopped}Members that do not run: {len(failed)} of {len(family.members)}, first {first}."
 
 
 def _worst(family: Family) -> Iterator[tuple[str, int, float]]:
@@ -170,10 +174,11 @@ def agreement(family: Family) -> Agreement:
     if worst.word is Word.agrees:
         engine, _, size = max(_worst(family), key=lambda engine: engine[2])
         to = f"with the reference to {within(size)}; {engine} is the farthest"
-        return Agreement(Word.agrees, f"{_ran(family)} On all of these the engines agree {to}.")
+        word = Word.agrees if len(found) == len(family.members) else Word.in_part
+        return Agreement(word, f"{_ran(family)} On all that run the engines agree {to}.")
     alike = [own.word for _, own in found].count(worst.word)
     word = Word.in_part if worst.word is Word.not_solved and alike < len(found) else worst.word
-    which = f"Of these {alike}: {worst.word}; the first is {name}" if len(found) > 1 else name
+    which = f"Of the {len(found)} that run {alike}: {worst.word}; the first is {name}" if len(found) > 1 else name
     return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
 
 

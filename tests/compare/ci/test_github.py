@@ -100,6 +100,39 @@ def test_what_a_check_misses_is_annotated_and_summed_up(
     assert "- missed: stub: diverged: \\|x\\| &gt; 1 &lt;b&gt;" in summary
 
 
+BAD = {
+    'format = 1\nname = "bad"\nmas = 1\n': "bad.toml: mas: unknown key",
+    "format = = 1": "bad.toml: not valid TOML: Invalid value (at line 1, column 10)",
+    "": "bad.toml: no such scene or file",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_a_file_that_does_not_load_is_annotated(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
+    if text:
+        Path("bad.toml").write_text(text, encoding="utf-8")
+    assert main(["bad.toml", "--check", "--format", "github"]) == 2
+    out, err = capsys.readouterr()
+    assert err.startswith(BAD[text])
+    assert out == f"::error file=bad.toml,title=bad.toml::{err}"
+    assert main(["bad.toml", "--check"]) == 2
+    assert capsys.readouterr().out == ""
+
+
+def test_what_the_reference_cannot_solve_is_annotated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GITHUB_WORKSPACE", str(tmp_path))
+    file = scene_files.write(tmp_path, "slider_crank", {"bodies.rod.lengths.A-B": 0.1})
+    assert main([str(file), "--check", "--format", "github", "--out", str(tmp_path / "out")]) == 2
+    out, err = capsys.readouterr()
+    assert out == f"::error file=slider_crank.toml,title={file}::{err}"
+
+
 def test_a_summary_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(tmp_path))
     with pytest.raises(InputError, match=r"GITHUB_STEP_SUMMARY: .*: cannot be written \(Is a directory\)"):

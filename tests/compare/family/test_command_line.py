@@ -33,9 +33,12 @@ def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str
     for said in ("A-B = 130, slider.slides.through.1 = 40", "cannot_assemble", "stroke [mm]", "203.14", "kN"):
         assert said in page
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 5
+    assert len(lines) == 6
     assert lines[0].startswith("offset_slider_crank  A-B = 130, slider.slides.through.1 = 0  ok  stroke 200.00 mm")
     assert "cannot_assemble" in lines[1]
+    summed_up = "Members that do not run: 1 of 4, first A-B = 130, slider.slides.through.1 = 40 (cannot_assemble)."
+    assert lines[-2].startswith(f"offset_slider_crank  agrees in part: {summed_up} ")
+    assert summed_up in without_scripts(page).partition("Members</h2>")[0], "not first on the page"
     assert lines[-1] == f"family: {folder / 'family.html'}"
 
 
@@ -115,7 +118,7 @@ def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
     arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--vary", "bodies.rod.lengths.A-B=20:30:2"]) == 0
     page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
-    assert "0 of 2 members run" in page
+    assert "Members that do not run: 2 of 2, first A-B = 20 (cannot_assemble)." in page
     assert "cannot_assemble" in page
 
 

@@ -99,6 +99,17 @@ def test_machines_that_do_not_run_are_counted(tmp_path: Path) -> None:
     assert "B cannot be reached" in (folder / "monte_carlo.html").read_text(encoding="utf-8")
 
 
+def test_a_check_fails_where_no_drawn_machine_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A rod of more than crank and offset as drawn, and of less in both machines of this seed."""
+    offset = {"path": "bodies.slider.slides.through.1", "plus_minus": 60, "distribution": "uniform"}
+    changes: dict[str, Any] = {"variations": [*LOOSE, offset], "bodies.rod.lengths.A-B": 150}
+    file = str(scene_files.write(tmp_path, "offset_slider_crank", changes))
+    assert run(file, tmp_path / "out", "--monte-carlo", "2", "--seed", "7", "--check") == 1
+    printed = capsys.readouterr().out
+    assert "0 of 2 machines run" in printed
+    assert "missed: every tolerance, since no drawn machine runs" in printed
+
+
 @SLOW
 def test_numbers_that_nothing_changes_are_not_drawn(tmp_path: Path) -> None:
     """The drive's speed moves no dead point but by rounding, of which there is no distribution."""
