@@ -5,8 +5,9 @@ unknown time, in frames that may be turned, mirrored and shifted. What is left o
 unit and sign, q its zero.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from math import pi
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import pi, remainder
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +17,17 @@ from scenes.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
-from .proposal_text import ANGLES, KNOWN, Axis, Pair, as_toml
+from .proposal_text import ANGLES, KNOWN, NOISE, TOLD_APART, Axis, Pair, as_toml
 from .result import MIRRORED, VECTORS, name_and_file
 from .table import Table, read_table
 
 FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
 LATE = 24  # parts of a cycle in which the table may begin
+PARTS, CLOSER = 6, 2  # of a step between lags, and how many of these are tried: the best one need not be the nearest
+FINEST = 11  # halvings of a cycle: by a third of a degree of a crank, instants may be told apart
 LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
 FITS = 1e-2  # of a column: what a channel leaves of it at most
 SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
-NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
 FRAME = (
     0.5  # the price of a frame that is turned or mirrored, as of a sign: columns may just as well be in another order
 )
@@ -47,7 +49,7 @@ def proposed(scene: Scene, text: str) -> str:
         table = read_table(file, None, None)
         names, columns = _numbers(table)
         solve = registry.reference(scene)
-        axis, lag = _nearest(scene, solve, names, columns)
+        axis, lag, alone = _nearest(scene, solve, names, columns)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     except Failure as failure:
@@ -59,7 +61,7 @@ def proposed(scene: Scene, text: str) -> str:
     frames = [(turn + k * pi / 2, mirrored) for mirrored in (False, True) for k in range(4)]
     ways = [(*_paired(_seen(true, scene, *frame), columns[rest]), frame) for frame in frames]
     pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
-    return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame)) + "\n"
+    return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
 
 
 def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
@@ -104,52 +106,85 @@ def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> I
 
 def _nearest(
     scene: Scene, solve: registry.Solve, names: Sequence[str], columns: NDArray[np.float64]
-) -> tuple[Axis, float]:
-    """Return the axis and the lag, s, at which the channels leave least of all columns."""
+) -> tuple[Axis, float, bool]:
+    """Return the axis and the lag, s, at which the channels leave least of all columns, and whether no others do.
+
+    A point on the crank alone does not show a lag: it may as well be the turn of a frame.
+    """
     from scipy.optimize import minimize_scalar
 
     cycle, repeats = scene.drive.cycle, scene.drive.repeats
 
-    def left(axis: Axis, lag: float) -> float:
-        others = columns[[k for k, name in enumerate(names) if name != axis.column]]
+    def left(axis: Axis, lag: float) -> Samples:
+        """Return what the channels leave of each column, as a share of its square."""
         try:
             true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
         except Failure:
-            return np.inf
-        bases = [np.array([true[f"{c[:-1]}{q}"] for q in "xy"]) if c[-1] == "x" else true[c][np.newaxis] for c in true
-                 if c in channels(scene)[2:] and c[-1] != "y"]  # fmt: skip
-        return float(np.log10(np.min([_left(base, others) for base in bases], axis=0) + 1e-14).mean())
+            return np.ones(len(names))
+        own = [c for c in channels(scene)[2:] if c[-1] != "y"]
+        bases = [np.array([true[f"{c[:-1]}{q}"] for q in ("xy" if c[-1] == "x" else c[-1])]) for c in own]
+        bases = [np.unwrap(base) if quantity(c) == "angle" else base for c, base in zip(own, bases, strict=True)]
+        return np.asarray(np.min([_left(base, columns) for base in bases], axis=0) + NOISE**2)
 
-    def lags(axis: Axis) -> list[float]:
-        """Return where the table may begin; where the drive runs once it is within the run."""
-        if repeats:
-            return [k * cycle / LATE for k in range(LATE)]
-        first, last = axis.time[0], axis.time[-1]
-        return [0.0 if first >= 0 and last <= cycle else -float(first)]
+    def mean(of: _Instants) -> float:
+        return float(np.log10(np.delete(of.left, names.index(of.axis.column))).mean())
+
+    def at(axis: Axis, lags: Iterable[float]) -> list[_Instants]:
+        """Return instants at lags; where the drive runs once, at those that are within the run."""
+        first = -float(axis.time[0])
+        last = max(first, cycle - float(axis.time[-1]))
+        return [_Instants(axis, lag, left(axis, lag)) for lag in lags if repeats or first <= lag <= last]
+
+    def closer(one: _Instants) -> _Instants:
+        """Return the best instants about some, to a part of a step."""
+        return min(at(one.axis, one.lag + finer * np.arange(-PARTS, PARTS + 1)), key=mean, default=one)
+
+    def apart(one: _Instants, other: _Instants) -> bool:
+        """Return whether their instants differ, where the drive repeats modulo a cycle."""
+        by = (one.axis.time + one.lag - other.axis.time - other.lag) / cycle
+        return bool(np.abs(by - np.round(by) * repeats).max() > NEAR / (2 * pi))
 
     most = MOST if repeats else 1 + SAME
     axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= most]
     if not axes or len(names) < 2:
         raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
-    _, number, lag = min((left(axis, lag), k, lag) for k, axis in enumerate(axes) for lag in lags(axis))
-    axis, step = axes[number], cycle / LATE
-    if repeats and lag:
-        found = minimize_scalar(
-            lambda by: left(axis, by),
-            bounds=(lag - step, lag + step),
-            method="bounded",
-            options={"xatol": 1e-9 * cycle},
-        )
-        lag = float(found.x)
-    lag = lag - cycle if repeats and lag > cycle / 2 else lag
-    return axis, lag if abs(lag) > 1e-7 * cycle else 0.0
+    steps, finer = cycle / LATE * np.arange(LATE), cycle / (LATE * PARTS)
+    tried = [one for axis in axes for one in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
+    near = min((closer(one) for one in sorted(tried, key=mean)[:CLOSER]), key=mean)
+    refined = minimize_scalar(
+        lambda by: min(map(mean, at(near.axis, [by])), default=0.0),
+        bounds=(near.lag - finer, near.lag + finer),
+        method="bounded",
+        options={"xatol": 1e-9 * cycle},
+    )
+    plain = at(near.axis, (0.0, near.lag, float(refined.x)))
+    best = min(plain, key=mean)
+    best = next(one for one in plain if one.as_good_as(best))
+    moves = [way * cycle / 2**k for k in range(1, FINEST) for way in (1, -1)]
+    tried += at(best.axis, [best.lag + by for by in (*moves, *steps)])
+    lag = best.lag - cycle if repeats and best.lag > cycle / 2 else best.lag
+    return best.axis, lag, not any(one.as_good_as(best) and apart(one, best) for one in tried)
+
+
+@dataclass(frozen=True)
+class _Instants:
+    """Instants of the rows, and what the channels leave of the columns there."""
+
+    axis: Axis
+    lag: float
+    left: Samples  # of each column's square
+
+    def as_good_as(self, best: "_Instants") -> bool:
+        """Return whether no column is left over that the best ones explain."""
+        return bool((self.left <= TOLD_APART**2 * best.left).all())
 
 
 def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
     """Return what of each column is left by the line, or the plane, nearest to it, as a share of its square."""
     centred = columns - columns.mean(axis=1, keepdims=True)
     whole = (centred**2).sum(axis=1)
-    q, r = np.linalg.qr((base - base.mean(axis=1, keepdims=True)).T)
+    first = base[np.argsort(-np.ptp(base, axis=1))]  # what stays comes last, as it gives no direction
+    q, r = np.linalg.qr((first - first.mean(axis=1, keepdims=True)).T)
     q = q[:, np.abs(np.diag(r)) > 1e-9 * np.abs(base).max()]
     share: Samples = 1 - ((centred @ q) ** 2).sum(axis=1) / np.where(whole > 0, whole, np.inf)
     return np.clip(np.where(whole > 0, share, 1.0), 0.0, 1.0)
@@ -210,18 +245,20 @@ def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[li
     zeros = columns.mean(axis=1)[:, np.newaxis] - p * values.mean(axis=1)
     whole = (c**2).sum(axis=1)[:, np.newaxis]
     left = np.sqrt(np.clip(1 - p**2 * squares / np.where(whole > 0, whole, np.inf), 0.0, 1.0))
-    zeros[np.abs(zeros) <= np.maximum(NEAR * np.ptp(columns, axis=1), 1e-12)[:, np.newaxis]] = 0.0
+    hair = np.maximum(TOLD_APART * left, NOISE) * np.abs(columns).max(axis=1, keepdims=True)
     return [
-        [_pair(channel, k, *(float(of[k, n]) for of in (p, left, zeros))) for n, channel in enumerate(seen)]
+        [_pair(channel, k, *(float(of[k, n]) for of in (p, left, zeros, hair))) for n, channel in enumerate(seen)]
         for k in range(len(columns))
     ]
 
 
-def _pair(channel: str, column: int, p: float, left: float, zero: float) -> Pair:
+def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
     """Return how a column fits a channel; without a unit where it fits in none that is known."""
     size = 1 / abs(p) if p else np.inf
     near = {unit: abs(size / known - 1) for unit, known in KNOWN[UNITS[quantity(channel)]].items()}
     unit = min(near, key=near.__getitem__)
+    zero = remainder(zero, 2 * pi * abs(p)) if quantity(channel) == "angle" and p else zero
+    zero = zero if abs(zero) > hair else 0.0
     return Pair(channel, column, left, unit if near[unit] <= max(NEAR, left) else "", 1 if p > 0 else -1, zero)
 
 

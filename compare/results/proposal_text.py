@@ -12,7 +12,9 @@ from scenes import Scene
 from scenes.motion import UNITS, Samples, channels, quantity
 
 NEAR = 2e-3  # relative: places of one origin
-SURE = 1e-3  # of a column: what its channel leaves at most, and ten times less than any other
+SURE = 1e-3  # of a column: what its channel leaves at most
+NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
+TOLD_APART = 10  # times as much is left by readings that a column tells apart
 LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 ANGLES = {"rad": 1.0, "deg": pi / 180}
 FORCES = {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605}
@@ -59,6 +61,7 @@ def as_toml(
     pairs: Sequence[Pair],
     seconds: Mapping[int, float],
     frame: tuple[float, bool],
+    alone: bool,
 ) -> Iterator[str]:
     """Yield the lines of a mapping, each with a remark on how sure it is.
 
@@ -70,9 +73,12 @@ def as_toml(
         pairs: of columns and channels.
         seconds: by column what the next best channel leaves of it.
         frame: the angle of the table's, rad, and whether it is mirrored.
+        alone: whether the rows can be of no other instants.
     """
     turn, mirrored = frame
     yield "# Proposed from the columns alone; every line is to be confirmed."
+    if not alone:
+        yield "# Unsure throughout: at other instants, or in another frame, the channels fit these columns as well."
     origin = _origin(pairs)
     at = complex(*(-o for o in origin)) if origin else 0j
     at = (at.conjugate() if mirrored else at) * np.exp(1j * turn)
@@ -80,25 +86,29 @@ def as_toml(
         place = f"origin = [{at.real:.9g}, {at.imag:.9g}], angle = {turn:.9g}"
         yield f"frame = {{ {place}, mirrored = {str(mirrored).lower()} }}"
     yield "[columns]"
-    zero = (
-        -lag / KNOWN["s"].get(axis.unit, 1.0)
-        if axis.channel == "time"
-        else lag * scene.drive.at(0.0).rate / -ANGLES[axis.unit]
-    )
-    yield _line(axis.channel, axis.column, axis.unit, 1, float(zero), "s" if axis.channel == "time" else "rad")
+    if axis.channel == "time":
+        yield _line("time", axis.column, axis.unit, 1, -lag / KNOWN["s"][axis.unit], "s")
+    else:  # which the frame turns too
+        zero = (turn - lag * float(scene.drive.at(0.0).rate)) / ANGLES[axis.unit]
+        yield _line(axis.channel, axis.column, axis.unit, -1 if mirrored else 1, zero, "rad")
+    sure = {pair.channel for pair in pairs if alone and _fits_alone(pair, seconds[pair.column])}
     for pair in sorted(pairs, key=lambda pair: channels(scene).index(pair.channel)):
-        kind = quantity(pair.channel)
-        free = (origin and kind in ("x", "y")) or kind == "angle"
-        sure = pair.left <= SURE and pair.unit and 10 * pair.left <= seconds[pair.column]
-        remark = (
-            f"{'sure' if sure else 'unsure'}: leaves {pair.left:.0e}, the next best channel {seconds[pair.column]:.0e}"
-        )
+        kind, left, second = quantity(pair.channel), pair.left, seconds[pair.column]
+        free = origin and kind in ("x", "y")
+        whole = not turn or {f"{pair.channel[:-1]}{q}" for q in ("xy" if kind[-1] in "xy" else kind[-1])} <= sure
+        is_sure = pair.channel in sure and whole  # a frame that is turned mixes both components
+        remark = f"{'sure' if is_sure else 'unsure'}: leaves {left:.0e}, the next best channel {second:.0e}"
         remark += "" if pair.unit else "; its unit is unknown"
         line = _line(pair.channel, names[pair.column], pair.unit, pair.sign, 0.0 if free else pair.zero, UNITS[kind])
         yield f"{line}  # {remark}"
     left_over = {*range(len(names))} - {pair.column for pair in pairs}
     if left_over:
         yield f"# Fits no channel: {', '.join(names[k] for k in sorted(left_over))}"
+
+
+def _fits_alone(pair: Pair, second: float) -> bool:
+    """Return whether a column fits a channel in a known unit, and far better than the next best one."""
+    return pair.left <= SURE and bool(pair.unit) and TOLD_APART * max(pair.left, NOISE) <= second
 
 
 def _line(channel: str, column: str, unit: str, sign: int, zero: float, si: str) -> str:

@@ -2,16 +2,20 @@
 
 import re
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import analytic
 from compare.judge.foreign import assess_result
 from compare.results.proposal import proposed
 from compare.results.result import read_result
 from compare.run import main
-from scenes import Status
+from scenes import Scene, Status
+from scenes.motion import quantity
+from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW, References
 from tests.foreign import ELSEWHERE, Writer, channels, instants, write
@@ -85,3 +89,64 @@ def test_a_log_that_starts_late_is_in_no_other_frame(name: str, tmp_path: Path) 
     zero = re.search(r'"time" = { column = "c0", zero = (.*) }', "\n".join(lines))
     assert zero
     assert float(zero[1]) == pytest.approx(late, rel=1e-6)
+
+
+MOVED = [  # what the rows are by, and by how much: the crank's column, rad, a lag, degrees of the crank, the frame, rad
+    *(("crank", zero, 0.0, 0.0) for zero in (0.01, 0.1, 1.0, pi / 2)),
+    *(("both", zero, 0.0, 0.0) for zero in (0.01, 1.0)),
+    *(("time", 0.0, lag, 0.0) for lag in (0.5, 2.0, 5.0)),
+    *(("time", 0.0, 0.0, turn) for turn in (0.01, 0.05, 1.0)),
+    *(("both", 1.0, 3.0, 0.05), ("crank", 0.1, 0.0, 0.05), ("time", 0.0, 2.0, 0.05)),
+]
+NEAR = 5e-3  # of a channel's, or a vector's, largest value: more than what a proposal rounds to nothing leaves
+
+
+def _proposal(
+    scene: Scene, names: list[str], moved: tuple[str, float, float, float], folder: Path
+) -> tuple[int, list[str]]:
+    """Return how many lines are sure, and the channels that these lines and the head read from the table wrongly."""
+    by, zero, lag, turn = moved
+    times = instants(scene, 60)
+    writer = Writer(turn=turn, decimals=".10g")
+    own = writer.columns(scene, times, names)
+    columns = {"time": own.pop("time") + lag / 360 * scene.drive.cycle} if by != "crank" else {}
+    columns |= {"crank_angle": scene.drive.at(times).position + zero} if by != "time" else {}
+    file = write(folder, writer.texts(columns | own), "")
+    lines = proposed(scene, f"theirs={file}").splitlines()
+    sure = [line.split('"')[1] for line in lines if "# sure" in line]
+    if not sure:
+        return 0, []
+    file.with_suffix(".toml").write_text("\n".join(lines))
+    read = read_result(scene, f"theirs={file}").run.motion
+    assert read is not None
+    true = analytic.solve(scene, scene.drive.at(times).position, times)
+    off = {c: read[c] - true[c] for c in sure}
+    off |= {c: np.angle(np.exp(1j * off[c])) for c in sure if quantity(c) == "angle"}
+    sizes = {c: max(np.abs(true[f"{c[:-1]}{q}"]).max() for q in ("xy" if c[-1] in "xy" else c[-1])) for c in sure}
+    wrong = [c for c in sure if not np.abs(off[c]).max() <= NEAR * sizes[c]]
+    cycles = (read["time"] - times) / scene.drive.cycle
+    return len(sure), wrong + ["time"] * bool(not np.abs(cycles - np.round(cycles)).max() <= NEAR / (2 * pi))
+
+
+@pytest.mark.parametrize(
+    ("name", "every"),
+    [("four_bar", 5), *(pytest.param(name, 1, marks=SLOW) for name in ("quick_return", "toggle_press", "servo_press"))],
+)
+def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> None:
+    """Cranks that are moved, lags and turned frames, alone and together, of the output and of all places."""
+    scene = scene_files.load(name)
+    places = [c for c in channels(scene) if quantity(c) in ("x", "y", "angle")]
+    output = [c for c in places if c.startswith(f"{scene.output}.")]
+    for names in (output, places):
+        for moved in MOVED[::every] if isinstance(scene.drive, ConstantSpeed) else MOVED[6::every]:
+            count, wrong = _proposal(scene, names, moved, tmp_path)
+            assert not wrong, (moved, wrong)
+            assert count or names == output, moved
+
+
+@pytest.mark.parametrize("moved", [("crank", 1.0, 0.0, 0.0), ("time", 0.0, 90.0, 0.0), ("time", 0.0, 0.0, 0.05)])
+def test_a_point_on_the_crank_shows_neither_lag_nor_frame(
+    moved: tuple[str, float, float, float], tmp_path: Path
+) -> None:
+    names = ["A.x", "A.y", "crank.angle"]
+    assert _proposal(scene_files.load("four_bar"), names, moved, tmp_path) == (0, [])
