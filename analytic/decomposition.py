@@ -252,7 +252,7 @@ def _fewest(placed: _Placed, left: list[str]) -> tuple[str, ...]:
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     bodies = next(bodies for bodies in subsets if _freedoms(placed, bodies) <= 0)
     if _freedoms(placed, bodies) < 0:
-        raise Failure(Status.unsupported, f"{', '.join(bodies)} are held by more joints than they have freedoms")
+        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(bodies)}")
     return bodies
 
 

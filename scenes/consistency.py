@@ -131,7 +131,8 @@ def _check_drive(scene: Scene) -> None:
         raise InputError(f"drive.end: expected another position than 'start', {scene.position(drive.start)}")
     elif not drive.cycle > 0:
         way, sign = ("above", "negative") if drive.speed > 0 else ("below", "positive")
-        start, end = scene.position(drive.start), scene.position(drive.end)
+        kind = "angle" if scene.driven_slide is None else "length"
+        start, end = (scene.amount(kind, position, 12) for position in (drive.start, drive.end))
         raise InputError(f"drive.end: expected a position {way} 'start', {start}, found {end}; or make speed {sign}")
 
 
@@ -148,10 +149,10 @@ def _check_law(scene: Scene, law: MotionLaw) -> None:
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
-        whole = "" if slides else ", or whole turns from it"
+        whole, kind = ("", "length") if slides else (", or whole turns from it", "angle")
         raise InputError(
             f"drive.law: periodic: expected the last position to be the first{whole}; it is off by"
-            f" {scene.position(off)}"
+            f" {scene.amount(kind, off, 3)}"
         )
 
 

@@ -17,6 +17,7 @@ from .causes.load import load_causes
 from .causes.read_out import read_out_causes
 from .causes.sample import incomplete, sample_causes
 from .causes.whole import whole_causes
+from .errors import worst_of
 from .measure import Measurement
 
 ROUNDING = 1e-11  # relative, a sample
@@ -24,6 +25,7 @@ FEWEST = 4  # rows, of which a course can be judged
 STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body is elsewhere
 PLURAL = re.compile(r"^(all [\w ]+s) (has its|has|is) ")
 VERBS = {"has its": "have their ", "has": "have ", "is": "are "}
+FAR_LESS = 0.1  # of an error: others that have less do not share its cause
 PRICE = 0.25  # of what is left over, for each number that was fitted
 
 
@@ -139,12 +141,22 @@ def sentences(
     if doubt := reference.floor.doubt:
         return {REFERENCE: f"{REFERENCE}: {doubt}"}
     failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
-    alone = len(failed) == 1 and len(measurements) > 2
+    alone = len(failed) == 1 and len(measurements) > 2 and _alone(failed[0], measurements)
     return {
         m.run.engine: sentence(m.run.engine, _too_coarse(m) or cause(reference, m.own or sampling, m.run.motion), alone)
         for m in failed
         if m.run.motion is not None
     }
+
+
+def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:
+    """Return whether all others are far nearer to the reference in the channel in which one is off the most."""
+    others = [m for m in measurements if m is not failed and m.run.engine != REFERENCE]
+    if not failed.errors:
+        return False
+    worst = worst_of(failed.errors)
+    found = [[row.max for row in m.errors if row.channel == worst.channel] for m in others]
+    return all(own and max(own) <= FAR_LESS * worst.max for own in found)
 
 
 def _too_coarse(measured: Measurement) -> Cause | None:

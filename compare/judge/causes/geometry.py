@@ -14,6 +14,7 @@ from ..constraints import constraints_of
 from ..perturbation import Input, Path, inputs, put
 from ..projection import projected
 from .evidence import EXACT, Channels, Evidence, Hypothesis, Kind, fitted, thinned
+from .parts import in_words
 
 HAIR = 1e-6  # of the stroke, or rad: what an input is varied by, for a slope
 CLOSER = 4  # inputs that are fitted, of all whose slopes were
@@ -96,7 +97,7 @@ def _changes(evidence: Evidence) -> Iterator[InputChange]:
             yield _moved(scene, found, hair)
         elif found.direction:
             yield _tilted(scene, found)
-    how = lambda x: f"{1 + x[0]:.5g} times what it should be"  # noqa: E731
+    how = lambda x: in_words(1 + float(x[0]))[1]  # noqa: E731
     scaled = lambda x: rescaled(scene, 1 + float(x[0]))  # noqa: E731
     yield InputChange(Kind.length, "all", "each length", scaled, np.full(1, HAIR), how)
 

@@ -13,6 +13,7 @@ VECTORS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity",
 VECTORS |= {"ay": "acceleration", "fx": "force", "fy": "force"}
 GENERAL = VECTORS | {"angle": "position", "omega": "velocity", "alpha": "acceleration"}
 GENERAL |= dict.fromkeys(("guide_force", "guide_moment", "torque", "force"), "force")
+NEAR_ONE = 0.01  # a factor that is no farther from one is shown in per cent
 FORCES = ("fx", "fy", "guide_force", "guide_moment", "torque", "force")
 PLURAL = {"position": "poses", "velocity": "velocities", "acceleration": "accelerations", "force": "forces"}
 
@@ -26,6 +27,13 @@ def common(channels: Iterable[str]) -> str:
     """Return whose channels they are: one's, or `all`."""
     stems = {stem(channel) for channel in channels}
     return stems.pop() if len(stems) == 1 else "all"
+
+
+def in_words(by: float, what: str = "it") -> tuple[str, str]:
+    """Return a factor in numbers that are not one, and as what is wrong: `0.002 % too large`, `3 times what it ...`."""
+    if abs(by - 1) >= NEAR_ONE:
+        return f"{by:.4g}", f"{by:.4g} times what {what} should be"
+    return f"{100 * (by - 1):+.3g} %", f"{100 * abs(by - 1):.3g} % too {'large' if by > 1 else 'small'}"
 
 
 def place_of(part: Part) -> str:

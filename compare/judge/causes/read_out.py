@@ -11,7 +11,7 @@ from scenes.scene import GROUND
 
 from ...engines.motion_vectors import MotionVectors, Vectors
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor, factor_of_change
-from .parts import ANGLES, FORCES, Part, place_of, stem
+from .parts import ANGLES, FORCES, Part, in_words, place_of, stem
 
 NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
 FACTORS = {
@@ -63,9 +63,10 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
     if known is None and all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
         return  # an offset would do as well
-    amount = f"{times:.4g}" if known is None else ("" if times >= 0 else "-") + _unit(known, channels)
+    number, wrong = in_words(times)
+    amount = number if known is None else ("" if times >= 0 else "-") + _unit(known, channels)
     predicted = {c: times * true[c] for c in channels}
-    sentence = f"{name} is {times:.4g} times what it should be"
+    sentence = f"{name} is {wrong}"
     sentence += f", {amount}" * ("in place of" in amount)
     yield Hypothesis(Kind.unit, place, amount, sentence, predicted, int(known is None or times < 0))
 

@@ -17,6 +17,7 @@ from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from .evidence import Channels, Evidence, Hypothesis, Kind
+from .parts import in_words
 
 NEAR = 1e-4  # relative: what is fitted and is this near to nothing at all, or to a known unit, is taken for it
 LENGTHS = {1e3: "millimetres", 1e2: "centimetres", 1 / 0.0254: "inches", 1 / 0.3048: "feet"}  # in place of metres
@@ -70,7 +71,7 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         origin = origin.conjugate() if mirrored else origin
         parts += [f"with its origin at ({scene.length(origin.real, 3)}, {scene.length(origin.imag, 3)})"]
     sentences = [f"all is in another frame, {', '.join(parts)}"] * bool(parts)
-    unit = f"in {LENGTHS[known]} in place of metres" if known in LENGTHS else f"{known:.4g} times what they should be"
+    unit = f"in {LENGTHS[known]} in place of metres" if known in LENGTHS else in_words(known, "they")[1]
     sentences += [f"all lengths are {unit}"] * (known != 1)
     if sentences:
         kind = Kind.frame if parts else Kind.unit

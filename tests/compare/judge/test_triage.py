@@ -13,7 +13,7 @@ from compare.engines.runner import Run, run
 from compare.engines.settings import tiers
 from compare.judge.causes import geometry
 from compare.judge.causes.evidence import Kind
-from compare.judge.measure import Measurement
+from compare.judge.measure import assess
 from compare.judge.perturbation import Path, put
 from compare.judge.projection import Projection, projected
 from compare.judge.triage import Cause, cause, sentence, sentences
@@ -196,7 +196,7 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     wrong = spoilt(motion, {"P4.fx": -motion["P4.fx"]})
     ok = Run("analytic", Settings("x"), Status.ok, motion=motion)
     failed = replace(ok, engine="exudyn", status=Status.inaccurate, motion=wrong)
-    measured = [Measurement(one, None, []) for one in (ok, failed, replace(ok, engine="pymunk"))]
+    measured = [assess(reference, SAMPLING, one) for one in (ok, failed, replace(ok, engine="pymunk"))]
     line = "exudyn: P4.fx has the opposite sign"
     assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
     assert (
@@ -212,6 +212,23 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
     unknown = Cause(Kind.unknown, "", "", "the cause is unknown")
     assert sentence("exudyn", unknown, others_agree=True) == "exudyn: the cause is unknown"
+
+
+def test_another_engine_with_the_same_mistake_does_not_agree(references: References) -> None:
+    """It is ok by a promise of less, and off by as much; nor does one agree that lacks the channel."""
+    reference = references("toggle_press")
+    motion = commanded(reference)
+    wrong = spoilt(motion, {"P4.fx": 1.05 * motion["P4.fx"]})
+    right = Run("analytic", Settings("x"), Status.ok, motion=motion)
+    failed = replace(right, engine="exudyn", settings=Settings("x", promise=1e-6), motion=wrong)
+    coarse = replace(failed, engine="pymunk", settings=Settings("x", promise=1.0))
+    lacking = replace(
+        right, engine="pymunk", motion=Motion({c: v for c, v in motion.samples.items() if "P4.f" not in c})
+    )
+    for other in (coarse, lacking):
+        measured = [assess(reference, SAMPLING, one) for one in (right, failed, other)]
+        line = sentences(reference, SAMPLING, measured)["exudyn"]
+        assert line == "exudyn: P4.fx is 1.05 times what it should be", other.engine
 
 
 def test_of_many_bodies_a_length_is_sought_at_few_samples(

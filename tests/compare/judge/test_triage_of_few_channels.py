@@ -15,7 +15,7 @@ from compare.judge.causes.load import load_causes
 from compare.judge.perturbation import put
 from compare.judge.triage import likeliest
 from scenes import Motion, Sampling, Scene
-from scenes.motion import Samples, force_channels
+from scenes.motion import Samples, force_channels, quantity
 from scenes.scene import ConstantSpeed
 from tests.comparisons import References
 
@@ -98,3 +98,17 @@ def test_what_a_cause_leaves_over_is_named(reference: Reference) -> None:
     true = commanded(reference.scene)["T.x"]
     uneven = seen(reference, {"T.x": true + 0.1 + 0.005 * np.cos(np.arange(true.size))}, ["T.x"])
     assert likeliest(uneven).sentence == "T.x is off by a constant, 0.1 (all but 4 % of the error)"
+
+
+@pytest.mark.parametrize(
+    ("by", "wrong"), [(1.000025, "0.0025 % too large"), (0.9998, "0.02 % too small"), (1.03, "1.03 times what it")]
+)
+def test_a_factor_is_never_shown_as_one(reference: Reference, by: float, wrong: str) -> None:
+    right = commanded(reference.scene)
+    known = seen(reference, {"drive.torque": by * right["drive.torque"]}, ["drive.torque"])
+    assert wrong in likeliest(known).sentence
+    velocities = {c: by * v if quantity(c) in ("vx", "vy", "omega") else v for c, v in right.items()}
+    whole = likeliest(seen(reference, velocities, velocities))
+    assert wrong.removesuffix(" it") in whole.sentence
+    assert not whole.amount.startswith("1 ")
+    assert whole.amount != "1"
