@@ -16,7 +16,7 @@ from .decomposition import Dyad, guides_cross, inner_joint
 from .group_equations import Group
 from .kinematics import Linkage, kinematics
 from .motion_range import in_line
-from .newton_group import ROUGHLY, to_lock
+from .newton_group import ROUGHLY, least_singular_value
 from .placing import Kinematics
 from .solve import Solver, check_reach
 
@@ -77,11 +77,12 @@ def _poses(scene: Scene, linkage: Linkage, way: Samples) -> Kinematics:
 
 
 def _to_lock(linkage: Linkage, k: Kinematics, way: Samples) -> dict[Dyad | Group, Samples]:
-    """Return each group's distance from a singular configuration, m, shape (n,); NaN where it does not reach."""
+    """Return what is zero where a group is singular, m, shape (n,), a larger group's being no length; NaN unreached."""
     distances: dict[Dyad | Group, Samples] = {}
     for group in linkage.groups:
         if isinstance(group, Group):
-            distances[group] = to_lock(*k.jacobian[group.P])
+            equations, _, J = k.jacobian[group.P]
+            distances[group] = least_singular_value(equations, J)
         else:
             distances[group] = np.broadcast_to(k.to_lock[inner_joint(group)], way.shape)
     return distances

@@ -13,7 +13,7 @@ from .decomposition import Dyad, inner_joint
 from .dyads import Vectors, dot
 from .group_equations import Group
 from .kinetostatics import Reactions
-from .newton_group import to_lock
+from .nearest_length import to_lock
 from .placing import Kinematics
 
 FromBoth: TypeAlias = Callable[[Kinematics, Reactions], Vectors | Samples]
@@ -66,7 +66,7 @@ def _of_group(group: Dyad | Group) -> Iterator[Channels]:
     """Yield how far a group is from a singular configuration."""
     joint = inner_joint(group)
     if isinstance(group, Group):
-        yield (f"{joint}.to_lock",), lambda k, _: to_lock(*k.jacobian[joint])
+        yield (f"{joint}.to_lock",), lambda k, _: to_lock(*k.jacobian[joint][:2])
         return
     yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
     yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]

@@ -1,13 +1,13 @@
 """The vector-equation core as an engine of the comparison."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
 
 import numpy as np
 
-from scenes import Motion, Request, Scene, Settings
+from scenes import Motion, Request, Sampling, Scene, Settings
 
 from .change_points import check_way
 from .kinematics import kinematics
@@ -53,26 +53,33 @@ class AnalyticSimulation:
     residuals: Mapping[str, float] = {}  # a closed form has none of its own; its floor is certified from outside
 
     def __init__(self, solver: Solver, request: Request, settings: AnalyticSettings) -> None:
-        self._solver, self._request, self._settings = solver, request, settings
+        known = frozenset(solver.known)
+        self._solver = replace(solver, request=Sampling(channels=known))  # no engine's clock counts what is its own
+        own = frozenset(name for (name,) in solver.scalars if name not in known)
+        self._own = replace(solver, request=Sampling(channels=own)) if own else None
+        self._request, self._settings = request, settings
         self._motion: Motion | None = None
 
     def solve(self) -> None:
-        """Evaluate every channel."""
-        scene, settings = self._solver.scene, self._settings
+        """Evaluate every channel that other engines have too."""
+        self._motion = self._evaluated(self._solver)
+
+    def _evaluated(self, solver: Solver) -> Motion:
+        scene, settings = solver.scene, self._settings
         commanded = self._request.commanded(scene).astype(np.float32 if settings.single else np.float64)
         motion_at: MotionAt | None = None
         if settings.half_angles:
             motion_at = partial(kinematics, rrr=half_angle_position)
         elif settings.steps is not None:
             motion_at = partial(differenced, step=scene.drive.cycle / settings.steps)
-        self._motion = self._solver(commanded, self._request.times(scene), motion_at)
+        return solver(commanded, self._request.times(scene), motion_at)
 
     def read(self) -> Motion:
         """Return the channels, whatever precision they were found in, as doubles."""
         assert self._motion is not None, "expected `solve` first"
-        return Motion(
-            {channel: samples.astype(np.float64, copy=False) for channel, samples in self._motion.samples.items()}
-        )
+        own = self._evaluated(self._own).samples if self._own else {}
+        samples = {**self._motion.samples, **own}
+        return Motion({channel: values.astype(np.float64, copy=False) for channel, values in samples.items()})
 
     @property
     def counters(self) -> Mapping[str, int]:

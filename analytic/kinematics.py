@@ -231,7 +231,7 @@ class Pass(Placing):
         if self.rates:
             (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, J, placed))
             own += [v, a, omega, alpha]
-        k.jacobian[group.P] = track.equations, J[..., : 3 * len(group.bodies)]
+        k.jacobian[group.P] = track.equations, pose, J[..., : 3 * len(group.bodies)]
         k.reach[group.P] = np.where(np.isnan(J[..., 0, 0]), -1.0, 1.0)
         for b, body in enumerate(group.bodies):
             z, u, *moving = (values[..., b] for values in own)

@@ -154,7 +154,7 @@ class Balance:
 
     def larger(self, group: Group) -> None:
         """Balance a larger group, by the transpose of its Jacobian."""
-        equations, J = self.k.jacobian[group.P]
+        equations, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
         force, moment = stacked(J.shape[:-2], *zip(*applied, strict=True))
         self.spread(group, *(np.moveaxis(found, -1, 0) for found in joint_forces(equations, J, force, moment)))

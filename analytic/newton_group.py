@@ -1,7 +1,7 @@
 """The solution of a larger group's equations: poses by Newton's method, then what is linear in their Jacobian.
 
-Rates follow from the Jacobian J, the forces of the joints from its transpose (virtual work), the distance from a
-singular configuration from its least singular value. Nikravesh (1988), as of `group_equations`, chapters 3 and 9.
+Rates follow from the Jacobian J, the forces of the joints from its transpose (virtual work); where its least singular
+value is zero the configuration is singular. Nikravesh (1988), as of `group_equations`, chapters 3 and 9.
 """
 
 import numpy as np
@@ -77,11 +77,11 @@ def joint_forces(
     return x + 1j * y, guide_force, guide_moment
 
 
-def to_lock(equations: GroupEquations, J: Samples) -> Samples:
-    """Return how much arms would have to be off for J to be singular, shape (...), m: its least singular value.
+def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:
+    """Return by how much J's entries would have to be off for it to be singular, shape (...), m.
 
-    So it is by Eckart and Young's theorem when all its entries are arms: moves and differences of angles count as those
-    of the group's longest arm.
+    Moves and differences of angles count as those of the group's longest arm, so that all entries are arms. Near a
+    singular pose it falls as the root of the drive's way to there.
     """
     p, s = len(equations.S), len(equations.T)
     size = np.asarray(equations.size)[..., None]
@@ -96,11 +96,16 @@ def to_lock(equations: GroupEquations, J: Samples) -> Samples:
 
 def solved(A: Samples, b: Samples) -> Samples:
     """Return x of A x = b, shape (..., m), NaN where A is singular."""
+    return columns(A, b[..., None])[..., 0]
+
+
+def columns(A: Samples, b: Samples) -> Samples:
+    """Return x of A x = b, shape (..., m, k), NaN where A is singular."""
     try:
-        x: Samples = np.linalg.solve(A, b[..., None])[..., 0].astype(np.float64, copy=False)
+        x: Samples = np.linalg.solve(A, b).astype(np.float64, copy=False)
     except np.linalg.LinAlgError:  # of one, for all
         singular = np.linalg.slogdet(A)[0] == 0
-        x = solved(np.where(singular[..., None, None], np.nan, A), b)
+        x = columns(np.where(singular[..., None, None], np.nan, A), b)
     return x
 
 

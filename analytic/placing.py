@@ -13,7 +13,7 @@ from scenes.scene import GROUND
 from .decomposition import Decomposition, Guided
 from .dyads import Vectors, closing, turned
 from .geometry import as_complex
-from .group_equations import GroupEquations
+from .group_equations import GroupEquations, Pose
 from .numbers import Vector, samples
 
 Plane: TypeAlias = tuple[Vectors, Vectors, Vectors]  # position, velocity, acceleration
@@ -45,7 +45,9 @@ class Kinematics:
     rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
     foot: dict[str, str] = field(default_factory=dict)  # bodies: the point by which they were placed
     closure: dict[str, Closure] = field(default_factory=dict)  # dyads, by inner joint
-    jacobian: dict[str, tuple[GroupEquations, Samples]] = field(default_factory=dict)  # larger groups, by inner joint
+    jacobian: dict[str, tuple[GroupEquations, Pose, Samples]] = field(
+        default_factory=dict
+    )  # larger groups, by inner joint
     reach: dict[str, Samples] = field(default_factory=dict)  # by inner joint: positive where the group can be assembled
     to_lock: dict[str, Samples] = field(default_factory=dict)  # dyads, by inner joint, m
 

@@ -9,7 +9,7 @@
 | change point | a singular configuration that the drive can go through, from either branch into the other |
 | dead point | a pose in which a slider stands still while the drive moves on |
 | transmission angle | at a dyad's inner joint, how far from singular it is: 0 there, a right angle at best |
-| `to_lock` | how far from singular a group is as a length: what an arm would have to be off |
+| `to_lock` | how far from singular a group is: by how much its nearest length would have to be off |
 | kinetostatics | the forces at the joints and of the drive that a known motion asks for |
 | constraint residual | by how much the joints of a pose are open |
 | condition | by how much a small relative error of what goes in is larger in what comes out |

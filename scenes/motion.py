@@ -18,9 +18,11 @@ Of the analytic core alone, since the other engines know no Assur groups, by the
 | channel | meaning |
 |---|---|
 | `P.transmission` | from 0 in a singular configuration to a right angle: of two bars, or a bar and a guide's normal |
-| `P.to_lock` | by how much the nearest length, or guide, would have to be off for the group's pose to be singular |
+| `P.to_lock` | by how much the nearest length, or guide's offset, would have to be off for the group to be singular |
 
-A guide that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest
+The drive stays where it is, and all other lengths as they are; lengths are those of links between their two pins. Of a
+dyad it is exact, of a larger group to 1e-5 of itself, near to a singular configuration and far from it alike. A guide
+that crosses another would have to be turned: `to_lock` is the sine of their angle times the linkage's longest
 arm, which is the largest distance of two points, or of a point from a guide, on one body or the ground.
 """
 

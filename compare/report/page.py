@@ -23,7 +23,7 @@ from .units import units
 
 ONLY_ANALYTIC = (
     "By the inner joint of each group, from the reference: only the analytic core knows Assur groups. To lock: by how"
-    " much the nearest length, or guide, would have to be off for the pose to be a singular configuration of the group."
+    " much the nearest length of the group, or the offset of a guide, would have to be off for the pose to be singular."
 )
 
 ROUND_OFF = (
