@@ -12,6 +12,7 @@ from pathlib import Path
 from shutil import copy2
 from zipfile import ZipFile
 
+import numpy as np
 import pytest
 
 from tests.comparisons import SLOW
@@ -46,13 +47,18 @@ def ours() -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def sdist(ours: set[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the source distribution of a copy, since a checkout can have remains of earlier ones."""
+def checkout(ours: set[str], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a copy, since a checkout can have remains of earlier ones."""
     copied = tmp_path_factory.mktemp("checkout")
     for name in ours:
         (copied / name).parent.mkdir(parents=True, exist_ok=True)
         copy2(ROOT / name, copied / name)
-    return built("build_sdist", copied, tmp_path_factory.mktemp("sdist"))
+    return copied
+
+
+@pytest.fixture(scope="module")
+def sdist(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built("build_sdist", checkout, tmp_path_factory.mktemp("sdist"))
 
 
 @pytest.fixture(scope="module")
@@ -69,16 +75,30 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return an environment with the wheel, which sees the other packages of this one; nothing can be written there."""
     folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, symlinks=True)
-    run(
-        [sys.executable, "-m", "pip", "--python", folder, "install", "--compile", "--no-deps", "--no-index", wheel],
-        folder,
-    )
-    site = site_of(folder)
-    (site / "others.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
+    site = environment_with(wheel, folder)
     for path in [site, *site.rglob("*")]:
         path.chmod(0o555 if path.is_dir() else 0o444)
     return folder
+
+
+def environment_with(wheel: Path, folder: Path) -> Path:
+    """Return where packages are in a new environment with a wheel, which sees the other packages of this one."""
+    venv.create(folder, symlinks=True)
+    pip: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        folder,
+        "install",
+        "--compile",
+        "--no-deps",
+        "--no-index",
+    ]
+    run([*pip, wheel], folder)
+    site = site_of(folder)
+    (site / "others.pth").write_text(str(Path(np.__file__).parents[1]), encoding="utf-8")
+    return site
 
 
 @pytest.fixture
@@ -113,6 +133,30 @@ def test_the_source_distribution_has_the_packages_and_what_builds_them(sdist: Pa
     made = {"PKG-INFO", "setup.cfg"}
     names = {name for name in names if ".egg-info/" not in name} - made
     assert names == in_packages(ours) | {"LICENSE", "MANIFEST.in", "README.md", "pyproject.toml"}
+
+
+def test_an_install_of_the_checkout_keeps_its_types(checkout: Path, tmp_path: Path) -> None:
+    """What `pip install -e` makes is a path that mypy and editors follow, and no hook of the import system."""
+    own = tmp_path / "own"
+    own.mkdir()
+    (tmp_path / "wheel").mkdir()
+    environment_with(built("build_editable", checkout, tmp_path / "wheel"), tmp_path / "environment")
+    lines = ["import analytic, compare, papers, scenes", 'scene = scenes.load("four_bar")', "reveal_type(scene)"]
+    lines += ["reveal_type(analytic.solve(scene, [0.5]))", "reveal_type(compare.check(scene).ok)"]
+    (own / "mine.py").write_text("\n".join(lines), encoding="utf-8")
+    python = tmp_path / "environment" / "bin" / "python"
+    mypy: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--follow-imports=silent",
+        "--cache-dir",
+        tmp_path / "cache",
+    ]
+    told = run([*mypy, "--python-executable", python, "mine.py"], own)
+    revealed = [line.split('"')[1] for line in told.splitlines() if "Revealed" in line]
+    assert revealed == ["scenes.scene.Scene", "scenes.motion.Motion", "bool"]
+    assert "Success" in told
 
 
 @pytest.mark.parametrize(
