@@ -54,7 +54,7 @@ def main() -> None:
         pd.DataFrame(shipped).drop(columns="setting").to_markdown(index=False),
         f"## Speed against error: the toggle press, {LADDER.samples} samples",
         pd.DataFrame(ladders).drop(columns=["scene", "force"]).to_markdown(index=False),
-        "## Hard ladders to their last rung",
+        "## Hard cases, each series to its last step",
         f"{verdict(hard)} MuJoCo makes a second attempt at its finest setting where the first one fails.",
         counts(hard).to_markdown(index=False),
         "## Random scenes, at all accuracies",

@@ -53,7 +53,7 @@ class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not a
 class Settings:
     """Base of every engine's settings; each field is annotated with its meaning for a reader."""
 
-    label: Annotated[str, "name in tables and figures, of no other settings of the engine"]
+    label: Annotated[str, "its name in tables and figures; no two settings of an engine share one"]
     promise: Annotated[float, "largest relative error of an ok run in any channel; it changes nothing in the run"] = (
         field(default=0.1, kw_only=True, compare=False)
     )

@@ -176,7 +176,7 @@ class SceneFile(Table):
     bodies: dict[Name, BodyTable] = Field(
         min_length=1,
         max_length=limits.BODIES,
-        description="The moving bodies, by name. A pin's force is that of the one that is first here on the other.",
+        description="The moving bodies, by name. A pin's force acts from the body named first here on the other one.",
     )
     drive: DriveTable = Field(description="The driven body, and how it moves.")
     loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces on bodies.")

@@ -15,6 +15,7 @@ from ..engines import registry
 from ..engines.axis import axis
 from ..engines.registry import REFERENCE
 from .errors import SHOWN_GROUPS, worst_of
+from .floor import FLOOR_SAMPLES
 from .measure import Measurement
 
 if TYPE_CHECKING:
@@ -90,9 +91,9 @@ def agreement(judged: "Judgement") -> Agreement:
     if not confirming:
         alone = f"{_listed(unsolved)}; nothing else checks it" if unsolved else "No other engine was asked"
         certified = judged.reference.floor.by_channel and not unsolved
-        sentence = f"{alone}; {_certified(judged, _name(judged))}."
+        sentence = f"{alone}; {_certified(judged)}."
         return Agreement(Word.in_part if certified else Word.not_solved, sentence)
-    sentence = f"{_confirmed(judged, confirming)}; {_certified(judged, 'it')}."
+    sentence = f"{_confirmed(judged, confirming)}; {_certified(judged)}."
     whole = [m for m in confirming if _whole_cycle(judged.scene, m)]
     given = {channel for m in whole if m.run.motion for channel in m.run.motion.samples}
     given |= {"time", judged.scene.drive_channel}  # inputs
@@ -173,7 +174,7 @@ def _cause(judged: "Judgement", measurement: Measurement) -> str:
     """Return the likely cause where one is known and every number in it reads plainly."""
     engine = measurement.run.engine
     cause = judged.causes.get(engine, "").removeprefix(f"{engine}: ")
-    plain = not any(part in cause for part in ("e-", "e+", "nan", "inf", "unknown"))
+    plain = not any(part in cause for part in ("e-", "e+", "nan", "inf"))
     return f"; likely cause: {cause}" if cause and plain else ""
 
 
@@ -188,9 +189,11 @@ def _name(judged: "Judgement") -> str:
     return "the closed form" if registry.route(judged.scene).startswith("closed form") else "the reference"
 
 
-def _certified(judged: "Judgement", name: str) -> str:
-    floors = judged.reference.floor.by_channel.values()
-    return f"{name} is certified to {digits(max(floors))} digits" if floors else f"{name} is itself not certified"
+def _certified(judged: "Judgement") -> str:
+    if floors := judged.reference.floor.by_channel.values():
+        there = f"{digits(max(floors))} digits at {FLOOR_SAMPLES} positions of the drive"
+        return f"a calculation with 50 digits confirms {_name(judged)} to {there}"
+    return f"no calculation with 50 digits confirms {_name(judged)}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -124,13 +124,15 @@ def _in_plural(sentence: str) -> str:
 
 def sentence(engine: str, found: Cause, others_agree: bool) -> str:
     """Return the line for a reader: `exudyn: rod's mass is 12 % too large, the others agree`."""
-    return f"{engine}: {found.sentence}{', the others agree' if others_agree and found.known else ''}"
+    return f"{engine}: {found.sentence}{', the others agree' * others_agree}"
 
 
 def sentences(
     reference: Reference, sampling: Rows, measurements: Sequence[Measurement], off: Collection[str] = ()
 ) -> dict[str, str]:
-    """Return a line for each engine that is not ok and returned a motion; where the core is in doubt, for it alone.
+    """Return a line for each engine whose cause is known; where the core is in doubt, for it alone.
+
+    Engines that are ok, or returned no motion, have none.
 
     Args:
         reference: of the scene, after all engines have been heard.
@@ -142,11 +144,12 @@ def sentences(
         return {REFERENCE: f"{REFERENCE}: {doubt}"}
     failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2 and _alone(failed[0], measurements)
-    return {
-        m.run.engine: sentence(m.run.engine, _too_coarse(m) or cause(reference, m.own or sampling, m.run.motion), alone)
+    causes = {
+        m.run.engine: _too_coarse(m) or cause(reference, m.own or sampling, m.run.motion)
         for m in failed
         if m.run.motion is not None
     }
+    return {engine: sentence(engine, found, alone) for engine, found in causes.items() if found.known}
 
 
 def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:

@@ -12,7 +12,6 @@ from ..judge.peaks.numbers import Number
 
 QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
 ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
-LINEAR = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
 
 
 @dataclass(frozen=True)
@@ -32,11 +31,6 @@ class Spread:
     linear: float  # the standard deviation by the linear model
     unexplained: float  # the share of the sampled variance that the linear model leaves; its mean shift counts too
     shares: Mapping[str, float]  # by path, of the variance of the linear model
-
-    @property
-    def is_linear(self) -> bool:
-        """Whether the linear model holds."""
-        return self.deviation == 0 or self.unexplained <= LINEAR
 
 
 def spread(number: Number, values: Samples, linear: Samples, gradient: Mapping[str, float]) -> Spread:

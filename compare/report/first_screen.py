@@ -18,6 +18,7 @@ from .style import colour
 from .units import Units
 
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
+MEANINGS = {"Quick return": "time to close over time to open"}  # where a name leaves it open
 OF_A_PIN, OF_A_JOINT = ("fx",), ("fx", "guide_force", "guide_moment")  # quantities
 
 
@@ -43,6 +44,11 @@ class Shown:
     direction: str
     differ: str  # by how much the engines differ at most
     each: str  # by how much each of them does
+
+    @property
+    def meaning(self) -> str:
+        """What the name alone leaves open, in a few words; mostly nothing."""
+        return MEANINGS.get(self.name, "")
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,13 @@ from .speed.figure import work_precision
 from .units import units
 
 ONLY_ANALYTIC = (
-    "By the inner joint of each group, from the reference: only the analytic core knows Assur groups. To lock: by how"
-    " much the nearest length of the group, or the offset of a guide, would have to be off for the pose to be singular."
+    "A curve for each Assur group, named by its inner joint, from the reference, which alone knows such groups."
+    " Distance: the least change of a length of the group, or of the offset of a guide, that makes the pose singular."
 )
 
 ROUND_OFF = (
-    "Explained by round-off: the condition of the constraint Jacobian times the unit round-off, or how far the motion"
-    " moves when the scene's numbers are off by a few last places. Only what is above it is a fault."
+    "Explained by round-off: errors that no calculation with 16 digits avoids, by the condition of the constraint"
+    " Jacobian, or by how far the motion moves with the last digits of the scene's numbers. What is above is a fault."
 )
 
 

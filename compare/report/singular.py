@@ -38,7 +38,7 @@ def assur_groups(study: Study) -> Figure | None:
             draw(figure, joint, over, values, row, line=line)
         vertical = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
         if measured == "to_lock":
-            vertical = {"title": f"to lock [{metres}]"} | _logarithmic(np.array(list(curves.values())))
+            vertical = {"title": f"distance [{metres}]"} | _logarithmic(np.array(list(curves.values())))
         figure.update_yaxes(**vertical, row=row, col=1)
     drive_axes(figure, study.scene, study.sampling.turns, len(rows))
     return figure.update_layout(layout((300, 480)[len(rows) - 1]))
@@ -85,5 +85,5 @@ def over_distance(study: Study) -> Figure | None:
             draw(figure, engine, distance, shown, 1, column, mode="markers", marker=mark)
         explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
         draw(figure, style.ROUND_OFF, distance[order], explained[order], 1, column, line=style.BOUND)
-    error_axes(figure, f"distance to lock [{metres}]" if locks else "1/κ [-]")
+    error_axes(figure, f"distance to the singular configuration [{metres}]" if locks else "1/κ [-]")
     return figure.update_layout(layout(380, titled=True))

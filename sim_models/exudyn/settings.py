@@ -76,8 +76,8 @@ def _pairs(name: str, order: int, *steps: int, **options: Any) -> tuple[TimeStep
 def _textbook(*steps: int) -> tuple[TextbookTimeStepping, ...]:
     """Return a first script's settings: of order 1 near its start, of no one order later on."""
     note = (
-        "as a new user meets it: the engine's own defaults, of which a file written every 10 ms of the motion is part,"
-        " at 72 steps and a turn a second a quarter of the time; no steps before the first sample"
+        "as a new user meets it: the engine's own defaults, without steps before the first sample. They write a file"
+        " every 10 ms of the motion, which takes a quarter of the time at 72 steps and one turn a second."
     )
     return tuple(TextbookTimeStepping(f"textbook, {n}", steps=n, family="textbook", note=note) for n in steps)
 

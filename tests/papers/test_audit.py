@@ -39,7 +39,7 @@ def test_the_page(audited: Audited, tmp_path: Path) -> None:
     assert page.partition('class="text audit"')[2].count('<span class="') == sum(map(len, claims.values()))
     assert not re.search(r'<(script|link|img)[^>]*(src|href)="http', page)  # it opens with no network
     assert 'class="misprint">misprint' in page
-    assert page.count("Floor of the reference: ") == len(notes) == 2
+    assert page.count("The reference is off by ") == len(notes) == 2
     counts = [[rows.count(v) for v in Verdict] for rows in ([c.verdict for c in of] for of in claims.values())]
     assert overview(claims).drop(columns="source").to_numpy().tolist() == counts
     shown = page.partition("</table>")[0]

@@ -12,6 +12,7 @@ from .parts import Part, common, place_of, stem
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
+EVEN = 1e-6  # of a step: by how much equal steps differ where instants are written at decimals
 LEAST_BEND = 1e-3  # of a second difference
 WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
 SPREAD = 0.15  # of the samples, that noise has at least
@@ -47,7 +48,8 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     if late:
         by += start
         amount = f"{1e3 * abs(by):.3g} ms {'late' if by > 0 else 'early'}"
-        sentence = f"{name} is {amount} ({abs(by) / step:.3g} samples)"
+        even = float(np.ptp(np.diff(time))) <= EVEN * step  # else a lag is no number of samples
+        sentence = f"{name} is {amount}" + f" ({abs(by) / step:.3g} samples)" * even
         yield Hypothesis(_kind(evidence, channels), place, amount, sentence, late, 1)
 
 

@@ -33,11 +33,11 @@ def verdict(cases: pd.DataFrame) -> str:
     """Return the result of the catalogue, in a sentence."""
     if cases.empty:
         return "No hard case was run."
-    ladders, rungs = cases["ladder"].nunique(), len(cases[["ladder", "rung"]].drop_duplicates())
+    series, linkages = cases["ladder"].nunique(), len(cases[["ladder", "rung"]].drop_duplicates())
     outcomes = Outcome.silent, Outcome.false_alarm
     silent, alarms = (int((cases["outcome"] == outcome).sum()) for outcome in outcomes)
-    tried = f"{len(cases)} attempts on {rungs} rungs of {ladders} ladders"
-    return f"{silent} silent wrong answers and {alarms} false alarms in {tried}."
+    tried = f"{len(cases)} runs of {linkages} linkages, in {series} series from easy to impossible"
+    return f"{tried}: {silent} wrong results passed for right ones, {alarms} right results were refused."
 
 
 def digits(cases: pd.DataFrame) -> pd.DataFrame:
@@ -45,7 +45,7 @@ def digits(cases: pd.DataFrame) -> pd.DataFrame:
     groups = [group for group in SHOWN_GROUPS if f"{group}_lost" in cases]
     counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
     rows = (
-        {"ladder": row["ladder"], "rung": row["rung"], "κ": row["condition"]}
+        {"series": row["ladder"], "linkage": row["rung"], "κ": row["condition"]}
         | {
             group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}".replace("nan of nan", "–")
             for group in groups

@@ -16,6 +16,7 @@ from ..family.tables import short_names
 from ..numbers import percent, written
 from ..units import Units, units
 
+OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
 FEW = 20  # machines that the JSON file has in full, picked by the seed
 
 
@@ -162,14 +163,15 @@ def setup(study: MonteCarlo) -> str:
 
 
 def verdicts(study: MonteCarlo) -> Iterator[str]:
-    """Yield where the linear model holds, and how the engines' differences compare with the machines'."""
+    """Yield how well the linear model predicts the spread, and how the engines' differences compare with it."""
     shown = moving(study)
-    bent = [s for s in shown if not s.is_linear]
-    if shown and not bent:
-        yield "The linear model holds for every number: what tolerances do can be added up from their shares."
-    elif bent:
-        which = ", ".join(f"{s.name} ({percent(sqrt(s.unexplained))} of a standard deviation off)" for s in bent)
-        yield f"The linear model does not hold for {len(bent)} of {len(shown)} numbers: {which}."
+    off = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
+    bent = [name for name, share in off.items() if share > OFF + 3 * sqrt(0.5 / study.count)]  # beyond chance
+    if bent:
+        which = ", ".join(f"{name} (off by {percent(off[name])})" for name in bent)
+        yield f"Tolerances do not add up linearly for {which}: take the standard deviation of the machines drawn."
+    elif shown:
+        yield f"Adding the tolerances up linearly gives each standard deviation to {percent(max(off.values()))}."
     for m in study.judged.measurements:
         ratios = {s.name: differences(study, s).get(m.run.engine, nan) / s.deviation for s in shown}
         known = {name: ratio for name, ratio in ratios.items() if not isnan(ratio)}

@@ -1,7 +1,6 @@
 """Speed against error as a reader wants it: one sentence, and tables of text."""
 
 import re
-from collections.abc import Sequence
 
 from ...engines.axis import cycle_name
 from ...engines.registry import REFERENCE
@@ -35,20 +34,19 @@ def verdict(study: Study) -> str:
     error, limit = f"{group}_max", LEVELS[LEVEL]
     best = {engine: as_fast(rows, error, limit) for engine, note, rows in contenders(points) if not note}
     reference = any(row.engine == REFERENCE for row in as_fast([p for p in points if not p.note], error, limit))
-    named = [_setting(study, best[REFERENCE])] if reference else []
+    named = [_setting(study, best[REFERENCE][0])] if reference else []
     others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
     if others:
-        where = ["besides the reference"] * reference + ["level"] * (len(others) > 1)
-        settings = " and ".join(_setting(study, best[engine]) for engine in others)
-        named.append(": ".join(filter(None, (", ".join(where), settings))))
-    found = "; ".join(named) or "none that was tried"
-    return f"Cheapest setting that gives {NOUNS.get(group, group)} to {LEVEL}: {found}."
+        alike = "of the other engines, " * reference + "about equally fast, " * (len(others) > 1)
+        named.append(alike + " and ".join(_setting(study, best[engine][0]) for engine in others))
+    found = "; ".join(named) or "no setting that was tried"
+    return f"The fastest way to {NOUNS.get(group, group)} within {LEVEL}: {found}."
 
 
-def _setting(study: Study, level: Sequence[SpeedRow]) -> str:
-    row, others = level[0], len(level) - 1
-    also = f" (level with {others} more of its settings)" if others else ""
-    return f"{row.engine}, {row.setting}, {1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}{also}"
+def _setting(study: Study, row: SpeedRow) -> str:
+    return (
+        f"{row.engine} with the setting “{row.setting}”, {1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}"
+    )
 
 
 def notes(study: Study) -> list[str]:

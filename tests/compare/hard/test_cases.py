@@ -180,7 +180,10 @@ def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) ->
     assert by_engine["exudyn"]["by isolation"] == 1
     assert by_engine["exudyn"]["right"] == 2
     said = hard_tables.verdict(cases.assign(outcome=["silent", *cases["outcome"][1:]]))
-    assert said.startswith("1 silent wrong answers and 0 false alarms in 6 attempts on 3 rungs of 1 ladders")
+    assert said == (
+        "6 runs of 3 linkages, in 1 series from easy to impossible:"
+        " 1 wrong results passed for right ones, 0 right results were refused."
+    )
     ((shown, table),) = hard_tables.ladders(cases)
     assert shown.title == "Rod"
     assert list(table["length of the rod, mm"]) == ["shorter", "as_is", "locking"]
@@ -205,7 +208,8 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
     rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
     html = render("hard/section.html", hard=hard_cases(pd.DataFrame(rows)), maps=[])
-    assert "0 silent wrong answers and 0 false alarms in 3 attempts on 1 rungs of 1 ladders" in html
+    assert "3 runs of 1 linkages" in html
+    assert "0 wrong results passed for right ones, 0 right results were refused." in html
     assert "All solve it." in html
     assert "then wrong_branch" in html
     assert not render("hard/section.html", hard=hard_cases(pd.DataFrame()), maps=[]).strip()

@@ -16,7 +16,7 @@ from compare.judge.causes.evidence import Kind
 from compare.judge.measure import assess
 from compare.judge.perturbation import Path, put
 from compare.judge.projection import Projection, projected
-from compare.judge.triage import Cause, cause, sentence, sentences
+from compare.judge.triage import Cause, cause, sentences
 from scenes import Instants, Motion, Scene, Settings, Status
 from scenes.motion import Samples, channels, force_channels, quantity
 from tests.comparisons import SAMPLING, References, changed, commanded
@@ -122,6 +122,19 @@ INPUTS: dict[str, tuple[str, Path, float, Kind, str, str]] = {  # what is wrong 
 }
 
 
+@pytest.mark.parametrize("even", [True, False])
+def test_a_lag_is_counted_in_samples_where_their_steps_are_equal(references: References, even: bool) -> None:
+    reference = references("toggle_press")
+    instants = np.linspace(0.0, 1.0, 61)
+    if not even:
+        instants = instants + 0.005 * np.sin(2 * np.pi * instants)
+    off = reference.at(reference.scene.drive.at(instants - 2e-3).position, instants)
+    motion = Motion({**off.samples, "time": instants})
+    found = cause(reference, Instants(tuple(instants)), motion)
+    assert (found.kind, found.amount) == (Kind.lag, "2 ms late"), found.sentence
+    assert (" samples)" in found.sentence) is even
+
+
 @pytest.mark.parametrize("fault", INPUTS)
 def test_what_is_wrong_in_a_scene_is_named_with_its_amount(references: References, fault: str) -> None:
     name, path, factor, kind, place, amount = INPUTS[fault]
@@ -210,8 +223,8 @@ def test_the_line_names_the_engine_and_whether_the_others_agree(references: Refe
     assert sentences(reference, SAMPLING, measured) == {"exudyn": f"{line}, the others agree"}
     doubted = replace(reference, floor=replace(reference.floor, doubt="suspect the core"))
     assert sentences(doubted, SAMPLING, measured) == {"analytic": "analytic: suspect the core"}
-    unknown = Cause(Kind.unknown, "", "", "the cause is unknown")
-    assert sentence("exudyn", unknown, others_agree=True) == "exudyn: the cause is unknown"
+    fine = replace(measured[1], run=replace(measured[1].run, motion=commanded(reference)), finer="")
+    assert sentences(reference, SAMPLING, [measured[0], fine]) == {}, "a cause that is unknown is not written"
 
 
 def test_another_engine_with_the_same_mistake_does_not_agree(references: References) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pandas as pd
@@ -140,6 +141,11 @@ def test_plotly_takes_every_figure_of_a_report_as_it_is(result: Study) -> None:
     check_figures(page(result))
 
 
+def test_a_number_whose_name_leaves_it_open_is_explained_beside_it(result: Study) -> None:
+    row = page(result).partition('scope="row">Quick return<')[2].partition("</tr>")[0]
+    assert "time to close over time to open" in unescape(row)
+
+
 def test_a_driven_sliders_effort_is_a_force(studies: Studies) -> None:
     result = studies("driven_toggle")
     panel = panel_of(result, "Drive: force on crosshead")
@@ -162,8 +168,8 @@ def test_assur_groups(studies: Studies) -> None:
     assert np.allclose(angle["y"], np.degrees(result.motion["C.transmission"]))
     assert np.allclose(to_lock["y"], 1e3 * result.motion["C.to_lock"])
     axis = figure.layout["yaxis2"]
-    assert (axis["title"], axis["type"]) == ({"text": "to lock [mm]"}, "log")
-    assert "only the analytic core knows Assur groups" in page(result)
+    assert (axis["title"], axis["type"]) == ({"text": "distance [mm]"}, "log")
+    assert "from the reference, which alone knows such groups" in page(result)
     without = Motion({channel: result.motion[channel] for channel in channels(result.scene)})
     assert assur_groups(replace(result, motion=without)) is None
 

@@ -187,17 +187,17 @@ def test_the_sentence(reference: Reference) -> None:
     )
     said = speed_tables.verdict(study_of(reference, speed))
     assert said == (
-        "Cheapest setting that gives reactions to 0.1 %: analytic, equations, 1 ms per turn;"
-        " besides the reference: exudyn, pointwise, 7 ms per turn."
+        "The fastest way to reactions within 0.1 %: analytic with the setting “equations”, 1 ms per turn;"
+        " of the other engines, exudyn with the setting “pointwise”, 7 ms per turn."
     )
     level = [*speed, *table(("pymunk", "y", 5e-3, 1e-3), ("pymunk", "z", 6e-3, 1e-4))]
     assert speed_tables.verdict(study_of(reference, level)).endswith(
-        "besides the reference, level: exudyn, pointwise, 7 ms per turn"
-        " and pymunk, z, 6 ms per turn (level with 1 more of its settings)."
+        "of the other engines, about equally fast, exudyn with the setting “pointwise”, 7 ms per turn"
+        " and pymunk with the setting “z”, 6 ms per turn."
     )
     said = speed_tables.verdict(study_of(reference, speed[1:]))
-    assert said == "Cheapest setting that gives reactions to 0.1 %: exudyn, pointwise, 7 ms per turn."
-    assert "none that was tried" in speed_tables.verdict(study_of(reference, speed[2:]))
+    assert said == "The fastest way to reactions within 0.1 %: exudyn with the setting “pointwise”, 7 ms per turn."
+    assert "no setting that was tried" in speed_tables.verdict(study_of(reference, speed[2:]))
 
 
 def test_tables_of_text(reference: Reference) -> None:
