@@ -2,10 +2,13 @@
 
 import ctypes
 import os
+import signal
+import stat
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import count
 from multiprocessing import active_children, resource_tracker
 from pathlib import Path
@@ -63,6 +66,24 @@ def _fall_silent() -> None:
     time.sleep(600)
 
 
+def _half_an_answer() -> None:
+    for descriptor in range(3, 64):
+        with suppress(OSError):
+            if stat.S_ISSOCK(os.fstat(descriptor).st_mode):  # the way back: a mebibyte is announced, and never comes
+                os.write(descriptor, b"\x00\x10\x00\x00half")
+    time.sleep(600)
+
+
+def _end_the_group() -> None:
+    os.killpg(0, signal.SIGTERM)
+    time.sleep(600)
+
+
+def begun(seconds: int, **options: Any) -> "subprocess.Popen[bytes]":
+    """Begin a process that outlives its parent."""
+    return subprocess.Popen(["sleep", str(seconds)], **options)
+
+
 TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "abort": (os.abort, Status.crashed, "its process ended by SIGABRT"),
     "segmentation fault": (lambda: ctypes.string_at(0), Status.crashed, "its process ended by SIGSEGV"),
@@ -85,11 +106,13 @@ FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "a closed connection": (_fall_silent, Status.crashed, "its process was killed"),
     "an escape sequence": (lambda: _raise(Failure(Status.diverged, "\x1b[31m\n")), Status.diverged, "[31m"),
     "a Failure of no status": (lambda: _raise(Failure("odd", "why")), Status.crashed, "ValueError: 'odd' is"),  # type: ignore[arg-type]
+    "its group": (_end_the_group, Status.crashed, "its process ended by SIGTERM"),
     "no motion": (lambda: None, Status.crashed, "TypeError: expected scenes.Motion, found NoneType"),
     "samples of functions": (lambda: Motion({"time": lambda: 0}), Status.crashed, "Can't pickle"),  # type: ignore[dict-item]
 }
 ASLEEP: Mapping[str, tuple[Callable[[], object], Status, str]] = {  # which only the time on the wall ends
     "asleep": (lambda: time.sleep(600), Status.timed_out, "no answer within"),
+    "half an answer": (_half_an_answer, Status.timed_out, "no answer within"),
     "asleep in C": (lambda: ctypes.PyDLL(None).sleep(600), Status.timed_out, "no answer within"),  # with Python's lock
 }
 DEATHS = {**TWELVE, **FURTHER, **ASLEEP}
@@ -144,7 +167,7 @@ def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
 def children() -> list[int]:
     """Return the processes of this one that go on, but for multiprocessing's own, which begins with the first pool."""
     tracker = resource_tracker._resource_tracker._pid  # type: ignore[attr-defined]
-    stats = ((int(stat.parent.name), _stat(stat)) for stat in Path("/proc").glob("[0-9]*/stat"))
+    stats = ((int(file.parent.name), _stat(file)) for file in Path("/proc").glob("[0-9]*/stat"))
     return [number for number, (state, parent) in stats if parent == os.getpid() and state != "Z" and number != tracker]
 
 

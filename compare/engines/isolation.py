@@ -2,6 +2,7 @@
 
 import faulthandler
 import gc
+import io
 import os
 import pickle
 import signal
@@ -9,7 +10,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from ctypes import CDLL
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -22,16 +22,20 @@ from typing import Any, Generic, TypeVar
 
 from scenes import InputError, Status
 
+from .guard import begin_guarded, descendants, memory
 from .reasons import described
 
 LINUX = sys.platform == "linux"
 CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
-PR_SET_PDEATHSIG = 1  # of Linux' sys/prctl.h: which signal a process gets when its parent dies
 SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+OPEN: set["Connection[bytes, bytes]"] = set()  # ways to the processes of this one, which are no matter of theirs
 POLL = 0.2  # s, between two looks at whether the user asked to stop
+LOOK = 1.0  # s, between two looks at what processes of an engine's own take
+CHUNK, HEAD = 2**20, 4  # bytes of an answer that are taken at a time, and that its size has
+PATIENCE = 2.0  # s, for a guard to end its processes
 WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
 
 
@@ -78,19 +82,22 @@ class Worker(Generic[Item, Result]):
         """
         try:
             self.connection, theirs = CONTEXT.Pipe()
+            OPEN.add(self.connection)
             self._process = CONTEXT.Process(target=_serve, args=(theirs, function, os.getpid()), daemon=True)
             with uninterrupted(signal.SIGINT, signal.SIGTERM):
                 self._process.start()
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
         theirs.close()
-        self._limits, self._due, self._used = Limits(), 0.0, 0.0
+        self._limits, self._due, self._look, self._used = Limits(), 0.0, 0.0, 0.0
+        self._engine, self._said = 0, bytearray()  # the process that answers, once it has told; what came of a message
         self.busy = False  # whether it was asked for something whose outcome is not known
 
     def ask(self, item: Item, limits: Limits) -> None:
         """Have the function called, when the outcome of the last time is known."""
         self.busy = True
         self._limits, self._due, self._used = limits, monotonic() + WAIT * limits.seconds, self._processor_time()
+        self._look = monotonic() + LOOK
         with suppress(OSError):  # its process has died, which is the outcome
             self.connection.send_bytes(ForkingPickler.dumps((limits, item)))
 
@@ -109,22 +116,33 @@ class Worker(Generic[Item, Result]):
             poll()
 
     def end(self) -> None:
-        """End the process, whatever it is doing."""
+        """End the process, whatever it is doing, and all that it began."""
+        if LINUX:
+            self._process.terminate()  # its guard, which ends the others
+            self._process.join(PATIENCE)
         self._process.kill()
         self._process.join()
+        OPEN.discard(self.connection)
         self.connection.close()
 
     def _outcome(self) -> Answer[Result] | Ended | None:
-        if self.connection.poll():
-            try:
-                answer: Answer[Result] | Ended = pickle.loads(self.connection.recv_bytes())
-            except (EOFError, OSError):
-                return self._died()
-            except Exception as error:
-                return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
-            return answer
+        try:
+            while (message := self._message()) is not None:
+                if self._engine:
+                    answer: Answer[Result] | Ended = _Reader(io.BytesIO(message)).load()
+                    return answer
+                self._engine = int.from_bytes(message, "big")
+        except (EOFError, OSError):
+            return self._died()
+        except Exception as error:
+            return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
         if self._process.exitcode is not None and not self.connection.poll():
             return self._died()
+        if monotonic() >= self._look:
+            self._look = monotonic() + LOOK
+            if self._memory() > self._limits.memory:
+                reason = f"it and what it began needed more memory {_than(self._limits)}"
+                return Ended(Status.crashed, reason, at_limit=True)
         if monotonic() >= self._due:
             return self._late(f"{WAIT * self._limits.seconds:.3g} s")
         if self._processor_time() - self._used >= self._limits.seconds:
@@ -135,10 +153,37 @@ class Worker(Generic[Item, Result]):
         self.end()
         return Ended(Status.timed_out, f"no answer within {time}", at_limit=True)
 
+    def _message(self) -> bytes | None:
+        """Return the next message once it is whole, and wait for no more than is there.
+
+        Raises:
+            EOFError: there will be none.
+        """
+        if self.connection.poll():
+            if sys.platform == "win32":
+                return self.connection.recv_bytes()
+            if not (more := os.read(self.connection.fileno(), CHUNK)):
+                raise EOFError
+            self._said += more
+        size = int.from_bytes(self._said[:HEAD], "big", signed=True)  # as `multiprocessing` sends it
+        if not 0 <= size <= self._limits.memory:
+            raise ValueError("it is too large")
+        if len(self._said) < HEAD + size or not self._said:
+            return None
+        message = bytes(self._said[HEAD : HEAD + size])
+        del self._said[: HEAD + size]
+        return message
+
+    def _memory(self) -> int:
+        """Return the bytes that the process and those that it began have, where it began any."""
+        processes = descendants(self._process.pid or 0) if LINUX else []
+        return sum(map(memory, processes)) if len(processes) > 1 else 0
+
     def _processor_time(self) -> float:
         """Return what the process has used, s. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
         try:
-            return time.clock_gettime(~(self._process.pid or 0) << 3 | 2) if LINUX else 0.0  # clock_getcpuclockid(3)
+            clock = ~self._engine << 3 | 2  # of clock_getcpuclockid(3)
+            return time.clock_gettime(clock) if LINUX and self._engine else 0.0
         except OSError:  # it has just ended
             return 0.0
 
@@ -183,6 +228,24 @@ def isolated(
             worker.end()
 
 
+def _than(limits: Limits) -> str:
+    return f"than its limit of {limits.memory / 2**30:.3g} GiB"
+
+
+class _Reader(pickle.Unpickler):
+    """Reads what another process sends, and imports nothing for it: an engine's own code stays there."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        """Return a class or function of what is imported here.
+
+        Raises:
+            UnpicklingError: it is of anything else.
+        """
+        if module not in sys.modules:
+            raise pickle.UnpicklingError(f"{name} of {module} is not known outside of it")
+        return super().find_class(module, name)
+
+
 @contextmanager
 def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
     """Have signals wait, so that they do not reach a process that has its parent's handlers still."""
@@ -201,7 +264,8 @@ def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
 
 def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int) -> None:
     """Answer until the parent has gone."""
-    _prepare(parent)
+    _prepare(parent, connection.fileno())
+    connection.send_bytes(os.getpid().to_bytes(8, "big"))
     size = _address_space()
     while True:
         try:
@@ -218,30 +282,28 @@ def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> me
     try:
         return ForkingPickler.dumps(Answer(function(item)))
     except MemoryError:
-        reason = f"it needed more memory than there is, or than its limit of {limits.memory / 2**30:.3g} GiB"
-        outcome = Ended(Status.crashed, reason, at_limit=True)
+        outcome = Ended(Status.crashed, f"it needed more memory than there is, or {_than(limits)}", at_limit=True)
     except BaseException as error:  # also what ends a process, or its result cannot be sent
         outcome = Ended(Status.crashed, described(error))
     return ForkingPickler.dumps(outcome)
 
 
-def _prepare(parent: int) -> None:
+def _prepare(parent: int, connection: int) -> None:
     """End with the parent or by SIGTERM, leave Ctrl-C to the parent, and print nothing."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    if LINUX:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
-        CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:  # it died before
-            os._exit(1)
-    else:
-        Thread(target=_end_with_parent, daemon=True).start()
     faulthandler.disable()
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(nowhere, stream)
     sys.stdout = sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
     gc.freeze()  # what came from the parent is not looked at again, and so not copied
+    if LINUX:
+        for each in OPEN:
+            each.close()
+        begin_guarded(parent, connection)
+    else:
+        Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:

@@ -4,31 +4,28 @@ An entry point names a module: `mine = "my_package.engine"`. Only metadata are r
 An engine whose name another has as well is called NAME@DISTRIBUTION.
 """
 
-import os
 import re
+import sys
 from collections import Counter
-from collections.abc import Collection, Iterator
-from contextlib import ExitStack, chdir, contextmanager, redirect_stderr, redirect_stdout, suppress
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, distributions
 from importlib.util import find_spec
 from multiprocessing import current_process
-from multiprocessing.reduction import ForkingPickler
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
-from warnings import catch_warnings
+from typing import Any, NoReturn
 
-import numpy as np
-
-from scenes import Engine, Settings
+from scenes import Engine, Settings, Status
 from scenes.engine import completed
 from scenes.errors import one_line
 from scenes.format import ENGINE
 
 from .entry import Entry
 from .isolation import Ended, Limits, isolated
+from .offer import Offer, offer, stand_in
+from .reasons import described
 
 GROUP = "linkage_crosscheck.engines"
 LIMITS = Limits(20.0)  # of an import
@@ -89,35 +86,82 @@ def _installed(name: str) -> bool:
 
 
 @cache
-def loaded(entry: Entry) -> Engine[Any]:
-    """Return an engine, imported now; one that cannot be, as an engine of which every run fails for that reason.
-
-    The first import is in a process of its own, since it may crash or hang; so is what nobody can send to another.
-    """
-    if current_process().daemon:  # which may have no processes, and is one of an engine's own
-        ForkingPickler.dumps(_settings(entry))
-        return _completed(entry)
-    ((_, outcome),) = isolated(_settings, [entry], LIMITS, lambda: None)
-    return _failing(outcome.reason) if isinstance(outcome, Ended) else _completed(entry)
-
-
-def _settings(entry: Entry) -> list[Settings]:
-    """Return all settings of an engine, as they can be sent.
+def imported(entry: Entry) -> Engine[Any]:
+    """Return an engine, imported in this process.
 
     Raises:
-        TypeError: what it offers is not what the protocol asks for.
+        Exception: it cannot be, or offers what is not what the protocol asks for.
+    """
+    engine = completed(import_module(entry.module), entry.version)
+    _offers(engine)
+    return engine
+
+
+def offered(entry: Entry) -> Engine[Any]:
+    """Return what an engine offers, of which none can be called where it is not imported; nothing where it cannot be.
+
+    Unless it is already in this process, it is imported in one of its own.
+    """
+    outcome = _outcome(entry)
+    if _is_here(entry) and not isinstance(outcome, Ended):
+        return imported(entry)
+    names = {} if isinstance(outcome, Ended) else {name: _stand_ins(of) for name, of in outcome.items()}
+    return completed(SimpleNamespace(**{"DEFAULT": Settings("default"), "build": _elsewhere} | names), entry.version)
+
+
+def refused(entry: Entry) -> Ended | None:
+    """Return how the import of an engine ended that offers nothing."""
+    outcome = _outcome(entry)
+    return outcome if isinstance(outcome, Ended) else None
+
+
+def _is_here(entry: Entry) -> bool:
+    return entry.module in sys.modules or current_process().daemon  # which may have no processes
+
+
+@cache
+def _outcome(entry: Entry) -> Mapping[str, Any] | Ended:
+    if not _is_here(entry):
+        ((_, outcome),) = isolated(_described, [entry], LIMITS, lambda: None)
+        return outcome
+    try:
+        return _described(entry)
+    except Exception as error:
+        return Ended(Status.crashed, described(error))
+
+
+def _described(entry: Entry) -> dict[str, Any]:
+    return _offers(imported(entry))
+
+
+def _stand_ins(offers: Any) -> Any:
+    if isinstance(offers, tuple):
+        return tuple(map(stand_in, offers))
+    return stand_in(offers) if isinstance(offers, Offer) else _elsewhere if offers else None
+
+
+def _elsewhere(*_: object) -> NoReturn:
+    raise ImportError("the engine is not imported in this process")
+
+
+def _offers(engine: Engine[Any]) -> dict[str, Any]:
+    """Return what an engine offers as plain data: by name settings, and whether it has some functions.
+
+    Raises:
+        TypeError: it is not what the protocol asks for.
         ValueError: two settings have one label.
     """
-    engine = _completed(entry)
-    tiers, ladders = (engine.DEFAULT, engine.FAST, engine.EXACT), (engine.WORK_PRECISION, engine.LONG_WORK_PRECISION)
-    offered = [*tiers, *(each for ladder in (*ladders, engine.ABLATIONS) for each in _tuple(ladder))]
-    stepped = [engine.at_steps(24)] if engine.at_steps else []
-    for settings in (*offered, *stepped):
-        check_settings(settings)
-    labels = Counter(settings.label for settings in dict.fromkeys(offered))
+    tiers = {name: getattr(engine, name) for name in ("DEFAULT", "FAST", "EXACT")}
+    ladders = {name: _tuple(getattr(engine, name)) for name in ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")}
+    settings = [*tiers.values(), *(each for ladder in ladders.values() for each in ladder)]
+    for each in (*settings, *([engine.at_steps(24)] if engine.at_steps else [])):
+        check_settings(each)
+    labels = Counter(each.label for each in dict.fromkeys(settings))
     if again := next((label for label, number in labels.items() if number > 1), None):
         raise ValueError(f"expected a label of its own for each of its settings, found two of {again}")
-    return offered + stepped
+    functions = {name: getattr(engine, name) is not None for name in ("at_steps", "iterations_needed")}
+    in_data = {name: tuple(map(offer, ladder)) for name, ladder in ladders.items()}
+    return {name: offer(each) for name, each in tiers.items()} | in_data | functions
 
 
 def _tuple(ladder: object) -> tuple[Any, ...]:
@@ -138,29 +182,8 @@ def check_settings(settings: object) -> None:
         raise TypeError(f"expected a label of one line, 60 characters at most, found {settings.label!r}")
     if not isinstance(steps := getattr(settings, "steps", None), int | None):
         raise TypeError(f"{settings.label}: expected steps that are a whole number, found {steps!r}")
+    if not (isinstance(settings.order, float | int | None) and {str} == {type(settings.family), type(settings.note)}):
+        raise TypeError(f"{settings.label}: expected an order that is a number or None, and family and note as text")
     for promise in (settings.promise, settings.drive_promise):
         if not (isinstance(promise, float) and 0 < promise < 1):
             raise TypeError(f"{settings.label}: expected a promise between 0 and 1, found {promise!r}")
-
-
-def _completed(entry: Entry) -> Engine[Any]:
-    with _unchanged():
-        return completed(import_module(entry.module), entry.version)
-
-
-@contextmanager
-def _unchanged() -> Iterator[None]:
-    """Have the process as it was when an import is done: its output, folder, environment, warnings and rounding."""
-    with ExitStack() as stack, Path(os.devnull).open("w", encoding="utf-8") as nowhere:
-        stack.callback(os.environ.update, {**os.environ})
-        stack.callback(os.environ.clear)
-        for kept in (redirect_stdout(nowhere), redirect_stderr(nowhere), chdir("."), catch_warnings(), np.errstate()):
-            stack.enter_context(kept)
-        yield
-
-
-def _failing(reason: str) -> Engine[Any]:
-    def version() -> str:
-        raise ImportError(reason)
-
-    return completed(SimpleNamespace(DEFAULT=Settings("default"), version=version, build=None), "")

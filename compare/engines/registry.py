@@ -12,6 +12,7 @@ from scenes.motion import Samples
 
 from . import outside
 from .entry import Entry as Entry
+from .isolation import Ended
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
 
@@ -95,9 +96,21 @@ def gives_everything(name: str) -> bool:
 
 
 def engine(name: str) -> Engine[Any]:
-    """Return an engine's module, imported now; one that cannot be, as an engine whose every run fails."""
+    """Return what an engine offers: its module, or of one from outside its settings, without its code."""
     entry = ENTRIES[name]
-    return outside.loaded(entry) if entry.outside else cast("Engine[Any]", import_module(entry.module))
+    return outside.offered(entry) if entry.outside else cast("Engine[Any]", import_module(entry.module))
+
+
+def refused(name: str) -> Ended | None:
+    """Return how the import of an engine ended that cannot be imported, where that was tried by itself."""
+    entry = ENTRIES[name]
+    return outside.refused(entry) if entry.outside and not entry.missing else None
+
+
+def imported(name: str) -> Engine[Any]:
+    """Return an engine's module to run it in this process, imported now."""
+    entry = ENTRIES[name]
+    return outside.imported(entry) if entry.outside else engine(name)
 
 
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:

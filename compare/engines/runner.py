@@ -1,10 +1,10 @@
 """Runs one engine on one scene. However it ends, the outcome is a row of data."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from time import perf_counter, process_time
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -12,11 +12,16 @@ from scenes import Engine, Failure, Motion, Request, Rows, Scene, Settings, Stat
 from scenes.motion import Samples, kinematic_channels, quantity
 
 from . import registry
+from .isolation import Ended
+from .offer import own
 from .reasons import described, text_of
 
 if sys.platform != "win32":
     from resource import RUSAGE_SELF, getrusage
 
+LARGEST = 1e30  # of a number: its square is a double
+OF_GROUPS = ("transmission", "to_lock")  # kinds of channels that nobody has to give
+T = TypeVar("T")
 TICK = 1e-6  # s, of the clock: what takes less is taken for that, since times are divided by one another
 ON_TIME = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
 
@@ -54,6 +59,9 @@ class Runs(Protocol):
     def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings], /) -> list[Run]:
         """Build and solve one after the other, for the times alone; see `timed`."""
 
+    def asked(self, name: str, scene: Scene, function: Callable[[], T], /) -> T | Ended:
+        """Call a function where the engine is, about a scene; see `asked`."""
+
 
 def run(name: str, scene: Scene, request: Request, settings: Settings | None = None, *, reads: bool = True) -> Run:
     """Build, solve and, if asked to, read, each timed apart; `settings` of None means the engine's default.
@@ -77,7 +85,7 @@ def attempt(name: str, scene: Scene, request: Request, settings: Settings | None
     if entry.missing:
         return failed
     try:
-        engine = registry.engine(name)
+        engine = registry.imported(name)
         failed = replace(failed, settings=settings or engine.DEFAULT, version=text_of(engine.version()))
         return _solved(engine, scene, request, failed, reads=reads)  # the version is known: no clock times an import
     except MemoryError:
@@ -91,6 +99,11 @@ def timed(name: str, scene: Scene, request: Request, settings: Sequence[Settings
     return [run(name, scene, request, each, reads=False) for each in settings]
 
 
+def asked(_: str, __: Scene, function: Callable[[], T]) -> T | Ended:
+    """Call a function."""
+    return function()
+
+
 def processor_time() -> float:
     """Return the processor time of this process, s, by a clock whose ticks stay fine under `ulimit -t`."""
     if sys.platform == "win32":
@@ -101,16 +114,17 @@ def processor_time() -> float:
 
 def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *, reads: bool) -> Run:
     """Return the run, or the failed one completed by what the engine reports."""
+    settings = None if failed.settings is None else own(failed.settings)
     try:
         started = processor_time()
-        simulation = engine.build(scene, failed.settings, request)
+        simulation = engine.build(scene, settings, request)
         on_wall, built = perf_counter(), processor_time()
         simulation.solve()
         solved, done_on_wall = processor_time(), perf_counter()
         returned = simulation.read() if reads else None
         read = processor_time()
     except Failure as failure:
-        computed = None if failure.motion is None else _finite(_plain(failure.motion))
+        computed = None if failure.motion is None else _plain(failure.motion)
         if Status(failure.status) is Status.ok:
             raise ValueError("a failure is expected to have another status than ok") from failure
         return replace(failed, status=Status(failure.status), reason=text_of(failure.reason), motion=computed)
@@ -125,7 +139,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
         solve_s=max(solved - built, TICK),
         read_s=max(read - solved, TICK),
         wall_s=max(done_on_wall - on_wall, TICK),
-        counters={text_of(counted): int(count) for counted, count in counters.items()},
+        counters={text_of(counted): int(np.int64(int(count))) for counted, count in counters.items()},
         residuals={text_of(checked): float(residual) for checked, residual in residuals.items()},
     )
 
@@ -146,21 +160,32 @@ def _unmasked(channel: str, samples: object) -> Samples:
     return np.asarray(samples)
 
 
-def _finite(motion: Motion | None) -> Motion | None:
-    """Return a motion that is all numbers, or None."""
-    return motion if motion is not None and np.isfinite([*motion.samples.values()]).all() else None
-
-
 def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
-    """Return the run, its status corrected where its motion is not what was asked for."""
-    if outcome.status is not Status.ok or outcome.motion is None:
+    """Return the run, its motion that of the channels asked for, its status corrected where that is not whole."""
+    if outcome.motion is None:
         return outcome
+    joints = (*scene.moving_points, *scene.bodies)
+    asked = {*request.wanted(scene), *(f"{joint}.{kind}" for joint in joints for kind in OF_GROUPS)}
+    samples, unsupported = outcome.motion.samples, outcome.motion.unsupported
+    motion = Motion(
+        {c: samples[c] for c in samples if c in asked}, {c: unsupported[c] for c in unsupported if c in asked}
+    )
+    if outcome.status is not Status.ok:
+        return replace(outcome, motion=_usable(motion, scene, request))
     try:
-        _check_complete(scene, request, outcome.motion, everything=registry.gives_everything(outcome.engine))
+        _check_complete(scene, request, motion, everything=registry.gives_everything(outcome.engine))
     except Failure as failure:
-        motion = _finite(failure.motion)
-        return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=motion)
-    return outcome
+        known = _usable(failure.motion, scene, request)
+        return replace(outcome, status=failure.status, reason=failure.reason, found_by="checks", motion=known)
+    return replace(outcome, motion=motion)
+
+
+def _usable(motion: Motion | None, scene: Scene, request: Rows) -> Motion | None:
+    """Return a motion with time and drive that is all numbers, as many as asked for, or None."""
+    if motion is None or "time" not in motion or scene.drive_channel not in motion:
+        return None
+    whole = all(values.dtype == np.float64 and values.shape == (request.count,) for values in motion.samples.values())
+    return motion if whole and (np.abs([*motion.samples.values()]) <= LARGEST).all() else None
 
 
 def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: bool) -> None:
@@ -174,19 +199,20 @@ def _check_complete(scene: Scene, request: Rows, motion: Motion, *, everything: 
         if channel not in motion:
             if channel not in motion.unsupported:
                 raise Failure(Status.crashed, f"the engine returned no {channel} and gave no reason")
-            needed = ("time", scene.drive_channel)
-            if everything or quantity(channel) in given or channel in needed:
+            if everything or quantity(channel) in given or channel in ("time", scene.drive_channel):
                 why = f"{channel} is missing, which the engine gives elsewhere: {motion.unsupported[channel]}"
-                raise Failure(Status.unsupported, why, motion if all(each in motion for each in needed) else None)
+                raise Failure(Status.unsupported, why, motion)
             continue
         values = motion[channel]
         if values.dtype != np.float64:  # the reference would be evaluated at its precision
             raise Failure(Status.crashed, f"{channel} is of {values.dtype}, expected float64")
         if values.shape != (request.count,):
             raise Failure(Status.crashed, f"{channel} is of shape {values.shape}, expected {(request.count,)}")
-        bad = ~np.isfinite(values)
+        bad = ~(np.abs(values) <= LARGEST)
         if bad.any():
-            where = scene.where(float(request.commanded(scene)[bad.argmax()]))
+            value, where = values[bad.argmax()], scene.where(float(request.commanded(scene)[bad.argmax()]))
+            if np.isfinite(value):
+                raise Failure(Status.diverged, f"{channel} is {value:.3g} at {where}")
             raise Failure(Status.nonfinite, f"{channel} is not finite at {where}")
     if not (np.diff(motion["time"]) > 0).all():
         raise Failure(Status.inconsistent, "the engine's instants do not increase from sample to sample", motion)

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from multiprocessing import current_process
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from scenes import Request, Sampling, Scene, Settings
 
@@ -14,8 +15,12 @@ from .runner import Run, Runs
 
 SECONDS, MEMORY = 20.0, 2 * 2**30  # of processor time, and bytes, for a run of few samples: a hang ends soon
 SECONDS_EACH = 1e-4  # more for every value asked for, or found on the way; the slowest settings take a tenth
+LIMITS = Limits(SECONDS)  # of what is no run
 MEMORY_EACH = 256  # bytes more for every one of those; a motion is 8
 TRIES = 3  # processes that may crash on a scene before its engine is not begun anew
+
+
+T = TypeVar("T")
 
 
 class Job(NamedTuple):
@@ -41,14 +46,14 @@ class Workers:
     def __init__(self, poll: Callable[[], None]) -> None:
         """Begin nothing yet; `poll` is called again and again while a run is waited for, and may raise."""
         self._poll = poll
-        self._workers: dict[str, Worker[Job | None, list[Run]]] = {}
+        self._workers: dict[str, Worker[Callable[[], Any], Any]] = {}
         self._scene: Scene | None = None  # that was asked for last
         self._deaths: dict[str, list[Ended]] = {}  # by engine, on that scene
 
-    def begin(self, name: str) -> Worker[Job | None, list[Run]]:
+    def begin(self, name: str) -> Worker[Callable[[], Any], Any]:
         """Begin an engine's process, which imports the engine while nobody waits for it."""
-        worker = self._workers[name] = Worker[Job | None, list[Run]](partial(_done, name))
-        worker.ask(None, Limits(SECONDS))
+        worker = self._workers[name] = Worker[Callable[[], Any], Any](_called)
+        worker.ask(partial(_import, name), LIMITS)
         return worker
 
     def end(self) -> None:
@@ -68,27 +73,34 @@ class Workers:
         """Build and solve one after the other in the engine's process, for the times alone; see `runner.timed`."""
         return self._runs(name, Job(scene, request, settings, timed=True))
 
-    def _runs(self, name: str, job: Job) -> list[Run]:
-        if job.scene is not self._scene:
-            self._scene, self._deaths = job.scene, {}
+    def asked(self, name: str, scene: Scene, function: Callable[[], T], limits: Limits = LIMITS) -> T | Ended:
+        """Call a function in the engine's process, about a scene on which that has not ended too often."""
+        if scene is not self._scene:
+            self._scene, self._deaths = scene, {}
         deaths = self._deaths.setdefault(name, [])
+        if refused := registry.refused(name):
+            return refused
         if len(deaths) >= TRIES or any(death.at_limit for death in deaths):
-            ended, reason = deaths[-1], f"not run again, since {deaths[-1].reason}"
-        else:
-            outcome = self._outcome(name, job)
-            if isinstance(outcome, Answer):
-                return outcome.result
-            deaths.append(outcome)
-            ended, reason = outcome, outcome.reason
-        version = registry.ENTRIES[name].version
-        return [Run(name, settings, ended.status, reason, "isolation", version) for settings in job.settings]
+            return replace(deaths[-1], reason=f"not run again, since {deaths[-1].reason}")
+        outcome = self._outcome(name, function, limits)
+        if isinstance(outcome, Answer):
+            return outcome.result
+        deaths.append(outcome)
+        return outcome
 
-    def _outcome(self, name: str, job: Job) -> Answer[list[Run]] | Ended:
+    def _runs(self, name: str, job: Job) -> list[Run]:
+        outcome = self.asked(name, job.scene, partial(_done, name, job), limits(job))
+        if not isinstance(outcome, Ended):
+            return outcome
+        version = registry.ENTRIES[name].version
+        return [Run(name, each, outcome.status, outcome.reason, "isolation", version) for each in job.settings]
+
+    def _outcome(self, name: str, function: Callable[[], T], limits: Limits) -> Answer[T] | Ended:
         worker = self._workers.get(name) or self.begin(name)
         try:
             outcome = worker.wait(self._poll) if worker.busy else None  # with the import
             if not isinstance(outcome, Ended):
-                worker.ask(job, limits(job))
+                worker.ask(function, limits)
                 outcome = worker.wait(self._poll)
         except BaseException:
             self._end(name)
@@ -101,11 +113,15 @@ class Workers:
         self._workers.pop(name).end()
 
 
-def _done(name: str, job: Job | None) -> list[Run]:
-    """Do in the engine's process what it is asked; without a job, import the engine."""
-    if job is None:
-        registry.engine(name).version()
-        return []
+def _called(function: Callable[[], T]) -> T:
+    return function()
+
+
+def _import(name: str) -> None:
+    registry.imported(name).version()
+
+
+def _done(name: str, job: Job) -> list[Run]:
     return [runner.attempt(name, job.scene, job.request, each, reads=not job.timed) for each in job.settings]
 
 
@@ -125,7 +141,7 @@ def workers(engines: Iterable[str], poll: Callable[[], None]) -> Iterator[Runs]:
     begun = Workers(poll)
     try:
         for name in dict.fromkeys(engines):
-            if not registry.ENTRIES[name].missing:
+            if not registry.ENTRIES[name].missing and not registry.refused(name):
                 begun.begin(name)
         yield begun
     finally:

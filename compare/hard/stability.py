@@ -13,6 +13,7 @@ has an answer to how many sweeps they need (`iterations_needed`).
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -21,6 +22,8 @@ import pandas as pd
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import registry, runner
+from ..engines.isolation import Ended
+from ..engines.offer import offer, stand_in
 from ..engines.outside import check_settings
 from ..engines.reasons import described
 from ..engines.reference import Reference
@@ -98,11 +101,8 @@ def over_sweeps(
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
     for steps in all_steps:
-        fault = ""
-        try:
-            needed = _needed(engine, reference.scene, steps)
-        except Exception as error:  # an engine's own fault is an outcome to report
-            needed, fault = np.nan, f"iterations_needed: {described(error)}"
+        known = runs.asked(engine, reference.scene, partial(_needed, engine, reference.scene, steps))
+        needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
         for number in sweeps:
             progress(f"stability of {engine}: {number} sweeps, {steps} steps")
             place = Place("sweeps", engine, number, str(number), steps)
@@ -161,33 +161,38 @@ def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Varia
     return variants
 
 
-def _needed(engine: str, scene: Scene, steps: int) -> float:
-    """Return how many sweeps theory asks for, not a number where the engine cannot take the scene."""
-    iterations_needed = registry.engine(engine).iterations_needed
-    assert iterations_needed is not None
+def _needed(engine: str, scene: Scene, steps: int) -> tuple[float, str]:
+    """Return how many sweeps theory asks for, not a number where the engine cannot take the scene; and what failed."""
     try:
-        return float(iterations_needed(scene, _at_steps(engine, steps)))
+        module = registry.imported(engine)
+        assert module.at_steps
+        assert module.iterations_needed
+        return float(module.iterations_needed(scene, module.at_steps(steps))), ""
     except Failure:
-        return np.nan
+        return np.nan, ""
+    except Exception as error:  # an engine's own fault is an outcome to report
+        return np.nan, f"iterations_needed: {described(error)}"
 
 
-def _at_steps(engine: str, *numbers: int) -> Settings:
-    """Return the settings for that many steps a cycle and, if given, sweeps a step."""
-    at_steps: Callable[..., Settings] | None = registry.engine(engine).at_steps
-    assert at_steps is not None
-    settings = at_steps(*numbers)
-    check_settings(settings)
-    return settings
+def _at_steps(engine: str, *numbers: int) -> Settings | str:
+    """Return the settings for that many steps a cycle and, if given, sweeps a step; or what failed."""
+    try:
+        module = registry.imported(engine)
+        assert module.at_steps
+        check_settings(settings := module.at_steps(*numbers))
+    except Exception as error:
+        return described(error)
+    return stand_in(offer(settings)) if registry.ENTRIES[engine].outside else settings
 
 
 def _cell(
     place: Place, reference: Reference | Scene, runs: Runs, *, sweeps: tuple[int, ...] = (), turns: int = 1
 ) -> Cell:
     """Run one cell; with a scene for reference there are no errors."""
-    try:
-        settings = _at_steps(place.engine, place.steps, *sweeps)
-    except Exception as error:
-        return _crashed(place, f"at_steps: {described(error)}")
+    scene = reference if isinstance(reference, Scene) else reference.scene
+    settings = runs.asked(place.engine, scene, partial(_at_steps, place.engine, place.steps, *sweeps))
+    if not isinstance(settings, Settings):
+        return _crashed(place, f"at_steps: {settings.reason if isinstance(settings, Ended) else settings}")
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
         found = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [])

@@ -16,10 +16,11 @@ from scenes.errors import nearest, one_line
 from scenes.motion import Samples
 from scenes.toml_file import read_text
 
+from ..engines.runner import LARGEST
+
 BYTES = 200_000_000
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 NUMBER = re.compile(r"[+-]?(?=\.?\d)(\d*)(?:\.(\d*))?(?:[eEdD]([+-]?\d{1,3}))?")
-LARGEST = 1e30  # of a number: its square is a double
 
 
 @dataclass(frozen=True)

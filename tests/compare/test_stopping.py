@@ -83,8 +83,10 @@ def test_a_stopped_run_leaves_a_report(
     scene = scenes.load("toggle_press")
     motion = registry.reference(scene)(Sampling(72).commanded(scene), Sampling(72).times(scene))
 
+    own = os.getpid()
+
     def read(_: object) -> Motion:
-        os.kill(os.getppid(), SIGINT)
+        os.kill(own, SIGINT)
         return motion
 
     plug(motion)

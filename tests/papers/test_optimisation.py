@@ -200,8 +200,10 @@ def test_a_run_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_ctrl_c_ends_the_searches(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = os.getpid()
+
     def endless(_: object) -> None:
-        os.kill(os.getppid(), SIGINT)
+        os.kill(own, SIGINT)
         sleep(600)
 
     monkeypatch.setattr("papers.clamp.optimisation.study._point", endless)

@@ -108,7 +108,7 @@ def ablations(study: Study) -> Rows:
         own = [row for row in study.speed if row.engine == engine]
         default = [row for row in own if "balanced" in row.tier]
         measured = [*default, *(row for row in own if row.role == ABLATION)]
-        seconds = [row.solve_min_s / row.counters.get("steps", 1) for row in measured]
+        seconds = [row.solve_min_s / (row.counters.get("steps") or 1) for row in measured]
         for row, a_step in zip(measured, seconds, strict=True):
             named = {"engine": engine, "setting": row.setting, "status": row.status}
             sizes = {size: row.counters.get(size, "–") for size in (*SIZES, "steps")}

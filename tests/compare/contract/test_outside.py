@@ -51,7 +51,8 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     yield tmp_path
     for module in modules.keys() - {"sitecustomize"}:
         sys.modules.pop(module, None)
-    outside.loaded.cache_clear()
+    outside.imported.cache_clear()
+    outside._outcome.cache_clear()
 
 
 def test_the_example_keeps_to_the_contract(site: Path) -> None:

@@ -1,8 +1,11 @@
 """Processes of their own: whatever happens in one is an outcome, and the others go on."""
 
+import os
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -10,8 +13,9 @@ import pytest
 from compare.engines.isolation import Ended, Limits, isolated
 from compare.engines.stopping import Stopped, kept
 from scenes import Status
-from tests.deaths import DEATHS, MEMORY, TWELVE, alive, children, within
+from tests.deaths import DEATHS, MEMORY, TWELVE, alive, begun, children, within
 
+ROOT = Path(__file__).parents[3]
 LIMITS = Limits(seconds=0.5, memory=MEMORY)
 
 
@@ -42,12 +46,82 @@ def test_nothing_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
         ("hang in C", 1e3, "no answer within 0.2 s of processor time"),
         ("asleep", 1.0, "no answer within 0.2 s"),
         ("asleep in C", 1.0, "no answer within 0.2 s"),
+        ("half an answer", 1.0, "no answer within 0.2 s"),
     ],
 )
 def test_the_time_limits(death: str, wait: float, reason: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("compare.engines.isolation.WAIT", wait)
     ((_, ended),) = isolated(do, [death], Limits(seconds=0.2), lambda: None)
     assert ended == Ended(Status.timed_out, reason, at_limit=True)
+
+
+SECONDS = 987654  # by which the processes of these tests are known
+
+
+def begin(how: str) -> None:
+    """Begin a process, one in a session of its own, and one whose parent is gone; and end."""
+    for options in ({}, {"start_new_session": True}):
+        begun(SECONDS, **options)
+    if not os.fork():
+        begun(SECONDS)
+        os._exit(0)
+    if how in DEATHS:
+        DEATHS[how][0]()
+
+
+def sleeping() -> int:
+    """Return how many of these processes there are."""
+    lines = Path("/proc").glob("[0-9]*/cmdline")
+    return sum(f"sleep\0{SECONDS}".encode() in line.read_bytes() for line in lines if line.exists())
+
+
+@pytest.mark.parametrize("how", ["an answer", "abort", "asleep", "its group"])
+def test_what_an_engine_began_ends_with_it(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also what is in another session, or nobody's child any more."""
+    monkeypatch.setattr("compare.engines.isolation.WAIT", 2.0)
+    ((_, ended),) = isolated(begin, [how], Limits(0.5), lambda: None)
+    assert (ended is None) == (how == "an answer")
+    assert sleeping() == 0
+    assert children() == []
+
+
+def test_what_an_engine_began_ends_when_this_process_is_killed() -> None:
+    code = (
+        "from tests.compare.engines import test_isolation as t\n"
+        "def began(_):\n    t.begin('an answer')\n    t.time.sleep(600)\n"
+        "[*t.isolated(began, [0], t.Limits(), lambda: print(t.sleeping(), flush=True))]"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, cwd=ROOT, text=True) as process:
+        assert process.stdout is not None
+        assert next(line for line in process.stdout if line == "3\n")
+        process.kill()
+    assert within(5.0, lambda: sleeping() == 0)
+
+
+def hoard(megabytes: int) -> None:
+    """Begin two processes that have so much each."""
+    code = f"import time; hoard = bytearray({megabytes} << 20); time.sleep(600)"
+    for _ in range(2):
+        subprocess.Popen([sys.executable, "-c", code])
+    time.sleep(600)
+
+
+def test_the_memory_of_what_an_engine_began_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of two processes has less than the limit."""
+    monkeypatch.setattr("compare.engines.isolation.LOOK", 0.1)
+    ((_, ended),) = isolated(hoard, [80], Limits(60.0, memory=120 * 2**20), lambda: None)
+    reason = "it and what it began needed more memory than its limit of 0.117 GiB"
+    assert ended == Ended(Status.crashed, reason, at_limit=True)
+
+
+def test_nothing_is_imported_for_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A class of a module that the engine's process has imported does not bring that here."""
+    (tmp_path / "theirs.py").write_text("class Own(str): pass", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    ((_, ended),) = isolated(lambda _: import_module("theirs").Own("a"), [0], Limits(), lambda: None)
+    assert isinstance(ended, Ended)
+    assert ended.reason == "its result cannot be read: UnpicklingError: Own of theirs is not known outside of it"
+    assert "theirs" not in sys.modules
 
 
 def test_a_stop_ends_what_runs() -> None:
@@ -78,7 +152,7 @@ def test_the_memory_limit_is_named(memory: int) -> None:
 def test_processes_that_are_begun_anew_answer_die_and_end_with_their_parent() -> None:
     """As they are off Linux, where no processor time of another process is known."""
     command = [sys.executable, "-m", "tests.spawned"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=Path(__file__).parents[3], text=True) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, cwd=ROOT, text=True) as process:
         assert process.stdout is not None
         *found, begun = (process.stdout.readline().strip() for _ in range(5))
         process.kill()

@@ -1,9 +1,12 @@
 """Engines that other distributions offer: found by their metadata, run as any other; whatever is wrong is a row."""
 
+import json
 import os
+import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,7 @@ from compare.engines import outside, registry
 from compare.engines.kept import version
 from compare.engines.settings import settings_of, tiers
 from compare.run import main
+from scenes.motion import channels
 from tests.sites import GOOD, install
 
 OWN = f"{GOOD}from scenes import Failure, Settings, Status\n"
@@ -41,12 +45,56 @@ MODULES = {
     "one_label": f"{OWN}WORK_PRECISION = (Settings('a'), Settings('a', order=2))",
     "steps": f"{OWN}at_steps = lambda steps: steps",
 }
+SPOILT = """
+from analytic.engine import build as real
+from scenes import Failure, Motion, Settings, Status
+import numpy as np
+DEFAULT = Settings("plain", promise=1e-6)
+class build:
+    def __init__(self, scene, settings, request):
+        import analytic.engine as core
+        self.run, self.wanted = core.build(scene, core.DEFAULT, request), request.wanted(scene)
+        self.solve = self.run.solve
+    def read(self):
+        motion = self.run.read()
+        s = {c: motion[c] for c in self.wanted}
+        return spoilt(s)
+"""
+RETURNED = {  # what comes back, and the reason why it is not ok
+    "huge": ("s['A.x'] = s['A.x'] + 1e200", "A.x is 1e+200 at crank angle 0.0000 deg"),
+    "unknown": ("s |= {'A.foo': s['time'], 'nothing': s['time']}", ""),
+    "another_length": ("s |= {'A.z': s['time'][:3], 'B.x': s['time'][:3]}", "B.x is of shape (3,), expected (25,)"),
+    "of_no_text": ("s |= {5: s['time'], None: s['time'], (1, 2): s['time']}", ""),
+    "of_its_own": ("s = {K(c): v for c, v in s.items()}", "UnpicklingError: K of of_its_own is not known outside"),
+    "very_many": ("s |= {f'X{k}.x': s['time'] for k in range(20_000)}", ""),
+    "texts": ("s['A.x'] = s['A.x'].astype(str)", "A.x is of <U32, expected float64"),
+    "a_number": ("s['A.x'] = 1.0", "A.x is of shape (), expected (25,)"),
+    "fails_short": ("raise Failure(Status.diverged, 'why', Motion({c: v[:3] for c, v in s.items()}))", "why"),
+    "fails_huge": ("raise Failure(Status.diverged, 'why', Motion({c: 1e200 * v for c, v in s.items()}))", "why"),
+    "counts": ("build.counters = {'steps': 10**5000}", "OverflowError: Python int too large to convert to C long"),
+}
+BODIES = {
+    name: f"{SPOILT}class K(str): pass\ndef spoilt(s):\n    {body}\n    return Motion(s)"
+    for name, (body, _) in RETURNED.items()
+}
+FINE = f"{SPOILT}spoilt = Motion\n"
+ENDINGS = {  # what an import leaves for later
+    "a_thread": f"{FINE}import threading, time\nthreading.Thread(target=time.sleep, args=(600,)).start()",
+    "an_exit": f"{FINE}import atexit, time\natexit.register(time.sleep, 600)",
+    "own_settings": (
+        f"{FINE}from dataclasses import dataclass\n@dataclass(frozen=True)\nclass Own(Settings):\n"
+        "    level: float = 1e-3\n    kind: object = (1, 2)\nDEFAULT = Own('own', promise=1e-6)\n"
+    ),
+}
 RUN = {  # what a run of each ends with
     "good": ("ok", ""),
     "absent_import": ("crashed", "ModuleNotFoundError: No module named 'no_such_module_at_all'"),
     "dies": ("crashed", "its process ended by SIGABRT"),
     "empty": ("crashed", "TypeError: expected a module with DEFAULT, of scenes.Settings, and build("),
-    "unsendable": ("crashed", "an't"),
+    "unsendable": (
+        "crashed",
+        "TypeError: vector equations: expected an order that is a number or None, and family and",
+    ),
     "changes": ("ok", ""),
     "no_motion": ("crashed", "expected scenes.Motion, found NoneType"),
     "fails_ok": ("crashed", "a failure is expected to have another status than ok"),
@@ -68,7 +116,8 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Have distributions installed that offer engines, good and bad ones."""
     site = tmp_path_factory.mktemp("site")
     points = {f"{name}": name for name in MODULES} | NAMED | {"../up": "good", "a,b": "good"}
-    install(site, "acme", points, MODULES, "Summary: Engines of\x1b Acme\n")
+    points |= {name: name for name in BODIES | ENDINGS}
+    install(site, "acme", points, MODULES | BODIES | ENDINGS, "Summary: Engines of\x1b Acme\n")
     needs = "Requires-Dist: numpy\nRequires-Dist: other; extra == 'x'\nRequires-Dist: no-such-thing>=1\n"
     install(site, "needy", {"needy": "good"}, metadata=needs)
     for name, broken in {"latin": "mine = größe".encode("latin-1"), "torn": b"[console_scripts]\nmine"}.items():
@@ -81,7 +130,8 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
     for module in MODULES:
         sys.modules.pop(module, None)
-    outside.loaded.cache_clear()
+    outside.imported.cache_clear()
+    outside._outcome.cache_clear()
 
 
 @pytest.mark.usefixtures("_installed")
@@ -118,6 +168,31 @@ def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.usefixtures("_installed")
+def test_whatever_is_returned_is_a_row_and_what_nobody_asked_for_is_left_out() -> None:
+    found = compare.check("four_bar", ("analytic", *RETURNED), samples=24)
+    for engine, (_, reason) in RETURNED.items():
+        assert reason in found.verdicts[engine][1]
+        assert (found.verdicts[engine][0] == "ok") == (reason == ""), found.verdicts[engine]
+    assert {*found.motions["very_many"].samples} == {*found.motions["of_no_text"].samples} == {*channels(found.scene)}
+
+
+@pytest.mark.usefixtures("_installed")
+def test_no_engine_is_imported_here(tmp_path: Path) -> None:
+    """What its import leaves for the exit of a process does not hold that of the command."""
+    code = "import sys; from compare.run import main; main(sys.argv[4:]); print({*sys.argv[1:4]} & {*sys.modules})"
+    arguments = ["four_bar", "--samples", "24", "--out", str(tmp_path), "--engines", f"analytic,{','.join(ENDINGS)}"]
+    surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYDANTIC_DISABLE_PLUGINS": "__all__"}
+    command = [sys.executable, "-c", code, *ENDINGS, *arguments]
+    done = subprocess.run(command, env=surroundings, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.stdout.splitlines()[-1:], done.stderr) == (["set()"], "")
+    page = (tmp_path / "four_bar" / "report.html").read_text(encoding="utf-8")
+    assert "(1, 2)" in page, "settings of its own"
+    summary = json.loads((tmp_path / "four_bar" / "summary.json").read_text(encoding="utf-8"))
+    assert {name: summary["engines"][name]["status"] for name in ENDINGS} == dict.fromkeys(ENDINGS, "ok")
+    assert summary["engines"]["own_settings"]["settings"]["level"] == 1e-3
+
+
+@pytest.mark.usefixtures("_installed")
 def test_what_a_module_leaves_out_is_its_default() -> None:
     engine = registry.engine("good")
     assert engine.version() == "acme 1.0"
@@ -129,7 +204,7 @@ def test_what_a_module_leaves_out_is_its_default() -> None:
 def test_results_are_kept_of_the_same_code_alone() -> None:
     """Another source of an engine is another version of everything, be its distribution's version the same."""
     version.cache_clear()
-    before, file = version(), Path(str(sys.modules["good"].__file__))
+    before, file = version(), Path(str(find_spec("good").origin))  # type: ignore[union-attr]
     file.write_text(f"{GOOD}\n", encoding="utf-8")
     version.cache_clear()
     assert version() != before

@@ -13,6 +13,7 @@ import pytest
 
 import scenes
 from compare.engines import registry, runner
+from compare.engines.isolation import Ended, Limits
 from compare.engines.registry import ORACLE
 from compare.engines.runner import Run
 from compare.engines.stopping import Stopped
@@ -71,6 +72,17 @@ def test_what_was_ended_at_a_limit_is_not_asked_again(
     assert len(processes) == begun
     assert {run.status for run in found} == {DEATHS[death][1]}
     assert found[-1].reason.startswith("not run again, since ") == (death != "recursion")
+
+
+def test_what_is_asked_of_an_engine_beside_its_runs_may_hang(scene: Scene) -> None:
+    """As how many iterations it needs: that ends, and nothing is asked again of it on this scene."""
+    with doomed({}), workers(["analytic"], quiet) as runs:
+        ended = runs.asked("analytic", scene, DEATHS["hang in Python"][0], Limits(0.3))  # type: ignore[call-arg]
+        again = runs.run("analytic", scene, SAMPLING)
+        assert runs.asked("analytic", scenes.load("crank_press"), os.getpid) != os.getpid()
+    assert isinstance(ended, Ended)
+    assert (ended.status, ended.at_limit) == (Status.timed_out, True)
+    assert again.reason == f"not run again, since {ended.reason}"
 
 
 @pytest.mark.parametrize(
