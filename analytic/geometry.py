@@ -63,7 +63,7 @@ def rigid_body(scene: Scene, body: Body) -> RigidBody:
     mass = 0.0 if body.mass is None else body.mass
     if body.com is not None and body.inertia is not None:
         return RigidBody(local, as_complex(body.com), mass, body.inertia)
-    corners = list(local.values())
+    corners = [local[point] for point in body.corners]
     sides_squared = sum(abs(a - b) ** 2 for i, a in enumerate(corners) for b in corners[i + 1 :])
     # point mass, uniform bar m l^2 / 12, uniform triangular plate m (a^2 + b^2 + c^2) / 36; with more points, no mass
     inertia = mass * sides_squared / {1: 1, 2: 12}.get(len(corners), 36)

@@ -22,7 +22,7 @@ from .geometry import as_complex
 from .group_equations import Group, stacked
 from .kinematics import Linkage
 from .newton_group import joint_forces
-from .numbers import Number, samples
+from .numbers import Number, chosen, samples
 from .placing import Kinematics
 
 StrokeEnds: TypeAlias = Mapping[int, Number]  # by number of the press force: where its slider's closing stroke ends, m
@@ -218,8 +218,9 @@ class Balance:
             for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if mine == body:
                     d = z[other] - z[at]
-                    length = np.abs(d)
-                    yield Wrench(spring.stiffness * (length - spring.length) * (d / length), z[at])
+                    apart = np.abs(d)
+                    over = chosen(apart + spring.length > 0, apart, 1.0)  # without a free length none where ends meet
+                    yield Wrench(spring.stiffness * (d - spring.length * (d / over)), z[at])
         for point in self.linkage.carries[body]:
             solved = [pin[point, other] for other in self.scene.owners[point] if (point, other) in pin]
             if solved:

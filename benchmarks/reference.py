@@ -30,6 +30,7 @@ LIMITS = (
     ("points of all bodies and the ground, counted for each that names them", limits.POINTS),
     ("loads, and springs", limits.LOADS),
     ("rows of a force table or a motion law", limits.ROWS),
+    ("turns of a crank from end to end of a cycle", limits.TURNS),
     ("numbers that the workshop may deviate from", limits.VARIATIONS),
     ("characters of a name", limits.NAME),
     ("samples times channels of a run", limits.VALUES),

@@ -33,8 +33,9 @@ def check(
 
     Returns:
         The result: `ok`, whether every engine is ok and no tolerance of the scene is missed; `verdicts`, by engine
-        the name of its status and the reason; `motions`, by engine its `Motion`; `errors` and `gates`, data frames of
-        one row a channel and one a tolerance; `plot("P5.ay")`, a figure of one channel. A notebook shows it as a table.
+        the name of its status and the reason; `motions`, by engine its `Motion`; `errors`, `gates` and `masses`,
+        data frames of one row a channel, a tolerance and a body; `plot("P5.ay")`, a figure of one channel. A notebook
+        shows it as a table.
 
     Raises:
         InputError: no such scene or engine, an argument out of range, or a scene that the reference cannot solve.

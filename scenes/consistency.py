@@ -4,7 +4,7 @@ from itertools import combinations, pairwise
 from math import pi, remainder
 
 from .errors import InputError, nearest, path_in_file
-from .limits import POINTS
+from .limits import POINTS, TURNS
 from .scene import GROUND, Body, ForceTable, MotionLaw, Scene, Vector
 from .sizes import check_sizes
 
@@ -47,8 +47,9 @@ def _check_body(scene: Scene, body: Body) -> None:
     for point, xy in (body.local or {}).items():
         if at.setdefault(xy, point) != point:
             raise InputError(f"{place}.points: {at[xy]} and {point} are the same point")
-    if body.mass is not None and body.com is None and len(body.points) > 3:
-        raise InputError(f"{place}: expected 'com' and 'inertia', since it has a mass and more than three points")
+    if body.mass is not None and body.com is None and len(body.corners) > 3:
+        more = "more than three points that are not on one line"
+        raise InputError(f"{place}: expected 'com' and 'inertia', since it has a mass and {more}")
 
 
 def _check_masses(scene: Scene) -> None:
@@ -134,6 +135,13 @@ def _check_drive(scene: Scene) -> None:
         kind = "angle" if scene.driven_slide is None else "length"
         start, end = (scene.amount(kind, position, 12) for position in (drive.start, drive.end))
         raise InputError(f"drive.end: expected a position {way} 'start', {start}, found {end}; or make speed {sign}")
+    least, most = drive.extent
+    turns = (most - least) / (2 * pi)
+    if scene.driven_slide is None and not turns <= TURNS:
+        key, instead = (
+            ("law", "") if isinstance(drive, MotionLaw) else ("end", "; without 'end' a crank turns for ever")
+        )
+        raise InputError(f"drive.{key}: expected {TURNS} turns at most from end to end, found {turns:g}{instead}")
 
 
 def _check_law(scene: Scene, law: MotionLaw) -> None:
@@ -153,6 +161,12 @@ def _check_law(scene: Scene, law: MotionLaw) -> None:
         raise InputError(
             f"drive.law: periodic: expected the last position to be the first{whole}; it is off by"
             f" {scene.amount(kind, off, 3)}"
+        )
+    if not law.beyond <= 1:
+        leaves = f"it drives from {scene.between(law.extent)}, the table from {scene.between(law.table)}"
+        raise InputError(
+            f"drive.law: the spline leaves the table by more than its range: {leaves}; expected more rows where the"
+            " motion changes"
         )
 
 

@@ -110,9 +110,21 @@ class MotionLaw:
 
     @cached_property
     def extent(self) -> tuple[float, float]:
-        """Return the least and the largest position of a cycle, rad or m."""
-        positions = self.at(np.linspace(0, self.cycle, 10_001)).position
+        """Return the least and the largest position of a cycle, rad or m: of a row, or where the rate is zero."""
+        turning = self._spline.derivative().solve(-self._trend, extrapolate=False)
+        positions = self.at([*self.times, *turning[np.isfinite(turning)]]).position
         return float(positions.min()), float(positions.max())
+
+    @property
+    def table(self) -> tuple[float, float]:
+        """Return the least and the largest position of the table, rad or m."""
+        return min(self.positions), max(self.positions)
+
+    @property
+    def beyond(self) -> float:
+        """Return how far the spline goes beyond the positions of its table, as a share of their range."""
+        (low, high), (least, most) = self.extent, self.table
+        return max(least - low, high - most) / (most - least)
 
     def after(self, cycles: ArrayLike) -> Samples:
         """Return the positions, rad or m, after numbers of cycles, whole or not, of any shape."""

@@ -82,7 +82,8 @@ class BodyTable(Table):
     )
     mass: NotNegative | None = Field(None, description="Its mass; without any in the file there are no forces.")
     com: Pair | None = Field(
-        None, description="Its centre of mass, own frame; not of a point, a uniform bar, a uniform plate."
+        None,
+        description="Its centre of mass, own frame; not of a point, a uniform bar (points on one line too) or plate.",
     )
     inertia: NotNegative | None = Field(None, description="Its moment of inertia about the centre of mass.")
     slides: SlideTable | None = Field(None, description="The guide on which it slides, if any.")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arguments import check_changes, doubles, scene_of
+from .corners import LINE, heights
 from .drive import MotionLaw
 from .errors import InputError, nearest
 from .loads import ForceTable, Load, PressForce, Spring
@@ -256,10 +257,21 @@ def _demands(scene: Scene) -> Iterator[tuple[str, Any, Any]]:
                     f"bodies.{body.name}.lengths: the triangle cannot close, expected its longest side to be shorter"
                 )
                 yield f"{place} than the other two together", longest < most - longest, longest / unit
+        for height in _heights(body):
+            on_line = len(body.corners) == 2
+            if np.ndim(height):
+                where = f"points that are {'' if on_line else 'not '}on one line, as drawn, or 'com' and 'inertia'"
+                yield f"bodies.{body.name}: expected {where}", (height <= LINE) == on_line, height
     drive = scene.drive
     if not isinstance(drive, MotionLaw) and drive.end is not None and np.ndim(drive.cycle):
         _, unit = scene.units["angle" if scene.driven_slide is None else "length"]
         yield "drive.end: expected a position that the speed leads to", drive.cycle > 0, drive.end / unit
+
+
+def _heights(body: Body) -> Iterator[Any]:
+    """Yield what tells whether the points of a uniform body are on one line."""
+    if body.mass is not None and body.com is None and len(body.points) > 2:
+        yield from heights(body.corners, body.points, body.local, body.lengths)
 
 
 def _triangles(body: Body) -> Iterator[list[Any]]:

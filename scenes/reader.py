@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from .arguments import check_changes, refuse
 from .changes import Value, change, label, numbers
 from .consistency import check
+from .corners import corners, on_one_line
 from .drive import ConstantSpeed, Drive, MotionLaw
 from .errors import InputError, nearest, one_line
 from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, TolerancesTable, explain
@@ -223,6 +224,8 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
         lengths = MappingProxyType({frozenset(pair.split("-")): v * length for pair, v in table.lengths.items()})
         if len(lengths) != len(table.lengths):
             raise InputError(f"bodies.{name}.lengths: a distance is given twice")
+        if on_line := on_one_line(names, lengths):  # which no triangles give: it is a matter of the last places
+            local, lengths = MappingProxyType(on_line), None
     if table.slides is not None:
         norm = hypot(*table.slides.along)
         if not 1e-15 <= norm <= 1e15:
@@ -235,6 +238,7 @@ def _body(name: str, table: BodyTable, length: float, mass: float) -> Body:
         points=names,
         local=local,
         lengths=lengths,
+        corners=corners(names, local, lengths),
         mass=None if table.mass is None else table.mass * mass,
         com=None if table.com is None else _times(length, table.com),
         inertia=None if table.inertia is None else table.inertia * mass * length**2,

@@ -56,14 +56,15 @@ class Body:
 
     The frame of a body given by lengths has its origin at the first point and x towards the second; every further
     point is given by its distances from two earlier ones, and lies on the side of their line where the sketch shows it.
-    Unless both `com` and `inertia` are given, one point is a point mass, two are a uniform bar, three are a uniform
-    triangular plate.
+    Unless both `com` and `inertia` are given, it is uniform between its corners: one is a point mass, two are the ends
+    of a bar, three the corners of a triangular plate; see `scenes.corners`.
     """
 
     name: str
     points: tuple[str, ...]
     local: Mapping[str, Vector] | None  # m, body frame
     lengths: Mapping[frozenset[str], float] | None  # m, by pair of points
+    corners: tuple[str, ...]  # which points span it, where it is uniform
     mass: float | None  # kg; None in a kinematic scene
     com: Vector | None  # m, body frame
     inertia: float | None  # kg m^2, about the centre of mass
@@ -204,6 +205,10 @@ class Scene:
             return self.length(position, 6)
         unit, size = self.units["angle"]
         return f"{position / size:z.{4 if size <= pi / 180 else 6}f} {unit}"
+
+    def between(self, ends: tuple[float, float]) -> str:
+        """Return a range of positions of the drive, rad or m, in the unit of the file."""
+        return " to ".join(map(self.position, ends))
 
     def where(self, position: float) -> str:
         """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""

@@ -249,7 +249,8 @@ class Absolute:
             yield load.body, self.load(load, Q, dQ), load.at
         for spring in self.scene.springs:
             apart = (self.point(*spring.second) - self.point(*spring.first)) @ Q
-            pull = spring.stiffness * (1 - spring.length / hypot(*apart)) * apart
+            free = spring.length / hypot(*apart) if spring.length else 0.0
+            pull = spring.stiffness * (1 - free) * apart
             yield spring.first[0], pull, spring.first[1]
             yield spring.second[0], -pull, spring.second[1]
 

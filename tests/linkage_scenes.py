@@ -134,6 +134,7 @@ def _body(draw: st.DrawFn, name: str, local: Mapping[str, complex], slide: Slide
         tuple(points),
         None if by_lengths else MappingProxyType({point: xy(z) for point, z in local.items()}),
         lengths,
+        tuple(points),
         mass,
         com,
         None if com is None else mass * draw(numbers(0.01, 2)),

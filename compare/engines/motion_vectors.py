@@ -67,7 +67,7 @@ class MotionVectors:
     def com(self, body: Body) -> tuple[Vectors, Vectors, Vectors]:
         """Return position, velocity and acceleration of the centre of mass; of uniform bodies, the corners' mean."""
         if body.com is None:
-            z, v, a = (sum(vectors) / len(body.points) for vectors in zip(*map(self.point, body.points), strict=True))
+            z, v, a = (sum(vectors) / len(body.corners) for vectors in zip(*map(self.point, body.corners), strict=True))
             return z, v, a
         z, v, a = self.point(body.points[0])
         angle, omega, alpha = self.turning(body.name)
@@ -165,7 +165,8 @@ def inertia(body: Body) -> float:
     """Return the inertia about the com, kg m^2: as given, or of a point, a uniform bar or a triangular plate."""
     if body.inertia is not None:
         return body.inertia
-    return (body.mass or 0.0) * sum(d**2 for d in distances(body).values()) / {1: 1, 2: 12, 3: 36}[len(body.points)]
+    sides = [length for ends, length in distances(body).items() if {*ends} <= {*body.corners}]
+    return (body.mass or 0.0) * sum(side**2 for side in sides) / {1: 1, 2: 12, 3: 36}[len(body.corners)]
 
 
 def first_point(body: Body) -> complex:

@@ -42,7 +42,7 @@ def masses(clean: Clean) -> Iterator[Fault]:
     turning = [name for name in scene.turning if name in heavy]
     for name in clean.some([one for one in turning if inertia(scene.bodies[one])], "no inertia"):
         yield fault("no moment of inertia", 1, Kind.inertia, name, **_inertia(scene, name, 0.0))
-    bars = [one for one in turning if len(scene.bodies[one].points) == 2 and scene.bodies[one].com is None]
+    bars = [one for one in turning if len(scene.bodies[one].corners) == 2 and scene.bodies[one].com is None]
     for name in clean.some(bars, "bar"):
         yield fault("a uniform bar's inertia about its end", 3, Kind.inertia, name, **_inertia(scene, name, 4.0))
     for name in clean.some([one for one in turning if len(scene.bodies[one].points) in (2, 3)], "com"):
@@ -79,7 +79,7 @@ def _com(scene: Scene, name: str) -> complex | None:
     if body.com is not None:
         return complex(*body.com)
     if body.local is not None:
-        return sum(complex(*place) for place in body.local.values()) / len(body.points)
+        return sum(complex(*body.local[point]) for point in body.corners) / len(body.corners)
     return max(distances(body).values()) / 2 + 0j if len(body.points) == 2 else None
 
 

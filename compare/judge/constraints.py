@@ -196,8 +196,13 @@ def condition(scene: Scene, motion: Motion) -> Samples:
 
 
 def largest_length(scene: Scene) -> float:
-    """Return the largest known distance of a body's points, or of the ground's, m; without one, the drive's travel."""
-    ground = [complex(*place) for place in scene.ground.values()]
+    """Return the largest known distance of a body's points, or of the ground's that something is joined to, m.
+
+    Without one it is the drive's travel.
+    """
+    ends = (end for spring in scene.springs for end in (spring.first, spring.second))
+    joined = {pin.point for pin in scene.pins} | {point for body, point in ends if body == GROUND}
+    ground = [complex(*place) for point, place in scene.ground.items() if point in joined]
     known = [length for body in scene.bodies.values() for length in distances(body).values()]
     known += [abs(p - q) for p in ground for q in ground]
     return max(known, default=0.0) or float(np.ptp(scene.drive.extent))

@@ -21,6 +21,7 @@ from .escalation import escalated
 from .foreign import assess_result, coarse
 from .gates import Gate, Miss, gates, missed
 from .measure import Measurement, measure
+from .notes import notes
 from .peaks.peaks import Peak, peaks
 from .round_off import Explained, explain
 from .sketch import warnings
@@ -42,7 +43,7 @@ class Judgement:
     explained: Explained  # of errors, by doubles
     measurements: list[Measurement]  # one an engine, in the order asked for
     held: list[Gate]  # the scene's tolerances
-    reasons: list[str]  # what the user should know: points far from their sketch, why engines run at their settings
+    reasons: list[str]  # what the user should know: of its numbers and its sketch, why engines run at their settings
     let_through: list[str] = field(default_factory=list, kw_only=True)  # faults in copies of these runs, that none sees
 
     @property
@@ -121,7 +122,7 @@ def judgement(
         results: of other programs, which come after the engines.
     """
     scene, explained = reference.scene, explain(reference, sampling)
-    reasons = [*warnings(reference)]
+    reasons = [*notes(scene), *warnings(reference)]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:

@@ -14,6 +14,7 @@ import numpy as np
 
 from scenes import Motion
 from scenes.motion import header
+from scenes.scene import SI
 
 from ..engines.axis import axis
 from ..engines.environment import environment
@@ -185,6 +186,7 @@ def summary(study: Study) -> dict[str, Any]:
         "axis": axis(scene),
         "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
         "sketch": distances(study.reference),
+        "masses": tables.masses(study, SI),
         "verdict": study.agreement,
         "peaks": study.peaks,
         "engines": {m.run.engine: _engine(m, worst_error(scene, m)) for m in study.measurements},

@@ -9,6 +9,7 @@ import pandas as pd
 
 from scenes.errors import nearest
 from scenes.motion import UNITS, quantity
+from scenes.scene import SI
 from scenes.sparkline import sparkline
 
 from ..engines.axis import prefixed
@@ -45,6 +46,11 @@ class Result(Study):
     def gates(self) -> pd.DataFrame:
         """One row per tolerance of the scene: the error measured, and whether it was met."""
         return pd.DataFrame(tables.gates(self), columns=["engine", "group", "tolerance", "error", "met", "worst"])
+
+    @property
+    def masses(self) -> pd.DataFrame:
+        """One row per body, SI: the mass, centre of mass and inertia that it was taken to have, and by which rule."""
+        return pd.DataFrame(tables.masses(self, SI))
 
     def svg(self, *, moving: bool = True) -> str:
         """Return the linkage as one SVG for a slide, without a script.

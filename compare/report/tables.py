@@ -14,7 +14,9 @@ from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.axis import axis, cycle_name
+from ..engines.motion_vectors import first_point
 from ..engines.reference import Floor
+from ..engines.weights import rule, weights
 from ..judge.checks import Check
 from ..judge.constraints import largest_length
 from ..judge.errors import by_group as grouped
@@ -113,6 +115,25 @@ def sketch(study: Study) -> Rows:
         {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
         for point, distance in sorted(distances(study.reference).items(), key=lambda item: -item[1])
     ]
+
+
+def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -> Rows:
+    """Return what mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
+
+    Args:
+        study: of the linkage.
+        units: name and size in SI of those of length and mass, the file's where there are none.
+    """
+    scene = study.scene
+    (length, m), (mass, kg) = ((units or scene.units)[name] for name in ("length", "mass"))
+    columns = ("body", f"mass [{mass}]", f"com x [{length}]", f"com y [{length}]", f"inertia [{mass}*{length}^2]")
+    rows: Rows = []
+    for name, body in scene.bodies.items() if scene.has_masses else ():
+        own = weights(scene, body)
+        com = (own.com + first_point(body)) / m
+        numbers = name, own.mass / kg, com.real, com.imag, own.inertia / (kg * m**2)
+        rows.append({**dict(zip(columns, numbers, strict=True)), "taken as": rule(body)})
+    return rows
 
 
 def settings(study: Study) -> Rows:

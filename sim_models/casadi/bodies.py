@@ -31,9 +31,10 @@ def casadi_body(scene: Scene, body: Body) -> CasadiBody:
     if body.com is not None and body.inertia is not None:
         return CasadiBody(points, casadi.vertcat(*body.com), mass, body.inertia)
     # A bar's or a triangle's radius of gyration by the squared distances of its corners: 1/12 and 1/36 of their sum.
-    squares = sum(casadi.sumsqr(p - q) for p, q in combinations(points.values(), 2))
-    com = sum(points.values()) / len(points)
-    return CasadiBody(points, com, mass, mass * squares / (12 if len(points) == 2 else 36))
+    corners = [points[name] for name in body.corners]
+    squares = sum(casadi.sumsqr(p - q) for p, q in combinations(corners, 2))
+    com = sum(corners) / len(corners)
+    return CasadiBody(points, com, mass, mass * squares / (12 if len(corners) == 2 else 36))
 
 
 def _by_lengths(scene: Scene, body: Body) -> Iterator[tuple[str, tuple[Any, Any]]]:

@@ -34,7 +34,7 @@ def rigid_body(scene: Scene, body: Body) -> ExudynBody:
     points = _local_points(scene, body)
     mass = 1.0 if body.mass is None else body.mass
     if body.com is None or body.inertia is None:
-        com, inertia = _uniform(mass, list(points.values()))
+        com, inertia = _uniform(mass, [points[point] for point in body.corners])
     else:
         com, inertia = complex(*body.com), body.inertia
     return ExudynBody(com, {name: point - com for name, point in points.items()}, mass, inertia)

@@ -32,7 +32,7 @@ def mujoco_body(scene: Scene, body: Body) -> MujocoBody:
     if mass == 0:
         raise Failure(Status.unsupported, f"'{body.name}' has no mass, and MuJoCo moves no body without")
     points = _local(scene, body)
-    places = np.array([*points.values()])
+    places = np.array([points[name] for name in body.corners])
     if body.com is not None and body.inertia is not None:
         return MujocoBody(points, complex(*body.com), mass, body.inertia)
     com = complex(places.mean())

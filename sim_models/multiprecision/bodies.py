@@ -61,10 +61,10 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
 
 
 def centre_of_mass(body: Body, local: dict[str, Point]) -> Point:
-    """Return the centre of mass; that of a point, a uniform bar or a uniform triangle is the mean of its points."""
+    """Return the centre of mass; that of a point, a uniform bar or a uniform plate is the mean of its corners."""
     if body.com is not None:
         return arb(body.com[0]), arb(body.com[1])
-    x, y = zip(*local.values(), strict=True)
+    x, y = zip(*(local[point] for point in body.corners), strict=True)
     return sum(x, arb(0)) / len(x), sum(y, arb(0)) / len(y)
 
 
@@ -72,5 +72,6 @@ def inertia(body: Body, mass: float, local: dict[str, Point]) -> arb:
     """Return the inertia about the centre of mass: m l^2/12 for a bar, m (a^2 + b^2 + c^2)/36 for a triangle."""
     if body.inertia is not None:
         return arb(body.inertia)
-    sides = [(x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(local.values(), 2)]
-    return arb(mass) * sum(sides, arb(0)) / (12 if len(local) == 2 else 36)
+    corners = [local[point] for point in body.corners]
+    sides = [(x - u) ** 2 + (y - v) ** 2 for (x, y), (u, v) in combinations(corners, 2)]
+    return arb(mass) * sum(sides, arb(0)) / (12 if len(corners) == 2 else 36)

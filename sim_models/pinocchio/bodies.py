@@ -39,7 +39,7 @@ def pinocchio_body(scene: Scene, body: Body) -> PinocchioBody:
     mass = 1.0 if body.mass is None else body.mass
     if body.com is not None and body.inertia is not None:
         return PinocchioBody(points, complex(*body.com), mass, body.inertia)
-    corners = np.array([*points.values()])
+    corners = np.array([points[name] for name in body.corners])
     squares = sum(abs(p - q) ** 2 for p, q in combinations(corners, 2))
     return PinocchioBody(points, complex(corners.mean()), mass, mass * squares / (12 if len(corners) == 2 else 36))
 

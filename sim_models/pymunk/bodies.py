@@ -70,7 +70,7 @@ def _mass_properties(body: Body, points: Mapping[str, complex]) -> tuple[complex
     """Return centre of mass, m, mass, kg, and moment of inertia about the centre of mass, kg m^2."""
     import pymunk
 
-    places = np.array([*points.values()])
+    places = np.array([points[point] for point in body.corners])
     centroid = complex(places.mean())
     if body.mass is None:
         return centroid, 0.0, 0.0

@@ -15,7 +15,7 @@ from compare.judge.errors import SHOWN_GROUPS
 from scenes import Sampling, Scene
 from scenes.motion import Samples, channels, force_channels
 from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
-from tests import absolute_coordinates
+from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, solve, where
 from tests.comparisons import all_checks
 from tests.linkage_scenes import linkages, loads_on
@@ -177,3 +177,22 @@ def test_against_50_digits(scene: Scene) -> None:
     motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
     # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
     assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
+
+
+def test_where_the_ends_of_a_spring_meet() -> None:
+    """Without a free length it pulls by nothing there, whatever way the core is asked; with one it has no direction.
+
+    A spring from S, 1 m along the lever at rest, to the lever's end: the moment of k (S - C) is -k sin(angle) by 1 m^2.
+    """
+    spring = {"between": ["ground.S", "lever.C"], "stiffness": 3, "length": 0}  # N/mm
+    scene = scene_files.load("lever", {"ground.points.S": [1000, 0], "springs": [spring], "gravity": None})
+    angles = np.array([0.0, 0.5])
+    torque = [0, 3000 * np.sin(0.5)]
+    for motion in (analytic.solve(scene, angles), analytic.fast_solver(scene)(angles)):
+        assert np.abs(motion["drive.torque"] - torque).max() <= 1e-11  # N m, roundings of 3 kN at a metre
+    lengths = {"springs.0.length": [0.0, 200.0]}
+    without, pushing = analytic.solve_many(scene, lengths, angles)["drive.torque"]
+    assert np.abs(without - torque).max() <= 1e-11
+    assert np.isnan(pushing).tolist() == [True, False]
+    by = analytic.derivatives(scene, ["bodies.lever.points.C.0"], angles)["drive.torque"]
+    assert np.abs(by[0] - 3 * np.sin(angles)).max() <= 1e-14  # of k S l sin(angle) by l, N m a mm

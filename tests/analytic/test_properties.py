@@ -122,6 +122,7 @@ def renamed(scene: Scene, names: Mapping[str, str], order: list[str]) -> Scene:
             points=tuple(names[point] for point in points),
             local=old.local and {names[point]: old.local[point] for point in points},
             lengths=old.lengths and {frozenset(names[p] for p in pair): of for pair, of in old.lengths.items()},
+            corners=tuple(names[point] for point in old.corners),
             slide=slide,
         )
 

@@ -10,7 +10,7 @@ import pytest
 
 import compare
 import scenes
-from compare.engines import runner
+from compare.engines import registry, runner
 from compare.engines.runner import Run
 from compare.run import main
 from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status
@@ -127,3 +127,18 @@ def test_bad_arguments_are_named(arguments: dict[str, object], text: str) -> Non
 def test_a_run_that_ends_has_one_cycle() -> None:
     with pytest.raises(InputError, match="runs once from start to end"):
         compare.check("double_toggle_clamp", turns=2)
+
+
+@pytest.mark.parametrize("engine", [*registry.DEFAULT_ENGINES, registry.ORACLE, "casadi", "pinocchio", "mujoco"])
+def test_a_spring_without_free_length_whose_ends_meet(engine: str) -> None:
+    """In the first row and again in each of the others at the start of a turn."""
+    if registry.ENTRIES[engine].missing:
+        pytest.skip(f"{engine} is not installed")
+    spring = {"between": ["ground.S", "lever.C"], "stiffness": 3, "length": 0}
+    scene = scene_files.load("lever", {"ground.points.S": [1000, 0], "springs": [spring]})
+    result = compare.check(scene, engines=(engine,), samples=24, turns=2)
+    assert result.verdicts[engine] == ("ok", "")
+    motion = result.motions[engine]
+    assert abs(motion["C.x"][0] - 1) <= 1e-12
+    moment = 49.05 * np.cos(motion["crank_angle"]) + 3000 * np.sin(motion["crank_angle"])
+    assert np.abs(motion["drive.torque"] - moment).max() <= 3000 * 1e-2  # of pymunk; others are far closer

@@ -146,6 +146,13 @@ MECHANISM_SLIPS = {
     "times fall": ("swinging_law", "[0.5, 290]", "[0.1, 290]", ["drive.law.2.0", "increasing times", "0.1 s"]),
     "times stand still": ("swinging_law", "[0.5, 290]", "[0.2, 290]", ["drive.law.2.0", "increasing times"]),
     "law starts late": ("swinging_law", "[[0, 200]", "[[0.1, 200]", ["drive.law.0.0", "first time to be 0", "0.1 s"]),
+    "more than ten turns": (
+        "tangent",
+        "end = 50",
+        "end = -1e6",
+        ["drive.end", "10 turns at most", "2778.14", "for ever"],
+    ),
+    "law of more than ten turns": ("turning_law", "360]]", "36000]]", ["drive.law", "10 turns at most", "found 103"]),
     "three rows": ("swinging_law", ", [0.7, 320], [1.0, 250], [1.2, 235]]", "]", ["drive.law", "4 or more", "found 3"]),
     "three columns": ("swinging_law", "[0.5, 290]", "[0.5, 290, 1]", ["drive.law.2", "two numbers"]),
     "one column": ("swinging_law", "[0.5, 290]", "[0.5]", ["drive.law.2", "two numbers"]),

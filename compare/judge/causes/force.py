@@ -19,7 +19,8 @@ from scenes import Scene
 from scenes.motion import Samples, force_channels
 from scenes.scene import GROUND, Body, PressForce
 
-from ...engines.motion_vectors import MotionVectors, Vectors, arms, first_point, inertia
+from ...engines.motion_vectors import MotionVectors, Vectors, arms
+from ...engines.weights import Weights, weights
 from ..constraints import blocks, constraints_of
 from .evidence import Channels, Evidence, Hypothesis, Kind, fitted
 
@@ -27,15 +28,6 @@ NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too smal
 
 Wrench = tuple[Vectors, Samples]  # a force, N, and a moment about the body's first point, N m
 Wrenches = Mapping[str, Wrench]  # by body; on the ground none
-
-
-@dataclass(frozen=True)
-class Weights:
-    """What a body's inertia is: kg, m from the first point in the body's frame, kg m^2."""
-
-    mass: float
-    com: complex
-    inertia: float
 
 
 @dataclass(frozen=True)
@@ -83,12 +75,6 @@ class Carried:
         found = np.einsum("ncm,nm->nc", self._solved, needed.reshape(n, -1))
         true = self.evidence.true
         return {c: true[c] + more for c, more in zip(force_channels(self.scene), found.T, strict=True)}
-
-    def weights(self, body: Body) -> Weights:
-        """Return a body's own."""
-        placed = arms(self.scene, body)
-        com = sum(placed.values()) / len(placed) if body.com is None else complex(*body.com) - first_point(body)
-        return Weights(body.mass or 0.0, com, inertia(body))
 
     def needed(self, body: Body, weights: Weights, gravity: complex | None = None) -> Wrench:
         """Return what a body of such weights needs to move as it does."""
@@ -151,7 +137,7 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
     Less than none is no cause.
     """
     scene = carried.scene
-    own = {name: carried.weights(body) for name, body in scene.bodies.items()}
+    own = {name: weights(scene, body) for name, body in scene.bodies.items()}
 
     def changed(to: Mapping[str, Weights]) -> Channels:
         return carried.changed(
@@ -235,7 +221,7 @@ def _com(
 def _inertia_of(body: Body, amount: float) -> str:
     """Return by how much a moment of inertia is off, or what it is that of."""
     known = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
-    for share, what in known.get(len(body.points), {}).items():
+    for share, what in known.get(len(body.corners), {}).items():
         if body.inertia is None and abs(amount - share) < 2e-2:
             return what
     return percent(amount)

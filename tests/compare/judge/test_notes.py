@@ -1,0 +1,60 @@
+"""What follows from a scene's own numbers otherwise than one may think is named wherever it is judged."""
+
+from pathlib import Path
+
+import pytest
+
+import compare
+from compare.report import tables
+from compare.run import main
+from scenes import InputError, Scene
+from tests import scene_files
+
+
+def with_law(*times: float) -> scene_files.Changes:
+    """Return the lever's drive by four rows of the cubic t (t - 3)^2 deg, which is largest, 4 deg, after 1 s."""
+    rows = [[t, t * (t - 3) ** 2] for t in times]
+    return {"drive": {"body": "lever", "law": rows}}
+
+
+def judged(changes: scene_files.Changes) -> list[str]:
+    scene: Scene = scene_files.load("lever", changes)
+    return compare.check(scene, engines=("analytic",), samples=24).reasons
+
+
+def test_a_law_that_leaves_its_table_is_named_with_both_extents(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sentence = "drives from 0.0000 deg to 4.0000 deg, beyond its table's 0.0000 deg to 3.1360 deg: more rows"
+    changes = with_law(0.0, 1.6, 2.5, 3.0)
+    (reason,) = judged(changes)
+    assert sentence in reason
+    result = compare.check(scene_files.load("lever", changes), engines=("analytic",), samples=24)
+    assert any(sentence in note for note in tables.notes(result))  # of the page
+    main([str(scene_files.write(tmp_path, "lever", changes)), "--engines=analytic", "--check", f"--out={tmp_path}"])
+    assert sentence in capsys.readouterr().out
+
+
+def test_a_law_that_all_but_keeps_to_its_table_needs_no_word() -> None:
+    assert judged(with_law(0.0, 1.1, 2.5, 3.0)) == []  # 3.971 deg of 4: by 0.7 % of the range
+
+
+def test_a_law_that_leaves_its_table_by_more_than_its_range_is_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        scene_files.load("lever", with_law(0.0, 2.2, 2.6, 3.0))
+    assert "drive.law: the spline leaves the table by more than its range" in str(caught.value)
+    assert "from 0.0000 deg to 4.0000 deg, the table from 0.0000 deg to 1.4080 deg" in str(caught.value)
+
+
+def test_the_extent_of_a_law_is_found_between_any_rows() -> None:
+    """A thousandth of the table holds a cubic that goes 4 deg beyond it; a grid over the time would not see it."""
+    near = [[1e-7 * t, t * (t - 3) ** 2] for t in (0.0, 2.2, 2.6, 3.0)]
+    rows = [*near, *([t, 0.0] for t in range(1, 6))]
+    with pytest.raises(InputError, match="the spline leaves the table"):
+        scene_files.load("lever", {"drive": {"body": "lever", "law": rows}})
+
+
+@pytest.mark.parametrize(("height", "named"), [(0.05, False), (0.2, True), (49.0, True), (51.0, False)])
+def test_a_plate_that_is_nearly_a_bar_is_named(height: float, named: bool) -> None:
+    reasons = judged({"bodies.lever.points.B": [500, height], "sketch.B": [500, height]})
+    assert [reason.startswith("lever, of three points nearly on one line") for reason in reasons] == [True] * named

@@ -1,0 +1,158 @@
+"""What every model takes for the mass properties of a uniform body, against integrals over its shape."""
+
+from collections.abc import Callable, Mapping
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import pytest
+from scipy.integrate import dblquad, quad
+
+from compare.engines.motion_vectors import first_point
+from compare.engines.weights import rule, weights
+from scenes import Scene
+from scenes.scene import Body
+from tests import scene_files
+
+MASS = 3.0
+Properties: TypeAlias = tuple[complex, float]  # centre of mass in the body's frame, m, and inertia about it, kg m^2
+
+# By what a shape is called: the corners in the body's frame, mm, and what the file has of them.
+POINT = {"B": 0 + 0j}
+BAR = {"A": 20 + 10j, "C": 320 - 390j}
+PLATE = {"A": 20 + 10j, "B": 320 - 390j, "C": -150 + 60j}
+ON_BAR = {"A": BAR["A"], "B": BAR["A"] + 0.3 * (BAR["C"] - BAR["A"]), "C": BAR["C"]}
+MANY = {"D": ON_BAR["B"], **BAR, "E": (BAR["A"] + BAR["C"]) / 2}
+SHAPES = {
+    "point mass at B": (POINT, POINT, False),
+    "uniform bar from A to C": (BAR, BAR, False),
+    "three pins on a bar": (BAR, ON_BAR, False),
+    "four pins on a bar": (BAR, MANY, False),
+    "three pins on a bar by lengths": (BAR, ON_BAR, True),
+    "uniform triangular plate A, B, C": (PLATE, PLATE, False),
+    "a plate by lengths": (PLATE, PLATE, True),
+}
+
+
+def scene_of(shape: str) -> tuple[Scene, Mapping[str, complex]]:
+    """Return a scene with the shape as its one body, and where its corners are in the frame of that body, m."""
+    corners, points, by_lengths = SHAPES[shape]
+    own: dict[str, Any] = {"points": {point: [z.real, z.imag] for point, z in points.items()}}
+    if by_lengths:
+        own = {"lengths": {f"{p}-{q}": abs(points[p] - points[q]) for p, q in combinations(points, 2)}}
+        first, second, *_ = points.values()
+        corners = {p: (z - first) * abs(second - first) / (second - first) for p, z in corners.items()}
+    names = [point for point in points if point != "A"]
+    changes: scene_files.Changes = {
+        "sketch": {p: [points[p].real, points[p].imag] for p in names},
+        "output.point": names[0],
+    }
+    changes |= {"bodies.lever": {**own, "mass": MASS}}
+    if shape.startswith("point"):
+        slide = {"through": [0, 0], "along": [1, 0]}
+        drive = {"body": "lever", "speed": 1, "start": 0, "end": 9}
+        changes |= {"bodies.lever.slides": slide, "drive": drive, "units.speed": "mm/s", "sketch.displacement": 0}
+    return scene_files.load("lever", changes), {p: 1e-3 * z for p, z in corners.items()}
+
+
+def integrated(corners: Mapping[str, complex]) -> Properties:
+    """Return centre and inertia by integrals of 1, x, y and the square of the distance over the shape."""
+    first, *others = corners.values()
+    arms = [z - first for z in others]
+
+    def mean(of: Callable[[complex], float]) -> float:
+        """Return the mean of a function of the place over the points, the bar or the triangle."""
+        if not arms:
+            return of(first)
+        if len(arms) == 1:
+            return float(quad(lambda s: of(first + s * arms[0]), 0, 1)[0])
+        return float(2 * dblquad(lambda t, s: of(first + s * arms[0] + t * arms[1]), 0, 1, 0, lambda s: 1 - s)[0])
+
+    com = complex(mean(lambda z: z.real), mean(lambda z: z.imag))
+    return com, MASS * mean(lambda z: abs(z - com) ** 2)
+
+
+def by_analytic(scene: Scene, body: Body) -> Properties:
+    from analytic.geometry import rigid_body
+
+    own = rigid_body(scene, body)
+    return complex(own.com), float(own.inertia)
+
+
+def by_exudyn(scene: Scene, body: Body) -> Properties:
+    from sim_models.exudyn.bodies import rigid_body
+
+    own = rigid_body(scene, body)
+    return own.com, own.inertia
+
+
+def by_pymunk(scene: Scene, body: Body) -> Properties:
+    from sim_models.pymunk.bodies import rigid
+
+    own = rigid(scene, body)
+    return own.com, own.inertia
+
+
+def by_multiprecision(scene: Scene, body: Body) -> Properties:
+    pytest.importorskip("flint")
+    from sim_models.multiprecision.bodies import centre_of_mass, inertia, local_points
+
+    local = local_points(scene, body)
+    x, y = centre_of_mass(body, local)
+    return complex(float(x), float(y)), float(inertia(body, body.mass or 0.0, local))
+
+
+def by_casadi(scene: Scene, body: Body) -> Properties:
+    pytest.importorskip("casadi")
+    from sim_models.casadi.bodies import casadi_body
+
+    own = casadi_body(scene, body)
+    x, y = own.com.full().ravel()
+    return complex(float(x), float(y)), float(own.inertia)
+
+
+def by_mujoco(scene: Scene, body: Body) -> Properties:
+    pytest.importorskip("mujoco")
+    from sim_models.mujoco.bodies import mujoco_body
+
+    own = mujoco_body(scene, body)
+    return own.com, own.inertia
+
+
+def by_pinocchio(scene: Scene, body: Body) -> Properties:
+    pytest.importorskip("pinocchio")
+    from sim_models.pinocchio.bodies import pinocchio_body
+
+    own = pinocchio_body(scene, body)
+    return own.com, own.inertia
+
+
+def by_judge(scene: Scene, body: Body) -> Properties:
+    own = weights(scene, body)
+    return own.com + first_point(body), own.inertia
+
+
+MODELS = (by_analytic, by_exudyn, by_pymunk, by_multiprecision, by_casadi, by_mujoco, by_pinocchio, by_judge)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_uniform_body_has_the_integrals_over_its_shape(
+    shape: str, model: Callable[[Scene, Body], Properties]
+) -> None:
+    scene, corners = scene_of(shape)
+    com, inertia = model(scene, scene.bodies["lever"])
+    place, about = integrated(corners)
+    assert abs(com - place) <= 1e-14  # m: roundings, of 0.5 m
+    assert abs(inertia - about) <= 1e-14  # kg m^2: roundings, of 0.1
+
+
+@pytest.mark.parametrize("shape", [shape for shape in SHAPES if shape.split()[0] in ("point", "uniform")])
+def test_the_rule_is_named(shape: str) -> None:
+    scene, _ = scene_of(shape)
+    assert rule(scene.bodies["lever"]) == shape
+
+
+def test_what_is_given_is_named_so() -> None:
+    scene = scene_files.load("lever", {"bodies.lever.com": [500, 1], "bodies.lever.inertia": 7.0})
+    assert rule(scene.bodies["lever"]) == "as given"
+    assert by_judge(scene, scene.bodies["lever"]) == (0.5 + 0.001j, 7e-6)
