@@ -6,7 +6,7 @@ channel that an engine returns no more, an error of more than twice its size, an
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, isclose
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, TypeAlias
@@ -16,11 +16,14 @@ from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
 
+from .units import in_file, unit_of
+
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
 ABOVE_FLOOR = 10.0  # times the reference's floor: there the floor is a tenth of the error at most
 LEAST = 1e-8  # relative change of a peak: less is made by its interpolation between the samples
 SHOWN = 3  # changes of a kind that a line names
+EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 
 
@@ -130,17 +133,27 @@ def _few(texts: Sequence[str]) -> str:
 def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]:
     """Yield the path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
     names = {"scene", "sampling", "environment"}
-    for path, text in _differences(*(summary.model_dump(include=names) for summary in (old, new))):
+    before, after = (summary.model_dump(include=names) for summary in (old, new))
+    for path, text in _differences(before, after, new.scene):
         if path[1] not in LEFT_OUT:
             yield path, text
 
 
-def _differences(old: dict[str, Any], new: dict[str, Any]) -> Iterator[tuple[tuple[Any, ...], str]]:
+def _differences(
+    old: dict[str, Any], new: dict[str, Any], scene: dict[str, Any] | None = None
+) -> Iterator[tuple[tuple[Any, ...], str]]:
+    """Yield what differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
     before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
-        was, now = (one_line(str(values.get(path, "none")), 60) for values in (before, after))
-        if was != now:
-            yield path, f"{path_in_file(path)} {now}, was {was}"
+        was, now = before.get(path, "none"), after.get(path, "none")
+        numbers = all(type(value) in (int, float) for value in (was, now))
+        if was != now and not (numbers and isclose(was, now, rel_tol=ROUNDING, abs_tol=EPS)):
+            unit = unit_of(path, scene) if scene and path[0] == "scene" else ("", 1.0)
+            yield path, f"{path_in_file(path)} {_shown(now, *unit)}, was {_shown(was, *unit)}"
+
+
+def _shown(value: Any, unit: str, size: float) -> str:
+    return f"{value / size:.12g} {unit}".strip() if type(value) in (int, float) else one_line(str(value), 60)
 
 
 def _leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
@@ -199,18 +212,27 @@ def _size(error: _Error) -> str:
 def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
     before, after = ({(peak.name, peak.of): peak for peak in summary.peaks} for summary in (old, new))
     size: dict[tuple[str, str], float] = {}  # the largest of the same place and unit, as the stroke of a dead point
+    largest = dict.fromkeys(("m", "N"), 0.0)  # of a unit
     for peak in (*old.peaks, *new.peaks):
         size[peak.of, peak.unit] = max(size.get((peak.of, peak.unit), LEAST), abs(peak.value))
+        largest[peak.unit] = max(largest.get(peak.unit, 0.0), abs(peak.value))
+    for unit in ("N*m", "J"):  # of moments that are zero by symmetry, what is left of forces at their arms
+        largest[unit] = max(largest.get(unit, 0.0), largest["N"] * largest["m"])
     found: list[tuple[float, str]] = []
     for (name, of), was in before.items():
         now = after.get((name, of))
         if now is None:
             found.append((0.0, f"{name} ({of}) in it alone"))
             continue
+        if abs(now.value - was.value) <= ROUNDING * largest[was.unit]:
+            continue
         moved = abs(now.value - was.value) / size[of, was.unit]
         differ = [differs for peak in (was, now) for differs in peak.differs.values() if differs is not None]
         if not moved <= max(LEAST, *differ, 0.0):
-            found.append((-moved, f"{name} ({of}) {now.value:.6g} {now.unit}, was {was.value:.6g}"))
+            unit, own = in_file(now.unit, new.scene)
+            digits = 6 if moved > 1e-5 else 12
+            values = f"{now.value / own:.{digits}g} {unit}".strip(), f"{was.value / own:.{digits}g}"
+            found.append((-moved, f"{name} ({of}) {values[0]}, was {values[1]}"))
     if found:
         yield Change(f"peaks: {_few([text for _, text in sorted(found)])}", worse=alike)
     if more := [f"{name} ({of})" for name, of in after if (name, of) not in before]:

@@ -1,6 +1,7 @@
 """What changed since a baseline: every change that is put into a summary is named, and nothing else is."""
 
 import json
+import math
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from compare.ci.baseline import Change, Summary, changes, read
+from compare.ci.units import in_file, unit_of
 from compare.report.files import json_text, summary
 from compare.run import main
 from scenes import InputError, Sampling
@@ -80,12 +82,21 @@ WORSE: Changes = {
     "pymunk reaction: error in B.fx unknown, was ": error(None),
     "analytic reaction: error in B.fx 3.0e-12, was ": error(3e-12, "analytic"),
     "pymunk reaction: not returned any more: B.fx": without("errors", engine="pymunk", channel="B.fx"),
-    "peaks: peak speed (T) 3.08": moved(1e-3),
+    "peaks: peak speed (T) 308": moved(1e-3),
+    "peaks: peak speed (T) 3078.": moved(3e-8),
     "peaks: stroke (T) in it alone": without("peaks", name="stroke"),
 }
 OTHER: Changes = {
-    "scene.bodies.crank.mass 0.7, was 0.5": put("mass", 0.7, "scene", "bodies", "crank"),
+    "scene.bodies.crank.mass 0.7 kg, was 0.5 kg": put("mass", 0.7, "scene", "bodies", "crank"),
     "scene.tolerances.pymunk.position 0.1, was 1e-05": put("position", 0.1, "scene", "tolerances", "pymunk"),
+    "scene.bodies.crank.lengths.A-O 110 mm, was 100 mm": put("A-O", 0.11, "scene", "bodies", "crank", "lengths"),
+    "scene.bodies.coupler.inertia 62083 kg*mm^2, was 52083 kg*mm^2": put(
+        "inertia", 0.062083, "scene", "bodies", "coupler"
+    ),
+    "scene.drive.speed -45 rpm, was -60 rpm": put("speed", -1.5 * math.pi, "scene", "drive"),
+    "scene.drive.start 90 deg, was 0 deg": put("start", math.pi / 2, "scene", "drive"),
+    "scene.ground.C.0 210 mm, was 200 mm": put(0, 0.21, "scene", "ground", "C"),
+    "scene.gravity.1 -9.8, was -9.81": put(1, -9.8, "scene", "gravity"),
     "sampling.samples 48, was 24": put("samples", 48, "sampling"),
     "environment.numpy 9.0, was ": put("numpy", "9.0", "environment"),
     "pymunk: pymunk 9, was pymunk 7.": put("version", "pymunk 9", "engines", "pymunk"),
@@ -106,6 +117,8 @@ NOTHING: Changes = {
         moved(1e-3)(s),
         row(s["peaks"], name="peak speed").update(differs={"pymunk": 1e-2}),
     ),
+    "a length a last place off, as in another unit": put(0, math.nextafter(0.2, 1), "scene", "ground", "C"),
+    "a zero that a unit's conversion rounds": put(1, 1e-17, "scene", "ground", "C"),
     "seconds": put("solve", 1e9, "engines", "pymunk", "seconds"),
     "times in the same ratio": slower(1.5),
     "the title": put("title", "another", "scene"),
@@ -151,6 +164,29 @@ def test_only_of_the_same_linkage_and_sampling_are_errors_and_peaks_worse(
     for each in (change, grown(2.5), moved(1e-3)):
         each(after)
     assert [change.worse for change in since(before, after)] == ([True, True, False] if worse else [False] * 3)
+
+
+@pytest.mark.parametrize(("value", "named"), [(1e-11, False), (1e-9, True)])
+def test_a_moment_that_is_zero_but_for_rounding(value: float, named: bool, before: Json) -> None:
+    """What 1e-12 of the largest force makes at an arm of the stroke, 7e-11 N m, is no change."""
+    moment = row(before["peaks"], name="peak drive torque") | {"name": "moment", "of": "guide", "differs": {}}
+    old, new = ({**before, "peaks": [*before["peaks"], moment | {"value": of}]} for of in (0.0, value))
+    assert bool(since(old, new)) is named
+
+
+def test_units_are_those_of_the_file() -> None:
+    units = {"length": ["mm", 1e-3], "mass": ["t", 1e3], "force": ["kN", 1e3], "angle": ["deg", math.pi / 180]}
+    scene = {"units": units, "drive": {"body": "ram"}, "bodies": {"ram": {"slide": {}}}}
+    expected = {"m/s^2": ("mm/s^2", 1e-3), "N*m": ("kN*mm", 1.0), "N/m": ("kN/mm", 1e6), "rad": ("deg", math.pi / 180)}
+    expected |= {"kg*m^2": ("t*mm^2", 1e-3), "s": ("s", 1.0), "J": ("J", 1.0), "": ("", 1.0)}
+    for si, (name, size) in expected.items():
+        assert in_file(si, scene)[0] == name
+        assert in_file(si, scene)[1] == pytest.approx(size, rel=1e-15)
+    assert unit_of(("scene", "drive", "start"), scene)[0] == "mm", "of a driven slider"
+    assert unit_of(("scene", "bodies", "ram", "slide", "through", 0), scene)[0] == "mm"
+    assert unit_of(("scene", "bodies", "ram", "slide", "along", 0), scene)[0] == ""
+    assert unit_of(("scene", "bodies"), scene)[0] == ""
+    assert unit_of(("scene", "bodies", "ram", "slide"), scene)[0] == ""
 
 
 def test_many_changes_of_a_kind_are_a_line(before: Json) -> None:
