@@ -1,5 +1,6 @@
 """What the clauses are held against: the engine that was asked for, and its runs on the shipped scenes."""
 
+import os
 from functools import cache
 from typing import Any
 
@@ -8,6 +9,7 @@ import pytest
 from scenes import Engine, InputError, Sampling, Scene, Settings, Status, load, shipped
 
 from ..engines import registry
+from ..engines.reasons import TRACEBACK
 from ..engines.reference import Reference, found
 from ..engines.runner import Run, run
 from ..judge.measure import assess
@@ -32,6 +34,9 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError(str(error)) from None
     if missing := registry.ENTRIES[name].missing:
         raise pytest.UsageError(f"--engine {name}: {missing}")
+    before = os.environ.get(TRACEBACK)
+    os.environ[TRACEBACK] = "1"
+    config.add_cleanup(lambda: os.environ.update({TRACEBACK: before or ""}))
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -79,9 +84,15 @@ def outcome(engine: str, scene: Scene, request: Sampling = SAMPLING, settings: S
     return "; likely cause: ".join([f"{measured.run.status.name}, {measured.run.reason}", *causes.values()])
 
 
-@cache
 def plain_run(engine: str, scene: str) -> Run:
     """Return an engine's run at its default settings on a shipped scene, not looked at."""
+    ended = first_run(engine, scene)
+    return ended if ended.status is not Status.crashed else run(engine, load(scene), SAMPLING)  # traceback printed here
+
+
+@cache
+def first_run(engine: str, scene: str) -> Run:
+    """Return the first of these runs."""
     return run(engine, load(scene), SAMPLING)
 
 

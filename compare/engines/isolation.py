@@ -23,7 +23,7 @@ from typing import Any, Generic, TypeVar
 from scenes import InputError, Status
 
 from .guard import begin_guarded, descendants, memory
-from .reasons import described
+from .reasons import TRACEBACK, described
 
 LINUX = sys.platform == "linux"
 CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
@@ -289,14 +289,15 @@ def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> me
 
 
 def _prepare(parent: int, connection: int) -> None:
-    """End with the parent or by SIGTERM, leave Ctrl-C to the parent, and print nothing."""
+    """End with the parent or by SIGTERM, leave Ctrl-C to the parent, and print nothing but tracebacks on request."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     faulthandler.disable()
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in range(3):
+    nowhere, shown = os.open(os.devnull, os.O_RDWR), bool(os.environ.get(TRACEBACK))
+    for stream in range(2 if shown else 3):
         os.dup2(nowhere, stream)
-    sys.stdout = sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
+    sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
+    sys.stderr = sys.stderr if shown else sys.stdout
     gc.freeze()  # what came from the parent is not looked at again, and so not copied
     if LINUX:
         for each in OPEN:

@@ -1,6 +1,14 @@
 """What engines give as text, whatever it is, as one clean line."""
 
+import os
+from contextlib import suppress
+from pathlib import Path
+from traceback import print_exception, walk_tb
+
 from scenes.errors import one_line
+
+TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable, as of the command line
+CALLERS = ("compare", "importlib")  # packages from which an engine is called
 
 
 def text_of(value: object) -> str:
@@ -12,5 +20,22 @@ def text_of(value: object) -> str:
 
 
 def described(error: BaseException) -> str:
-    """Return the name and message of an exception as one clean line."""
-    return f"{text_of(type(error).__name__)}: {text_of(error) or 'no message'}"
+    """Return the name, message and place of an exception as one clean line; its traceback is printed on request."""
+    if os.environ.get(TRACEBACK):
+        with suppress(Exception):  # whatever is raised
+            print_exception(error)
+    place = _place(error)
+    return f"{text_of(type(error).__name__)}: {text_of(error) or 'no message'}{place and f' ({place})'}"
+
+
+def _place(error: BaseException) -> str:
+    """Return file and line where the package that was called first raised it, or called the library that did."""
+    frames = [(str(frame.f_globals.get("__name__")), frame, line) for frame, line in walk_tb(error.__traceback__)]
+    called = [each for each in frames if each[0].partition(".")[0] not in CALLERS]
+    if not called:
+        return ""
+    package = called[0][0].partition(".")[0]
+    name, frame, line = [each for each in called if each[0].partition(".")[0] == package][-1]
+    file = Path(frame.f_code.co_filename)
+    depth = name.count(".") + 1 + (file.stem == "__init__")
+    return f"{text_of('/'.join(file.parts[-depth:]))}, line {line}"

@@ -1,5 +1,6 @@
 """The example of `docs/engines.md`, installed as its page describes, and an engine that a process sees too much of."""
 
+import os
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import pytest
 
 from compare.contract import asked, test_process
 from compare.engines import outside, registry
+from compare.engines.reasons import TRACEBACK
 from tests.comparisons import SLOW
 from tests.sites import GOOD, install
 
@@ -32,14 +34,15 @@ def build(scene, settings, request):
     run.read = lambda: type(read())({{channel: samples * r for channel, samples in read().samples.items()}})
     return run
 """
+CRASHING = f"{GOOD}def build(*asked):\n    return 1 / 0\n"
 PROCESS = {name for name in vars(test_process) if name.startswith("test_")}
 
 
 @pytest.fixture
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Return a folder in which both are installed, for this process and those that it begins."""
-    points = dict(re.findall(r"^(\w+) = \"(\w+)\"$", PAGE, re.MULTILINE)) | {"noisy": "noisy"}
-    modules = {"natural_coordinates": EXAMPLE, "noisy": NOISY, "sitecustomize": "import noisy"}
+    points = dict(re.findall(r"^(\w+) = \"(\w+)\"$", PAGE, re.MULTILINE)) | {"noisy": "noisy", "crashing": "crashing"}
+    modules = {"natural_coordinates": EXAMPLE, "noisy": NOISY, "sitecustomize": "import noisy", "crashing": CRASHING}
     install(tmp_path / "site", "acme", points, modules)
     plugged = {"linkage_crosscheck": "linkage_crosscheck.pytest_plugin"}
     install(tmp_path / "site", "plugged", plugged, group="pytest11")
@@ -81,3 +84,12 @@ def test_the_example_runs_by_the_commands_of_its_page(command: str) -> None:
 def test_an_engine_that_a_process_sees_too_much_of(site: Path) -> None:
     reports = held("noisy", site, "-k", "test_process")
     assert {*reports.failed} == PROCESS
+
+
+def test_a_crash_shows_its_traceback_in_every_clause(site: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    reports = held("crashing", site, "-k", "test_a_shipped_scene_is_solved_or_refused")
+    shown = f"{''.join(reports.failed.values())}{capfd.readouterr().err}"
+    assert len(reports.failed) == 2
+    assert shown.count('crashing.py", line 3, in build') >= 2
+    assert "ZeroDivisionError: division by zero (crashing.py, line 3)" in shown
+    assert not os.environ.get(TRACEBACK)

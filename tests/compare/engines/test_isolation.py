@@ -158,7 +158,7 @@ def test_processes_that_are_begun_anew_answer_die_and_end_with_their_parent() ->
         process.kill()
     assert found == [
         "a: A",
-        "SystemExit: SystemExit: bye",
+        "SystemExit: SystemExit: bye (spawned.py, line 17)",
         "asleep: no answer within 0.3 s",
         "abort: its process ended by SIGABRT",
     ]

@@ -15,6 +15,7 @@ import pytest
 import compare
 from compare.engines import outside, registry
 from compare.engines.kept import version
+from compare.engines.reasons import TRACEBACK
 from compare.engines.settings import settings_of, tiers
 from compare.run import main
 from scenes.motion import channels
@@ -78,6 +79,8 @@ BODIES = {
     for name, (body, _) in RETURNED.items()
 }
 FINE = f"{SPOILT}spoilt = Motion\n"
+RAISES = f"{SPOILT}def spoilt(s):\n    return 1 / 0\n"
+RAISES_BELOW = f"{SPOILT}def spoilt(s):\n    return np.linalg.inv(np.zeros((2, 2)))\n"
 ENDINGS = {  # what an import leaves for later
     "a_thread": f"{FINE}import threading, time\nthreading.Thread(target=time.sleep, args=(600,)).start()",
     "an_exit": f"{FINE}import atexit, time\natexit.register(time.sleep, 600)",
@@ -116,8 +119,9 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Have distributions installed that offer engines, good and bad ones."""
     site = tmp_path_factory.mktemp("site")
     points = {f"{name}": name for name in MODULES} | NAMED | {"../up": "good", "a,b": "good"}
-    points |= {name: name for name in BODIES | ENDINGS}
-    install(site, "acme", points, MODULES | BODIES | ENDINGS, "Summary: Engines of\x1b Acme\n")
+    more = BODIES | ENDINGS | {"raises": RAISES, "raises_below": RAISES_BELOW, "breaks": f"{GOOD}\n1 / 0"}
+    points |= {name: name for name in more}
+    install(site, "acme", points, MODULES | more, "Summary: Engines of\x1b Acme\n")
     needs = "Requires-Dist: numpy\nRequires-Dist: other; extra == 'x'\nRequires-Dist: no-such-thing>=1\n"
     install(site, "needy", {"needy": "good"}, metadata=needs)
     for name, broken in {"latin": "mine = größe".encode("latin-1"), "torn": b"[console_scripts]\nmine"}.items():
@@ -174,6 +178,39 @@ def test_whatever_is_returned_is_a_row_and_what_nobody_asked_for_is_left_out() -
         assert reason in found.verdicts[engine][1]
         assert (found.verdicts[engine][0] == "ok") == (reason == ""), found.verdicts[engine]
     assert {*found.motions["very_many"].samples} == {*found.motions["of_no_text"].samples} == {*channels(found.scene)}
+
+
+@pytest.mark.usefixtures("_installed")
+def test_a_reason_has_the_place_in_the_engine(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Also where a library raises that it calls; the traceback is printed on request."""
+    line = RAISES.count("\n")
+    reasons = {
+        "raises": f"ZeroDivisionError: division by zero (raises.py, line {line})",
+        "raises_below": f"LinAlgError: Singular matrix (raises_below.py, line {line})",
+        "breaks": "ZeroDivisionError: division by zero (breaks.py, line 3)",
+    }
+    found = compare.check("four_bar", ("analytic", *reasons), samples=24)
+    assert {engine: found.verdicts[engine][1] for engine in reasons} == reasons
+    assert capfd.readouterr().err == ""
+    monkeypatch.setenv(TRACEBACK, "1")
+    compare.check("four_bar", ("analytic", "raises"), samples=24)
+    printed = capfd.readouterr().err
+    assert f'raises.py", line {line}, in spoilt' in printed
+    assert printed.splitlines()[-1] == "ZeroDivisionError: division by zero"
+
+
+@pytest.mark.usefixtures("_installed")
+def test_an_engine_that_is_asked_for_and_cannot_run_is_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["four_bar", "--engines", "analytic,needy", "--out", str(tmp_path)]) == 2
+    assert (
+        capsys.readouterr().err
+        == "--engines needy: it needs no-such-thing, which is not installed: pip install needy\n"
+    )
+    assert [*tmp_path.iterdir()] == []
 
 
 @pytest.mark.usefixtures("_installed")

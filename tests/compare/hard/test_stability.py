@@ -148,7 +148,8 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     reference = establish(press)
     module.at_steps, module.iterations_needed = lambda *_: module.DEFAULT, lambda *_: 1 / 0
     (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
-    assert (cell["status"], cell["reason"]) == ("crashed", "iterations_needed: ZeroDivisionError: division by zero")
+    assert cell["status"] == "crashed"
+    assert str(cell["reason"]).startswith("iterations_needed: ZeroDivisionError: division by zero (tests/compare/hard/")
     module.iterations_needed = lambda *_: "many"
     (cell,) = stability.over_sweeps(reference, "analytic", quiet, (8,), (24,))
     assert cell["status"] == "crashed"
@@ -157,7 +158,8 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     assert (cell["status"], cell["needed"]) == ("crashed", 9)
     assert str(cell["reason"]).startswith("at_steps: TypeError")
     good, bad, odd = stability.over_turns(reference, "analytic", quiet, (1,), (24, 72, 216))
-    assert (good["status"], bad["status"], bad["reason"]) == ("ok", "crashed", "at_steps: KeyError: 72")
+    assert (good["status"], bad["status"]) == ("ok", "crashed")
+    assert str(bad["reason"]).startswith("at_steps: KeyError: 72 (tests/compare/hard/test_stability.py, line ")
     assert odd["reason"] == "at_steps: TypeError: expected scenes.Settings, found int"
     (_, figure), *_ = stability_maps(pd.DataFrame([good, bad]))
     assert figure.checked()
