@@ -7,14 +7,15 @@ from pathlib import Path
 
 import pandas as pd
 
+import compare
 import scenes
 from benchmarks import readme
+from benchmarks.first_screen import FILE, first_screen
 from compare.engines.environment import environment
 from compare.engines.registry import DEFAULT_ENGINES
 from compare.hard.cases import forget, hard_cases
 from compare.report.curves import over_angle, panels
 from compare.report.hard.tables import counts, verdict
-from compare.report.linkage.svg import linkage_svg
 from compare.report.speed.figure import work_precision
 from compare.report.tables import by_group, checks, notes, overview, setup
 from compare.speed.timing import Budget
@@ -22,7 +23,7 @@ from compare.study import study
 from scenes.hard import catalogue
 
 FOLDER = Path(__file__).parents[1] / "results" / "published"
-PICTURED = {"P5: acceleration": "acceleration", "Pin P3: force of rocker on toggle": "pin_P3"}
+PICTURED = "P5: acceleration"
 
 
 def main() -> None:
@@ -33,11 +34,11 @@ def main() -> None:
     forget(FOLDER)
     FOLDER.mkdir(exist_ok=True)
     for panel in panels(result.reference, result.sampling):
-        if panel.title in PICTURED:
+        if panel.title == PICTURED:
             figure = over_angle(result, panel).update_layout(title={"text": panel.title, "y": 0.99}, margin={"t": 70})
-            figure.checked().write_image(FOLDER / f"{PICTURED[panel.title]}.svg", width=760, height=500)
+            figure.checked().write_image(FOLDER / "acceleration.svg", width=760, height=500)
     work_precision(result).checked().write_image(FOLDER / "speed.svg", width=1180, height=930)
-    (FOLDER / "linkage.svg").write_text(linkage_svg(scene, result.motion), encoding="utf-8")
+    FILE.write_text(first_screen(compare.check(scene)), encoding="utf-8")
     speed = pd.DataFrame([row.cells() for row in result.speed])[
         ["engine", "setting", "solve_min_s", "solve_median_s", "position_max", "reaction_max", "torque_max"]
     ]

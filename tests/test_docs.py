@@ -57,4 +57,4 @@ def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     theory = (tmp_path / "theory" / "index.html").read_text("utf-8")
     assert "<math" in theory
     assert "arithmatex" not in theory
-    assert (tmp_path / "published" / "linkage.svg").exists()
+    assert (tmp_path / "published" / "first_screen.svg").exists()

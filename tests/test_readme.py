@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from xml.etree.ElementTree import fromstring
 
 import pandas as pd
 import pytest
@@ -14,6 +15,7 @@ from compare.judge.judgement import Judgement
 from compare.speed.speed_table import speed_table
 from compare.speed.timing import Budget
 from compare.speed.work_precision import choices
+from scenes import write_starter
 from tests.comparisons import SLOW
 
 ROOT = Path(__file__).parents[1]
@@ -23,6 +25,7 @@ PUBLISHED = (ROOT / "results" / "published" / "README.md").read_text(encoding="u
 DIGITS = 0.06  # of a figure: half of the last of two digits is 0.05 of 1.0, the rest is for other libraries
 ROUND_OFF = 1e-12  # below, an error is a few roundings, which other libraries may do in another order: within a factor
 MOST_LINES = 130  # what a visitor reads in two minutes
+LARGEST = 300_000  # characters of a picture
 FACTOR = 3.0  # also of a ratio of times: 1.3 for a busy core, 1.5 for the choice among level settings, both ways
 
 
@@ -75,6 +78,27 @@ def test_what_is_published(name: str, title: str) -> None:
 def test_how_many_settings() -> None:
     (printed,) = re.findall(r"`--full` measures (\d+) settings", FINDINGS)
     assert int(printed) == sum(len(settings_of(engine, full=True)) for engine in DEFAULT_ENGINES)
+
+
+def test_the_scene_is_the_one_that_new_writes(tmp_path: Path) -> None:
+    write_starter(tmp_path / "mine")
+    (shown,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    assert shown == (tmp_path / "mine.toml").read_text(encoding="utf-8")
+
+
+def test_the_picture_of_the_first_screen_is_of_this_linkage(fresh: Judgement) -> None:
+    """In SVG alone, with the verdict and numbers of a fresh run."""
+    (file,) = re.findall(r"\]\((\S+\.svg)\)", README)
+    picture = (ROOT / file).read_text(encoding="utf-8")
+    assert len(picture) < LARGEST
+    assert not re.search(r"<(script|image|foreignObject)|href|url\(", picture)
+    texts = [element.text or "" for element in fromstring(picture).iter("{http://www.w3.org/2000/svg}text")]
+    assert fresh.scene.title in texts
+    assert any(text.endswith(fresh.agreement.word) for text in texts)
+    stroke, force = (texts[texts.index(name) + 1] for name in ("Stroke", "Largest pin force"))
+    pins = [peak.value for peak in fresh.peaks if peak.channel.endswith(".fx")]
+    assert holds(stroke.split()[0], 1e3 * fresh.reference.stroke)
+    assert holds(force.split()[0], 1e-3 * max(pins))
 
 
 def test_length() -> None:

@@ -46,6 +46,11 @@ class Shown:
     each: str  # by how much each of them does
 
     @property
+    def cells(self) -> tuple[str, ...]:
+        """Its name, value and place, and by how much the engines differ."""
+        return self.name, self.text, f"{self.of} {self.place.text if self.place else ''}".strip(), self.differ
+
+    @property
     def meaning(self) -> str:
         """What the name alone leaves open, in a few words; mostly nothing."""
         return MEANINGS.get(self.name, "")

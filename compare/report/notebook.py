@@ -25,6 +25,8 @@ from .units import units
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
+COLUMNS = ("what a designer asks", "value", "where", "engines differ by")
+
 
 class Result(Study):
     """One scene judged."""
@@ -87,11 +89,8 @@ class Result(Study):
 
         shown = pd.DataFrame(tables.overview(self))
         untimed = shown.loc[:, ~shown.columns.str.contains("[ms]", regex=False)]
-        numbers = (
-            (each.name, each.text, f"{each.of} {each.place.text if each.place else ''}", each.differ)
-            for each in peaks(self.scene, self.peaks, units(self.reference))
-        )
-        designer = pd.DataFrame(numbers, columns=["", "value", "where", "engines differ by"])
+        numbers = [peak.cells for peak in peaks(self.scene, self.peaks, units(self.reference))]
+        designer = pd.DataFrame(numbers, columns=COLUMNS)
         return _html(self.scene.title, tables.verdict(self), [designer, untimed], self.missed, self.svg())
 
 
