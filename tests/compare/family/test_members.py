@@ -133,8 +133,9 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(registry, "reference", solve)
     found = run("toggle_press", [f"{ROCKER}=300:310:2"])
-    crashed = ("crashed", "ZeroDivisionError: toggle_press and more")
-    assert [(member.status, member.reason) for member in found] == [crashed] * 2
+    assert [member.status for member in found] == ["crashed"] * 2
+    reason = "ZeroDivisionError: toggle_press and more (tests/compare/family/test_members.py, line "
+    assert all(member.reason.startswith(reason) for member in found)
 
 
 def test_numbers_are_those_of_the_single_linkage_and_of_its_worst_joint() -> None:
