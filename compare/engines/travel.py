@@ -31,7 +31,12 @@ def guide_travel(scene: Scene, travel: Mapping[str, float], body: Body) -> float
 
 
 def largest_distance(places: Vectors) -> float:
-    """Return the largest distance between two of some positions, given as x + iy, shape (n,); exact, by n log n.
+    """Return the largest distance between two of some positions, given as x + iy, shape (n,)."""
+    return abs(chord(places))
+
+
+def chord(places: Vectors) -> complex:
+    """Return the longest vector from one to another of some positions, x + iy, shape (n,); exact, by n log n.
 
     It is one between corners of their convex hull that two parallel lines touch (rotating calipers, Shamos 1978): the
     corner opposite to an edge has that edge's direction, turned by half a turn, between those of its own two edges.
@@ -39,12 +44,12 @@ def largest_distance(places: Vectors) -> float:
     ordered = np.unique(places)  # by x, then by y
     hull = np.concatenate([_below(ordered)[:-1], _below(ordered[::-1])[:-1]])
     if len(hull) < 3:
-        return float(np.abs(ordered[-1] - ordered[0]))
+        return complex(ordered[-1] - ordered[0])
     ends = np.roll(hull, -1)
     edges = np.unwrap(np.angle(ends - hull))  # rising, round once
     opposite = hull[np.searchsorted([*edges, *(edges + 2 * np.pi)], edges + np.pi) % len(hull)]
     pairs = np.concatenate([hull - opposite, ends - opposite, ordered[-1:] - ordered[:1]])  # these if but for round-off
-    return float(np.abs(pairs).max())  # all are on one line
+    return complex(pairs[np.abs(pairs).argmax()])
 
 
 def _below(places: Vectors) -> Vectors:

@@ -17,7 +17,7 @@ from ..engines import registry
 from ..engines.reference import SCALE_SAMPLES, Reference
 from ..judge.peaks.curves import Curve, Values, curves
 from ..judge.peaks.numbers import Number
-from ..judge.peaks.stroke import NEAR, Stroke
+from ..judge.peaks.stroke import NEAR, Stroke, chords
 from .guide import by_guide
 from .machines import Machines, machines
 
@@ -91,16 +91,16 @@ def _terms(scene: Scene, number: Number, motion: Motion, found: Sequence[Curve])
         if row < 0:
             return  # it is rounding
         value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
-        yield Term(curve, float(time[row]), value / (abs(value) or 1.0))
+        yield Term(curve, float(time[row]), value / (number.value[0] or 1.0))
 
 
 def _of_path(curve: Curve, motion: Motion) -> Iterator[Term]:
-    """Yield the parts of the diagonal of the box around a path."""
+    """Yield the parts of the largest distance between two places of a path."""
     place, time = curve.values(motion), motion["time"]
-    width, height = np.ptp(place.real), np.ptp(place.imag)
-    for along, size, direction in ((place.real, width, 1.0), (place.imag, height, 1j)):
-        for row, sign in ((along.argmax(), 1), (along.argmin(), -1)):
-            yield Term(curve, float(time[row]), sign * direction * size / np.hypot(width, height))
+    longest = chords(place)
+    along = (longest.conj() * place).real
+    for row, sign in ((along.argmax(), 1), (along.argmin(), -1)):
+        yield Term(curve, float(time[row]), complex(sign * longest / np.abs(longest)))
 
 
 def _of_stroke(name: str, curve: Curve, way: Stroke) -> Iterator[Term]:

@@ -19,7 +19,7 @@ from .units import Units
 
 MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
 MEANINGS = {"Quick return": "time to close over time to open"}  # where a name leaves it open
-OF_A_PIN, OF_A_JOINT = ("fx",), ("fx", "guide_force", "guide_moment")  # quantities
+OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,11 @@ def peaks(scene: Scene, found: Sequence[Peak], units: Units) -> list[Shown]:
     pins = [peak for peak in found if quantity(peak.channel) in OF_A_PIN]
     largest = max(pins, key=lambda peak: peak.value, default=None)
     joints = _of_joints(found)
-    first = [_shown(scene, peak, units) for peak in found if peak not in joints]
+    whole = [peak for peak in found if peak not in joints]
+    first = [_shown(scene, peak, units) for peak in whole]
     if largest is None:
         return first
-    at = next((n for n, peak in enumerate(first) if peak.name.startswith("Peak drive")), len(first))
+    at = next((n for n, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE), len(first))
     return [*first[:at], _shown(scene, largest, units, "Largest pin force", largest.of), *first[at:]]
 
 

@@ -60,7 +60,7 @@ def shows(page: "Page", folder: Path, value: int) -> None:
     assert (chosen["label"], chosen["spoken"], chosen["heading"]) == (label,) * 3
     assert (chosen["rows"], chosen["thick"]) == ([str(value)], [label])
     table = pd.read_csv(folder / "family.csv").set_index(ROCKER).loc[value]
-    for name, column in (("stroke", "stroke [m]"), ("peak drive torque", "peak drive torque [N*m]")):
+    for name, column in (("stroke", "stroke [m]"), ("peak driving torque", "peak driving torque [N*m]")):
         assert chosen["numbers"][name] == table[column]
     assert chosen["numbers"]["largest pin force"] == table["largest force [N]"]
 

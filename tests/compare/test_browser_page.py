@@ -58,7 +58,8 @@ def test_the_answers_are_on_the_first_screen(browser: "Browser", press_report: P
     for selector, wanted in (
         (".verdict", r"✓ Agrees\s*exudyn and pymunk agree with the closed form to 0\.0\d+ %"),
         ("tr:has(th:text-is('Largest pin force'))", r"382 kN\s+P1\s+204\.7°\s+(< )?0\.0\d+ %"),
-        ("tr:has(th:text-is('Peak drive torque'))", r"13\.9 kN m\s+162\.8°\s+(< )?0\.0\d+ %"),
+        ("tr:has(th:text-is('Peak driving torque'))", r"11\.4 kN m\s+255\.\d°\s+(< )?0\.0\d+ %"),
+        ("tr:has(th:text-is('Peak braking torque'))", r"−13\.9 kN m\s+162\.8°\s+(< )?0\.0\d+ %"),
         ("tr:has(th:has-text('pymunk')):has(.go)", r"ok\s+\d(\.\d+)?e-\d+\s+P5\.a[xy]\s+\d+(\.\d)?°"),
     ):
         place = page.locator(selector).first

@@ -13,7 +13,7 @@ from scenes.motion import Samples
 
 from ...engines.axis import cycle_name
 from .curves import LEAST, Curve
-from .stroke import NEAR, Rows, Stroke, at
+from .stroke import NEAR, Rows, Stroke, at, chords
 
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
@@ -53,8 +53,7 @@ def numbers(scene: Scene, found: Sequence[Curve], motion: Motion, *, exact: bool
     if "displacement" in by_kind:
         yield from _of_slider(scene, by_kind, motion, exact=exact)
     if "path" in by_kind:
-        place = by_kind["path"].values(motion)
-        stroke = np.hypot(np.ptp(place.real, axis=-1), np.ptp(place.imag, axis=-1))
+        stroke = np.abs(chords(by_kind["path"].values(motion)))
         yield Number("stroke", by_kind["path"], stroke, "m", stroke)
     for curve in found:
         if curve.kind in LARGEST:
@@ -81,21 +80,30 @@ def _largest(name: str, curve: Curve, motion: Motion) -> Number:
 
 
 def _of_drive(scene: Scene, curve: Curve, motion: Motion) -> Iterator[Number]:
-    """Yield the drive's peak and mean torque or force, and its work."""
+    """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
     effort = "torque" if scene.driven_slide is None else "force"
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
-    peak = _largest(f"peak drive {effort}", curve, motion)
-    yield peak
-    cycle = time[..., -1:] - time[..., :1]
-    yield _sum(f"mean drive {effort}", curve, values / cycle, time, curve.unit, peak.size)
+    rate = scene.drive.at(time).rate
+    with_motion = np.abs(values) * np.sign(np.where(rate == 0, 1.0, values * rate))  # what holds still drives
+    size = np.maximum(np.abs(values).max(axis=-1), NOTHING * curve.scale)
+    for name, height in (("driving", with_motion), ("braking", -with_motion)):
+        row = height.argmax(axis=-1)
+        acts = at(height, row) > ROUNDING * curve.scale
+        value = np.where(acts, at(values, row), 0.0)
+        yield Number(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
+    mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
+    yield Number(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
+    power = np.abs(values * rate).max(axis=-1)
+    yield Number(
+        "peak drive power", curve, power, "W", np.maximum(power, NOTHING * curve.scale * np.abs(rate).max(axis=-1))
+    )
     way = np.abs(np.diff(position)).sum(axis=-1)
-    yield _sum(f"work a {cycle_name(scene)}", curve, values, position, "J", peak.size * way)
+    yield Number(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
 
 
-def _sum(name: str, curve: Curve, values: Samples, over: Samples, unit: str, size: Samples) -> Number:
+def _sum(values: Samples, over: Samples) -> Samples:
     """Return an integral, by the trapezoidal rule."""
-    value = np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(over), axis=-1)
-    return Number(name, curve, value, unit, size)
+    return np.asarray(np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(over), axis=-1))
 
 
 def _of_slider(scene: Scene, by_kind: Mapping[str, Curve], motion: Motion, *, exact: bool) -> Iterator[Number]:

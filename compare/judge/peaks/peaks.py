@@ -31,7 +31,7 @@ class Peak:
     name: str  # "largest force at P3"
     of: str  # the joint, point or body
     channel: str  # the first of those that it is taken from
-    value: float  # a magnitude; of dead points the displacement along the guide; of mean and work with its sign
+    value: float  # a magnitude; of dead points the displacement along the guide; of the drive's peaks and work signed
     unit: str
     position: float  # on the axis of curves and tables, SI: rad, m, or s under a law; NaN where it has no one place
     direction: float  # rad, of a velocity, acceleration or force there; NaN where it has none
@@ -43,8 +43,9 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
 
     An engine's difference is that of the number of its own samples from the number of the reference at the positions
     that its drive really had, so that sampling makes none; the largest of its cycles. It is relative to the number, of
-    dead points to the stroke, of mean and work to those of the peak torque or force held throughout, and to a
-    thousandth of the scale of the quantity's errors where the number is less. None is below the reference's floor.
+    dead points to the stroke, of the drive's torque, force or work to the largest torque or force, or to what that
+    would do held throughout, and to a thousandth of the scale of the quantity's errors where the number is less. None
+    is below the reference's floor.
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
     asked = wanted.issuperset(channels(scene))

@@ -13,8 +13,8 @@ import numpy as np
 from scenes import Failure, Motion
 from scenes.motion import Samples
 
-from .curves import LEAST, Curve
-from .stroke import at
+from .curves import LEAST, Curve, Values
+from .stroke import at, chords
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
 ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
@@ -57,6 +57,9 @@ def refined(
         parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
         own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(found, motion))]
         near = np.stack([_vertex(around[..., k, :], y) for k, y in enumerate(own)], axis=-1)
+        if found[0].kind == "path":  # whose two ends depend on each other
+            ends = found[0].values(motion).reshape(around.shape)[..., :2, side - 1 : side + 2]
+            near[..., :2] = around[..., :2, side] + step * _to_longest(ends)
     return in_order(parts)
 
 
@@ -64,12 +67,32 @@ def heights(found: Sequence[Curve], motion: Motion) -> Iterator[Samples]:
     """Yield what is largest at each place that is looked for, each of shape (..., n)."""
     for curve in found:
         values = curve.values(motion)
-        if curve.kind == "displacement":
+        if curve.kind in ("displacement", "effort"):
             yield from (values, -values)
         elif curve.kind == "path":
-            yield from (values.real, -values.real, values.imag, -values.imag)
+            along = (chords(values)[..., np.newaxis].conj() * values).real
+            yield from (along, -along)
         else:
             yield -np.abs(values) if curve.kind in LEAST else np.abs(values)
+
+
+def _to_longest(ends: Values) -> Samples:
+    """Return how many steps further, shape (..., 2), two places on a path are furthest apart, one step of Newton's.
+
+    Args:
+        ends: three samples around each of the two, shape (..., 2, 3), of each a parabola.
+    """
+    (z1, z2), (v1, v2), (a1, a2) = (
+        np.moveaxis(x, -1, 0)
+        for x in (ends[..., 1], (ends[..., 2] - ends[..., 0]) / 2, ends[..., 2] - 2 * ends[..., 1] + ends[..., 0])
+    )
+    d = z1 - z2
+    g1, g2, H12 = ((one.conj() * other).real for one, other in ((d, v1), (-d, v2), (-v1, v2)))
+    H11, H22 = np.abs(v1) ** 2 + (d.conj() * a1).real, np.abs(v2) ** 2 - (d.conj() * a2).real
+    det = H11 * H22 - H12**2
+    det = np.where((H11 < 0) & (det > 0), det, np.inf)  # no maximum: they stay
+    steps = np.stack([H12 * g2 - H22 * g1, H12 * g1 - H11 * g2], axis=-1) / det[..., np.newaxis]
+    return np.clip(steps, -FINE, FINE)
 
 
 def in_order(parts: Sequence[Motion]) -> Motion:

@@ -15,7 +15,8 @@ from scenes.motion import Samples
 from scenes.scene import Force, PressForce
 
 from ...engines.press_switches import quintic
-from .curves import Curve
+from ...engines.travel import chord
+from .curves import Curve, Values
 
 Rows: TypeAlias = NDArray[np.intp]
 
@@ -124,6 +125,12 @@ class Stroke:
 def at(values: NDArray[Any], row: Rows) -> NDArray[Any]:
     """Return the samples at these rows, shape (...)."""
     return np.take_along_axis(values, np.asarray(row)[..., np.newaxis], -1)[..., 0]
+
+
+def chords(places: Values) -> Values:
+    """Return the vector between the two of some positions that are furthest apart, shape (...)."""
+    each = [chord(path) for path in places.reshape(-1, places.shape[-1])]
+    return np.reshape(each, places.shape[:-1])
 
 
 def _closing(scene: Scene) -> int:

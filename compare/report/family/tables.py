@@ -18,10 +18,11 @@ from ..tables import floors
 DIGITS = 5  # significant ones, of the largest number in a column
 OVERVIEW = (
     *("stroke", "closed dead point", "closed end", "dwell within 1 % of the stroke", "quick return", "peak speed"),
-    *("peak acceleration", "largest force", "peak drive torque", "peak drive force", "least transmission angle"),
+    *("peak acceleration", "largest force", "peak driving torque", "peak braking torque", "peak driving force"),
+    *("peak braking force", "least transmission angle"),
 )
 AT_JOINTS = ("largest", "least", "distance")  # how the names of numbers begin that are of the worst joint
-ON_A_LINE = ("stroke", "quick return", "peak drive torque", "peak drive force")
+ON_A_LINE = ("stroke", "quick return", "peak driving torque", "peak driving force")
 
 
 def names(family: Family) -> list[str]:

@@ -164,7 +164,7 @@ def test_sizes_read_plainly() -> None:
 def test_one_call_has_verdict_and_numbers() -> None:
     result = compare.check("four_bar", engines=("analytic", "exudyn"), samples=72)
     assert result.agreement.word == "agrees"
-    assert {"stroke", "peak drive torque"} <= {peak.name for peak in result.peaks}
+    assert {"stroke", "peak driving torque"} <= {peak.name for peak in result.peaks}
 
 
 def test_what_no_other_engine_gives_is_not_confirmed(judge: Judge, reference: Reference) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
+from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 import analytic
@@ -14,6 +15,7 @@ from compare.engines.reference import found
 from compare.judge.peaks.peaks import Peak, peaks
 from scenes import Sampling
 from tests import scene_files
+from tests.analytic.views import Change
 from tests.scene_files import NONE, Changes
 
 DWELL = "dwell within 1 % of the stroke"
@@ -57,13 +59,22 @@ def test_an_offset_crank_slider_by_its_formulas(rod: int) -> None:
     def torque(a: float) -> float:  # the massless crank and rod pass on the power of slider and load
         return speed(a) * (7 * acceleration(a) - 2000) / w
 
-    for name, curve in (("peak speed", speed), ("peak acceleration", acceleration), ("peak drive torque", torque)):
+    def power(sense: int) -> Callable[[float], float]:
+        return lambda a: max(sense * torque(a), 0.0)
+
+    curves: dict[str, Callable[[float], float]] = {"peak speed": speed, "peak acceleration": acceleration}
+    curves |= {"peak driving torque": power(1), "peak braking torque": power(-1)}
+    for name, curve in curves.items():
         at, largest = extreme(curve)
+        largest *= -1 if "braking" in name else 1
         assert q[name].value == pytest.approx(largest, rel=1e-8)
         assert cos(q[name].position - at) == pytest.approx(1, abs=step**2)
-        if name != "peak drive torque":
+        if "torque" not in name:
             assert q[name].direction == (0 if curve(at) > 0 else pytest.approx(pi))
-    assert q["work a turn"].value == q["mean drive torque"].value == 0  # the load gives back what it took
+    assert q["work a turn"].value == 0  # the load gives back what it took
+    square = quad(lambda a: torque(a) ** 2, 0, tau, limit=200, epsrel=1e-10)[0] / tau
+    assert q["RMS drive torque"].value == pytest.approx(sqrt(square), rel=1e-6)
+    assert q["peak drive power"].value == pytest.approx(w * extreme(torque)[1], rel=1e-8)
 
 
 def extreme(of: Callable[[float], float]) -> tuple[float, float]:
@@ -165,7 +176,7 @@ def test_peaks_where_a_force_comes_or_goes() -> None:
     scene = scene_files.load("crank_press")
     motion = analytic.solve(scene, scene.drive.after(np.linspace(0.4, 0.5, 200_001)))
     peak = np.abs(motion["drive.torque"]).max()  # itself off by half a step, 3e-6 rad, times the torque's slope of 3
-    assert numbers("crank_press")["peak drive torque"].value == pytest.approx(peak, rel=1e-5)
+    assert numbers("crank_press")["peak driving torque"].value == pytest.approx(peak, rel=1e-5)
 
 
 @settings(max_examples=5, deadline=None)
@@ -174,7 +185,12 @@ def test_numbers_go_with_size_and_speed(size: float, rate: float) -> None:
     """No load acts: forces are masses times accelerations."""
     one, other = numbers("four_bar", scaled(1, 1)), numbers("four_bar", scaled(size, rate))
     powers = {"stroke": (1, 0), "peak speed": (1, 1), "peak acceleration": (1, 2), "largest force at B": (1, 2)}
-    powers |= {"least transmission angle": (0, 0), "distance to a singular pose": (1, 0), "peak drive torque": (2, 2)}
+    powers |= {
+        "least transmission angle": (0, 0),
+        "distance to a singular pose": (1, 0),
+        "peak driving torque": (2, 2),
+        "peak braking torque": (2, 2),
+    }
     for name, (lengths, times) in powers.items():
         assert other[name].value == pytest.approx(one[name].value * size**lengths * rate**times, rel=1e-9)
 
@@ -223,7 +239,8 @@ def test_the_closed_end_is_against_the_load(load: dict[str, object], along: int,
 def test_only_what_the_channels_asked_for_give() -> None:
     q = numbers("toggle_press", channels=frozenset(("P5.y", "P3.fx", "P3.fy", "drive.torque")))
     ends = {"stroke", "closed dead point", "open dead point", DWELL}
-    assert set(q) == ends | {"largest force at P3", "peak drive torque", "mean drive torque", "work a turn"}
+    drive = {"peak driving torque", "peak braking torque", "RMS drive torque", "peak drive power", "work a turn"}
+    assert set(q) == ends | {"largest force at P3"} | drive
     kinematic = numbers("toggle_press", scene_files.without_masses("toggle_press"))
     assert set(kinematic) == ends | {
         *("quick return", "peak speed", "peak acceleration"),
@@ -234,9 +251,10 @@ def test_only_what_the_channels_asked_for_give() -> None:
 def test_a_drive_that_runs_once_has_ends_and_no_return() -> None:
     for end in (-150, -25):
         q = numbers("driven_toggle", {"drive.end": end})
-        assert not {"quick return", "closed dead point", "peak drive torque"} & set(q)
+        assert not {"quick return", "closed dead point", "peak driving torque"} & set(q)
         assert q["open end"].value - q["closed end"].value == pytest.approx(q["stroke"].value, rel=1e-12)
-        assert 1e-3 * end <= q["peak drive force"].position <= 0.1
+        largest = max((q[f"peak {sense} force"] for sense in ("driving", "braking")), key=lambda peak: abs(peak.value))
+        assert 1e-3 * end <= largest.position <= 0.1
     single = numbers("offset_slider_crank", {"drive.end": 400})  # a little more than one turn
     assert "quick return" not in single
     assert single["work a cycle"].value != 0
@@ -251,14 +269,38 @@ def test_a_point_has_a_stroke_and_no_ends() -> None:
     motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 36_001)))
     q = numbers("four_bar")
     assert not {"closed dead point", DWELL, "quick return"} & set(q)
-    assert q["stroke"].value == pytest.approx(np.hypot(np.ptp(motion["T.x"]), np.ptp(motion["T.y"])), rel=1e-7)
+    path = motion["T.x"][::20] + 1j * motion["T.y"][::20]
+    longest = max(float(np.abs(path - place).max()) for place in path)  # of 1800 places: off by the square of a step
+    assert longest < np.hypot(np.ptp(path.real), np.ptp(path.imag)) * 0.999  # the diagonal of its box
+    assert q["stroke"].value == pytest.approx(longest, rel=1e-5)
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.0, 2.2])
+def test_the_stroke_of_a_point_is_the_same_in_any_frame(turn: float) -> None:
+    scene, own = scene_files.load("four_bar"), numbers("four_bar")["stroke"].value
+    reference = found(Change(mirror=1, turn=np.exp(1j * turn), shift=0, length=1.0).scene(scene))
+    assert {peak.name: peak.value for peak in peaks(reference, Sampling(72), [])}["stroke"] == pytest.approx(
+        own, rel=1e-9
+    )
+
+
+def test_the_drive_of_a_crank_that_turns_backwards() -> None:
+    """Driving and braking are about the power: the torque's own sign is that of its channel."""
+    forwards, backwards = (numbers("slider_crank", {"drive.speed": sense * 10 * 30 / pi}) for sense in (1, -1))
+    for name in ("peak driving torque", "peak braking torque"):  # the loads are even about the line of the guide
+        assert backwards[name].value == pytest.approx(-forwards[name].value, rel=1e-9)
+    assert forwards["peak driving torque"].value > 0 > forwards["peak braking torque"].value
 
 
 def test_a_law_has_its_places_in_its_time() -> None:
     q = numbers("turning_law")
     scene = scene_files.load("turning_law")
     motion = analytic.solve(scene, scene.drive.after(np.linspace(0, 1, 11_001)), np.linspace(0, 1.1, 11_001))
-    for name, channel in (("peak speed", "E.vx"), ("peak acceleration", "E.ax"), ("peak drive torque", "drive.torque")):
+    most = int(np.abs(motion["drive.torque"]).argmax())
+    drives = motion["drive.torque"][most] * scene.drive.at(motion["time"][most]).rate > 0
+    power = "peak driving torque" if drives else "peak braking torque"
+    for name, channel in (("peak speed", "E.vx"), ("peak acceleration", "E.ax"), (power, "drive.torque")):
         row = int(np.abs(motion[channel]).argmax())
-        assert q[name].value == pytest.approx(abs(motion[channel][row]), rel=1e-5)
+        value = motion[channel][row] if name == power else abs(motion[channel][row])
+        assert q[name].value == pytest.approx(value, rel=1e-5)
         assert q[name].position == pytest.approx(motion["time"][row], abs=1e-4)
