@@ -92,8 +92,10 @@ def prepared(
     request = Sampling(channels=channels)
     forces = request.wants_forces(scene)
     linkage = followed(scene, _needed(whole, request.channels, forces=forces))
-    press_forces = [n for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces]
-    return Solver(scene, linkage, {n: stroke_end(scene, linkage, n, machines) for n in press_forces}, request)
+    presses = {n: load for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces}
+    strokes = {n: (load.body, np.asarray(load.closing).tobytes()) for n, load in presses.items()}
+    ends = {stroke: stroke_end(scene, linkage, n, machines) for stroke, n in {s: n for n, s in strokes.items()}.items()}
+    return Solver(scene, linkage, {n: ends[stroke] for n, stroke in strokes.items()}, request)
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,8 @@ displacement and velocity say the one or the other by their last digits, and eve
 right on either side, as long as all its channels are on the same.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -24,6 +23,8 @@ TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left t
 
 Pair: TypeAlias = Sequence[Any] | Samples  # of what is at the two ends of a step
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
+Acting: TypeAlias = Sequence[NDArray[np.bool_]]  # of each force, whether it acts, shape (n,)
+Channels: TypeAlias = Mapping[str, Samples]
 
 
 def press_forces(scene: Scene) -> tuple[PressForce, ...]:
@@ -71,25 +72,69 @@ def acts(state: MotionVectors, load: PressForce, end: float) -> Acts:
     return np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)])
 
 
-def sides(may: Sequence[Acts]) -> Iterator[list[NDArray[np.bool_]]]:
-    """Yield every way in which the forces can stand, each acting wherever it may, or only where it must."""
-    may_or_must = [(np.logical_or.reduce(act), np.logical_and.reduce(act)) for act in may]
-    yield from (list(way) for way in product(*may_or_must))
+def stroke_ends(state: MotionVectors) -> tuple[float, ...]:
+    """Return where the closing stroke of every press force ends, m; a slider has one for each way of closing."""
+    presses = press_forces(state.scene)
+    ends = {(load.body, load.closing): stroke_end(state, load) for load in unlike(presses)}
+    return tuple(ends[load.body, load.closing] for load in presses)
 
 
-def fixed(scene: Scene, may: Sequence[Acts]) -> Iterator[tuple[Scene, NDArray[np.intp]]]:
-    """Yield scenes whose press forces always or never act, with the samples on a switch where they may stand so."""
-    on_switch = np.any([act.any(axis=0) & ~act.all(axis=0) for act in may], axis=0) if may else np.array(False)
-    if not on_switch.any():
-        return
-    for way in product((True, False), repeat=len(may)):
-        possible = [(act == one).any(axis=0) for act, one in zip(may, way, strict=True)]
-        rows = np.flatnonzero(on_switch & np.all(possible, axis=0))
-        if rows.size:
-            standing = iter(way)
-            loads = (
-                load if not isinstance(load, PressForce) else Force(load.body, load.at, load.force)
-                for load in scene.loads
-                if not isinstance(load, PressForce) or next(standing)
-            )
-            yield replace(scene, loads=tuple(loads)), rows
+def unlike(presses: Iterable[PressForce]) -> Iterable[PressForce]:
+    """Return one press force of those whose strokes end at one place."""
+    return {(load.body, load.closing): load for load in presses}.values()
+
+
+# On a switch, n forces could stand in 2^n ways. The forces on one slider go by the same displacement and velocity: they
+# stand as a hair to either side has them, or all that may act do, or none. Sliders are tried one after the other, so
+# that the cost grows with the number of sliders that are on a switch at once.
+def fitted(
+    presses: Sequence[PressForce], may: Sequence[Acts], misfit: Callable[[Acting], tuple[Samples, Channels]]
+) -> tuple[Channels, Channels]:
+    """Return what the forces do where all act that may, and as they stand with the least misfit, sample by sample.
+
+    Args:
+        presses: the forces.
+        may: whether each may act.
+        misfit: of forces that stand somehow, shape (n,), and what they do then, each of shape (n,).
+    """
+    if not presses:
+        _, alone = misfit([])
+        return alone, alone
+    standing, must = (np.array([of(act, axis=0) for act in may]) for of in (np.any, np.all))
+    least, first = misfit([*standing])
+    bodies = [load.body for load in presses]
+    own = np.array([[name == body for name in bodies] for body in dict.fromkeys(bodies)])
+    on = own @ (standing & ~must)  # shape (sliders, n)
+    best = first
+    for number in range(1, int(on.sum(axis=0).max()) + 1):
+        tried = own.T @ (on & (np.cumsum(on, axis=0) == number))
+        others = [must, *map(np.array, zip(*may, strict=True))] if len(own) < len(presses) else [must]
+        for other in others:
+            trial = np.where(tried, other, standing)
+            off, then = misfit([*trial])
+            better = off < least
+            standing, least = np.where(better, trial, standing), np.where(better, off, least)
+            best = {channel: np.where(better, then[channel], best[channel]) for channel in best}
+    return first, best
+
+
+def on_switch(may: Sequence[Acts]) -> NDArray[np.intp]:
+    """Return the samples where a force may act and may not."""
+    return (
+        np.flatnonzero(np.any([act.any(axis=0) & ~act.all(axis=0) for act in may], axis=0))
+        if may
+        else np.array([], np.intp)
+    )
+
+
+def fixed(scene: Scene, acting: Acting) -> Iterator[tuple[Scene, NDArray[np.intp]]]:
+    """Yield scenes whose press forces always or never act, with the samples where they stand so."""
+    ways, rows = np.unique(acting, axis=1, return_inverse=True)
+    for number, way in enumerate(ways.T):
+        standing = iter(way)
+        loads = (
+            load if not isinstance(load, PressForce) else Force(load.body, load.at, load.force)
+            for load in scene.loads
+            if not isinstance(load, PressForce) or next(standing)
+        )
+        yield replace(scene, loads=tuple(loads)), np.flatnonzero(rows == number)

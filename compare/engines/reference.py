@@ -11,7 +11,7 @@ from scenes.motion import Samples, channels, force_channels, quantity
 
 from . import registry
 from .motion_vectors import MotionVectors
-from .press_switches import Acts, acts, fixed, press_forces, stroke_end
+from .press_switches import Acting, Acts, acts, fitted, fixed, on_switch, press_forces, stroke_ends
 from .travel import guide_travel, largest_distance, travels
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
@@ -61,17 +61,30 @@ class Reference:
     def fitting(self, motion: Motion, true: Motion, may: Sequence[Acts]) -> Motion:
         """Return `true`, with the forces on a press force's switch those of the side where the motion's fit best."""
         forces = force_channels(self.scene)  # all: a component is judged by its vector's magnitude
-        judged = [channel for channel in forces if channel in motion]
-        for scene, rows in fixed(self.scene, may) if judged else ():
-            there = Motion({channel: motion[channel][rows] for channel in judged})
-            now = Motion({channel: true[channel][rows] for channel in forces})
-            other = registry.reference(scene)(true[scene.drive_channel][rows], true["time"][rows])
-            off, before = (sum(relative_errors(there, side, self.scale).values()) for side in (other, now))
-            changed = {channel: true[channel].copy() for channel in forces}
-            for channel in forces:
-                changed[channel][rows] = np.where(off < before, other[channel], now[channel])
-            true = Motion({**true.samples, **changed})
-        return true
+        judged, rows = [channel for channel in forces if channel in motion], on_switch(may)
+        if not judged or not rows.size:
+            return true
+        there = {channel: motion[channel][rows] for channel in judged}
+        now = {channel: true[channel][rows] for channel in forces}
+        position, time = true[self.scene.drive_channel][rows], true["time"][rows]
+
+        def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+            other = {channel: np.empty(rows.shape) for channel in forces}
+            for scene, some in fixed(self.scene, acting):
+                standing = registry.reference(scene)(position[some], time[some])
+                for channel in other:
+                    other[channel][some] = standing[channel]
+            return off(other), other
+
+        def off(side: Mapping[str, Samples]) -> Samples:
+            return np.asarray(sum(relative_errors(Motion(there), Motion({"time": time, **side}), self.scale).values()))
+
+        _, best = fitted(press_forces(self.scene), [act[:, rows] for act in may], misfit)
+        better = off(best) < off(now)
+        changed = {channel: true[channel].copy() for channel in forces}
+        for channel in forces:
+            changed[channel][rows] = np.where(better, best[channel], now[channel])
+        return Motion({**true.samples, **changed})
 
 
 @dataclass(frozen=True)
@@ -110,7 +123,7 @@ def found(scene: Scene) -> Reference:
     stroke = largest_distance(motion[f"{output}.x"] + 1j * motion[f"{output}.y"])
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
-    ends = tuple(stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene))
+    ends = stroke_ends(MotionVectors(scene, motion))
     return Reference(
         scene, Remembering(solve), stroke, travel, scales(scene, motion, travel), Floor({}, ""), motion, ends
     )

@@ -9,6 +9,7 @@ import numpy as np
 from scenes import Motion, Sampling, Status
 from scenes.motion import Samples, channels, quantity
 
+from ..engines.press_switches import on_switch
 from ..engines.reference import Reference, sizes
 from ..engines.runner import Run, complete
 from ..judge.errors import GROUPS
@@ -127,8 +128,10 @@ def each_channel_is_seen(copy: Thinned) -> bool:
 
     The output itself is as good as before: the comparison with the reference alone can notice.
     """
-    count, excess, amounts = copy.sampling.count, copy.excess(CLEAR), copy.amounts(CLEAR)
-    rows = {channel: [n % count, (n + count // 2) % count] for n, channel in enumerate(excess)}
+    excess, amounts = copy.excess(CLEAR), copy.amounts(CLEAR)
+    # On a press force's switch the reference is that of the side that fits, with no error of the other's.
+    clear = np.setdiff1d(np.arange(copy.sampling.count), on_switch(copy.reference.acts(copy.true)))
+    rows = {channel: np.roll(clear, -n)[[0, len(clear) // 2]] for n, channel in enumerate(excess)}
 
     def at(position: Samples, time: Samples) -> Motion:
         true = copy.reference.at(position, time)

@@ -38,7 +38,7 @@ from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.motion_vectors import MotionVectors
-from ..engines.press_switches import acts, press_forces, stroke_end
+from ..engines.press_switches import acts, on_switch, press_forces, stroke_ends
 from ..engines.reference import magnitude, relative_errors
 from ..engines.runner import run
 from ..judge.constraints import condition
@@ -164,9 +164,8 @@ def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bo
     if loads := press_forces(scene):
         times = np.linspace(0, scene.drive.cycle, GRID + 1)
         cycle = MotionVectors(scene, solve(scene.drive.at(times).position, times))
-        for load in loads:
-            may = acts(MotionVectors(scene, true), load, stroke_end(cycle, load))
-            decided &= may.all(axis=0) | ~may.any(axis=0)
+        state = MotionVectors(scene, true)
+        decided[on_switch([acts(state, *load) for load in zip(loads, stroke_ends(cycle), strict=True)])] = False
     return decided
 
 

@@ -14,7 +14,7 @@ from scenes.scene import GROUND, Body
 
 from ..engines.axis import axis
 from ..engines.motion_vectors import MotionVectors, Vectors, distances, inertia
-from ..engines.press_switches import Acts, acts, press_forces, sides, stroke_end
+from ..engines.press_switches import Acting, Acts, acts, fitted, press_forces, stroke_ends
 from ..engines.reference import NOTHING, force_scales, sizes
 from ..engines.travel import guide_travel
 from .constraints import largest_length
@@ -62,8 +62,8 @@ def checks(
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _estimated(estimated)
         if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            acting = may or [acts(state, load, stroke_end(state, load)) for load in press_forces(scene)]
-            violations |= _balances(state, travel, estimated, acting)
+            presses = zip(press_forces(scene), stroke_ends(state), strict=True)
+            violations |= _balances(state, travel, estimated, may or [acts(state, *press) for press in presses])
     return [_worst(*what, violation, state) for what, violation in violations.items()]
 
 
@@ -142,12 +142,18 @@ def _balances(
     """
     least: Violations = {}
     rounding = EPS * estimated.condition
-    for acting in sides(may):
+
+    def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+        """Return the power left over, to which all sliders add; the rest, each of one body, is the least of any."""
         standing = replace(state, acting=acting)
         scale = _scales(standing, estimated.closed, travel)
         left_over = dict(_newton_euler(standing, scale, rounding))
-        left_over["power", "mechanism", "largest force times the largest speed"] = _power(standing, travel, rounding)
-        least = {what: np.minimum(least.get(what, np.inf), violation) for what, violation in left_over.items()}
+        power = _power(standing, travel, rounding)
+        left_over["power", "mechanism", "largest force times the largest speed"] = power
+        least.update({what: np.minimum(least.get(what, np.inf), over) for what, over in left_over.items()})
+        return power, {}
+
+    fitted(press_forces(state.scene), may, misfit)
     return least
 
 

@@ -40,15 +40,12 @@ def estimate(
     On the switch of a press force all channels count on the side where they fit best.
     """
     projection = projected(scene, motion, ends)
-    scale = scales(scene, projection.ways[0], travel)
+    scale = scales(scene, projection.closed, travel)
     units = scale | _force_units(scene)
     rounding = EPS * _turns(scene, motion), projection.condition
-    ways = [_unexplained(motion, way, scale, units, *rounding) for way in projection.ways]
-    errors = ways[0]
-    if len(ways) > 1:
-        best = np.array([reduce(np.maximum, way.values()) for way in ways]).argmin(axis=0)
-        errors = {channel: np.choose(best, [way[channel] for way in ways]) for channel in errors}
-    return Estimate(errors, projection.branch, projection.condition, projection.ways[0])
+    fitting = Motion({**projection.closed.samples, **projection.forces})
+    errors = _unexplained(motion, fitting, scale, units, *rounding)
+    return Estimate(errors, projection.branch, projection.condition, projection.closed)
 
 
 def _turns(scene: Scene, motion: Motion) -> Samples:

@@ -8,7 +8,7 @@ derivative of the constraints at q'' = 0 and Q the loads, the rest has no choice
 where λ are the reactions and the effort of the drive.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +17,7 @@ from scenes import Motion, Scene
 from scenes.motion import Samples, force_channels
 
 from ..engines.motion_vectors import MotionVectors, Vectors, inertia
-from ..engines.press_switches import acts, press_forces, sides, stroke_end
+from ..engines.press_switches import Acting, acts, fitted, press_forces, stroke_ends
 from .constraints import Constraints, Matrices, Poses, blocks, constraints_of, planes
 
 
@@ -25,7 +25,8 @@ from .constraints import Constraints, Matrices, Poses, blocks, constraints_of, p
 class Projection:
     """A motion on the constraints, and how they stand there."""
 
-    ways: Sequence[Motion]  # every channel, for each way in which press forces may stand on their switches
+    closed: Motion  # every channel; on its switch a press force acts
+    forces: Mapping[str, Samples]  # of it, with press forces on the sides of their switches where the motion's fit best
     branch: Samples  # the sign of det J in the poses as computed, shape (n,): it changes in a singular pose alone
     condition: Samples  # of J in the Frobenius norm, shape (n,)
 
@@ -37,17 +38,18 @@ def projected(scene: Scene, motion: Motion, ends: Sequence[float] | None = None)
     """
     constraints = constraints_of(scene)
     if ends is None:
-        ends = [stroke_end(MotionVectors(scene, motion), load) for load in press_forces(scene)]
+        ends = stroke_ends(MotionVectors(scene, motion))
     parts = [_projected(constraints, block, ends) for block in blocks(constraints, motion)]
     return Projection(
-        [_joined(pieces) for pieces in zip(*(part.ways for part in parts), strict=True)],
+        Motion(_joined([part.closed.samples for part in parts])),
+        _joined([part.forces for part in parts]),
         np.concatenate([part.branch for part in parts]),
         np.concatenate([part.condition for part in parts]),
     )
 
 
-def _joined(pieces: Sequence[Motion]) -> Motion:
-    return Motion({channel: np.concatenate([piece[channel] for piece in pieces]) for channel in pieces[0].samples})
+def _joined(pieces: Sequence[Mapping[str, Samples]]) -> dict[str, Samples]:
+    return {channel: np.concatenate([piece[channel] for piece in pieces]) for channel in pieces[0]}
 
 
 def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) -> Projection:
@@ -67,19 +69,28 @@ def _projected(constraints: Constraints, motion: Motion, ends: Sequence[float]) 
     closed = Motion(given | _kinematics(constraints, q, v, a))
     branch = np.where(np.isnan(size), np.nan, sign)  # the determinant of what is not finite has a sign
     condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2))
-    ways = _loaded(constraints, motion, closed, inverse, ends) if scene.has_masses else [closed]
-    return Projection(ways, branch, condition)
+    ways = _loaded(constraints, motion, closed, inverse, ends) if scene.has_masses else (closed, {})
+    return Projection(*ways, branch, condition)
 
 
 def _loaded(
     constraints: Constraints, motion: Motion, closed: Motion, inverse: Matrices, ends: Sequence[float]
-) -> list[Motion]:
-    """Return the closed motion with its forces, for each way in which press forces may stand on their switches."""
+) -> tuple[Motion, Mapping[str, Samples]]:
+    """Return the closed motion with its forces, press forces acting on their switches, and the forces that fit best."""
     own, computed = (MotionVectors(constraints.scene, of) for of in (closed, motion))
-    loads = zip(press_forces(constraints.scene), ends, strict=True)
-    may = [np.concatenate([acts(own, load, end), acts(computed, load, end)]) for load, end in loads]
-    reactions = (_reactions(constraints, replace(own, acting=acting), inverse) for acting in sides(may))
-    return [Motion({**closed.samples, **forces}) for forces in reactions]
+    presses = press_forces(constraints.scene)
+    may = [
+        np.concatenate([acts(of, load, end) for of in (own, computed)]) for load, end in zip(presses, ends, strict=True)
+    ]
+
+    def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+        forces = _reactions(constraints, replace(own, acting=acting), inverse)
+        units = [(channel, unit) for channel, unit in zip(forces, constraints.units, strict=True) if channel in motion]
+        off = [unit * np.abs(forces[channel] - motion[channel]) for channel, unit in units]
+        return np.sum(off, axis=0) if off else np.zeros_like(motion["time"]), forces
+
+    forces, fitting = fitted(presses, may, misfit)
+    return Motion({**closed.samples, **forces}), fitting
 
 
 def _kinematics(constraints: Constraints, q: Poses, v: Poses, a: Poses) -> dict[str, Samples]:

@@ -15,11 +15,9 @@ ITERATIONS = 6  # of Newton's method for a dead point between two positions; eac
 def stroke_ends(poses: Poses, start: Samples) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
     loads = poses.scene.loads
-    ends = np.zeros(len(loads))
-    for number, load in enumerate(loads):
-        if isinstance(load, PressForce):
-            ends[number] = load.closing * _furthest(poses, start, load)
-    return ends
+    presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
+    ends = {stroke: load.closing * _furthest(poses, start, load) for stroke, load in presses.items()}
+    return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
 
 
 def _furthest(poses: Poses, start: Samples, load: PressForce) -> float:

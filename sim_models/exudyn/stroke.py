@@ -28,18 +28,22 @@ def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
         Failure: the stroke in which a press load acts cannot be followed.
     """
     presses = [load for load in poses.system.scene.loads if isinstance(load, PressForce)]
-    return {load: _switches(poses, start, load) for load in presses}
+    switches: dict[PressForce, Sequence[float]] = {}
+    for body in dict.fromkeys(load.body for load in presses):
+        switches |= _switches(poses, start, body, [load for load in presses if load.body == body])
+    return switches
 
 
-def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> list[float]:
+def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequence[PressForce]) -> Switches:
+    """Return the switches of the press loads on a slider, whose dead points they share."""
     system, drive = poses.system, poses.system.scene.drive
     times = np.linspace(0, drive.cycle, GRID + 1)
     states = poses.through(start, drive.at(times).position, curved=False)
 
     def slider(state: Configuration, rate: Any) -> tuple[Any, Any]:
         """Return displacement, m, and velocity, m/s."""
-        com, tangent = (system.com(load.body, q) for q in (state.q, state.tangent))
-        return system.displaced(load.body, com), (system.along(load.body).conjugate() * tangent).real * rate
+        com, tangent = (system.com(body, q) for q in (state.q, state.tangent))
+        return system.displaced(body, com), (system.along(body).conjugate() * tangent).real * rate
 
     def at(time: float) -> tuple[float, float]:
         position, rate, _ = map(float, drive.at(time))
@@ -50,13 +54,18 @@ def _switches(poses: PoseSolver, start: Configuration, load: PressForce) -> list
     dead = list(_zeros(lambda time: at(time)[1], times, v))
     x, times = np.append(x, [at(time)[0] for time in dead]), np.append(times, dead)
     order = times.argsort()
-    end = load.closing * (x * load.closing).max()
-    meets = end - load.closing * load.last
-    met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
-    parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
-    acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
-    switches = [begin for (begin, _), (was, becomes) in zip(parts[1:], pairwise(acts), strict=True) if was != becomes]
-    return [0.0, *switches] if acts[0] else switches
+
+    def instants(load: PressForce) -> list[float]:
+        end = load.closing * (x * load.closing).max()
+        meets = end - load.closing * load.last
+        met = list(_zeros(lambda time: at(time)[0] - meets, times[order], x[order] - meets))
+        parts = list(pairwise([0.0, *sorted(dead + met), drive.cycle]))
+        acts = [bool(load.acts(*at((begin + end_of) / 2), end)) for begin, end_of in parts]
+        changes = zip(parts[1:], pairwise(acts), strict=True)
+        switches = [begin for (begin, _), (was, becomes) in changes if was != becomes]
+        return [0.0, *switches] if acts[0] else switches
+
+    return {load: instants(load) for load in loads}
 
 
 def _zeros(function: Callable[[float], float], times: Array, values: Array) -> Iterator[float]:

@@ -24,7 +24,12 @@ Move: TypeAlias = Callable[[arb_mat, Fraction], tuple[arb_mat, bool, float]]
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
     presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
-    return {load: end_of_stroke(linkage, continuation, q, load) for load in presses}
+    strokes = {load: (load.body, closing_sign(linkage.scene, load)) for load in presses}
+    ends = {
+        stroke: end_of_stroke(linkage, continuation, q, load)
+        for stroke, load in {stroke: load for load, stroke in strokes.items()}.items()
+    }
+    return {load: ends[stroke] for load, stroke in strokes.items()}
 
 
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:

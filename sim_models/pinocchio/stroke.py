@@ -16,7 +16,9 @@ ACCURACY = 1e-9  # of the drive's position, rad or of its travel; the displaceme
 def stroke_ends(poses: Poses, start: Pose) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
     loads = poses.scene.loads
-    return np.array([_end(poses, start, load) if isinstance(load, PressForce) else 0.0 for load in loads])
+    presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
+    ends = {stroke: _end(poses, start, load) for stroke, load in presses.items()}
+    return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
 
 
 def _end(poses: Poses, start: Pose, load: PressForce) -> float:

@@ -27,7 +27,9 @@ def stroke_ends(scene: Scene) -> Sequence[float]:
         return []
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
-    return [load.closing * max(_furthest(linkage, load, path) for path in paths) for load in presses]
+    strokes = {(load.body, load.closing): load for load in presses}
+    ends = {s: load.closing * max(_furthest(linkage, load, path) for path in paths) for s, load in strokes.items()}
+    return [ends[load.body, load.closing] for load in presses]
 
 
 def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Place]) -> float:

@@ -86,7 +86,7 @@ def solved(scene: Scene, near: Motion, times: int) -> Motion:
     """Return the motion of a scene with the drive where it is, from another that is near, by steps of Newton."""
     with np.errstate(all="ignore"):
         for _ in range(times):
-            near = projected(scene, near).ways[0]
+            near = projected(scene, near).closed
     return near
 
 

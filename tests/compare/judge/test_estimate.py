@@ -103,7 +103,7 @@ def test_what_rounding_explains_is_no_error() -> None:
     reference = near_lock("1e-9")
     motion = run("exudyn", reference.scene, Sampling(), registry.engine("exudyn").EXACT).motion
     assert motion is not None
-    true = projected(reference.scene, motion).ways[0]
+    true = projected(reference.scene, motion).closed
     assert np.abs(motion["A.ay"] - true["A.ay"])[-1] > reference.scale["A.ay"]
     assert max(largest(reference, motion).values()) <= 1e-7  # elsewhere, of the engine's own
 
@@ -143,8 +143,8 @@ def test_a_long_motion_is_taken_in_blocks(
     blocks = projected(reference.scene, motion)
     assert np.array_equal(whole.branch, blocks.branch)
     assert np.array_equal(whole.condition, blocks.condition)
-    for channel, samples in whole.ways[0].samples.items():
-        assert np.array_equal(blocks.ways[0][channel], samples), channel
+    for channel, samples in whole.closed.samples.items():
+        assert np.array_equal(blocks.closed[channel], samples), channel
 
 
 def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, motion: Motion) -> None:

@@ -1,0 +1,78 @@
+"""Many press forces: their cost grows with their number, and on their switches an engine is right on either side."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+
+import compare
+from compare.engines import registry
+from compare.engines.press_switches import Acting, fitted
+from scenes import Sampling
+from scenes.motion import Samples
+from scenes.scene import PressForce
+from tests import scene_files
+from tests.comparisons import SLOW
+
+MANY = 200  # as many loads as a scene may have
+ENGINES = ("analytic", "exudyn", "pymunk", "multiprecision", "casadi", "pinocchio")
+LASTS = [0.05 + 1.5 * n / MANY for n in range(MANY)]  # m, of a stroke of 2 m
+PRESSES: scene_files.Changes = {
+    "loads": [{"body": "slider", "at": "B", "force": [-1 if n % 2 else 1, 0], "last": x} for n, x in enumerate(LASTS)],
+    "bodies.rod.mass": 1e-12,  # pymunk turns no body of none
+}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_two_hundred_press_forces_are_those_of_the_power(engine: str) -> None:
+    """Of a crank and a rod of no weight: T w = m a v - F v, with F by displacements of 2 to 4 m, read off the scene."""
+    if registry.ENTRIES[engine].missing:
+        pytest.skip("not installed")
+    model = registry.engine(engine)
+    simulation = model.build(scene_files.load("slider_crank", PRESSES), model.DEFAULT, Sampling(12))
+    simulation.solve()
+    motion = simulation.read()
+    x, v, a = (motion[f"B.{rate}x"] for rate in ("", "v", "a"))
+    against = [(x - 2 <= last) & (v < 0) if n % 2 == 0 else (4 - x <= last) & (v > 0) for n, last in enumerate(LASTS)]
+    forces = sum(np.where(acts, -1.0 if n % 2 else 1.0, 0.0) for n, acts in enumerate(against))
+    between = np.abs(v) > 0.1  # not at a dead point, where all forces have their switch
+    off = (motion["drive.torque"] * 10 - 2 * a * v + forces * v)[between]
+    assert between.sum() == 10
+    assert np.abs(off).max() <= model.DEFAULT.promise * np.abs(forces * v).max()
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(MANY, marks=SLOW)])
+def test_many_press_forces_are_judged(count: int) -> None:
+    scene = scene_files.load("slider_crank", {**PRESSES, "loads": PRESSES["loads"][:: MANY // count]})
+    judged = compare.check(scene, engines=("analytic", "exudyn", "pymunk"), samples=72)
+    assert judged.ok, judged.verdicts
+
+
+SLIDERS = [f"slider{n}" for n in range(12)]
+FORCES = [PressForce(body, "P", (-s, 0.0), last, s) for body in SLIDERS for s in (1, -1) for last in (1.0, 2.0, 4.0)]
+
+
+def carried(acting: Acting) -> dict[str, Samples]:
+    """Return the sums of forces on each slider, by which no two ways to stand are alike."""
+    sizes = [force.closing * force.last for force in FORCES]
+    own = {body: [n for n, force in enumerate(FORCES) if force.body == body] for body in SLIDERS}
+    return {body: np.sum([sizes[n] * acting[n] for n in numbers], axis=0) for body, numbers in own.items()}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_sliders_that_turn_round_together_may_each_be_on_either_side(seed: int) -> None:
+    """At the second of three samples; 72 forces could stand in 2^72 ways there, of which few are tried."""
+    signs = dict(zip(SLIDERS, np.random.default_rng(seed).integers(-1, 2, len(SLIDERS)), strict=True))  # of velocities
+    acting = [np.array([True, signs[force.body] == force.closing, False]) for force in FORCES]
+    may = [np.array([[True, sign == force.closing, False] for sign in (-1, 1) for _ in range(2)]) for force in FORCES]
+    true, tries = carried(acting), []
+
+    def misfit(standing: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+        tries.append(carried(standing))
+        return np.sum([np.abs(tries[-1][body] - true[body]) for body in SLIDERS], axis=0), tries[-1]
+
+    every, best = fitted(FORCES, may, misfit)
+    for body in SLIDERS:
+        assert np.array_equal(best[body], true[body]), body
+        assert every[body][1] == 0  # on a switch all act, and cancel each other
+    assert len(tries) <= 1 + 5 * len(SLIDERS)
