@@ -4,7 +4,16 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, Strict, StringConstraints, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    Strict,
+    StringConstraints,
+    ValidationError,
+)
 from pydantic_core import PydanticCustomError
 
 from . import limits
@@ -23,7 +32,16 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Pair = Annotated[tuple[Number, Number], Strict(False)]  # TOML has arrays, not tuples; the numbers stay strict
-Points = Annotated[dict[Name, Pair], Field(min_length=1)]
+
+
+def _not_of_the_sketch(name: str) -> str:
+    if taken := {"angle", "displacement"} & {*name.split("-")}:
+        why = f"the sketch has '{taken.pop()}' for the drive; expected another name of a point"
+        raise PydanticCustomError("taken", "{why}", {"why": why})
+    return name
+
+
+Points = Annotated[dict[Annotated[Name, AfterValidator(_not_of_the_sketch)], Pair], Field(min_length=1)]
 
 
 def _number_or_text(value: object) -> float | str:
@@ -76,7 +94,9 @@ class BodyTable(Table):
     points: Points | None = Field(
         None, description="By name: [x, y] in its own frame. A point that two bodies name is a pin."
     )
-    lengths: Annotated[dict[PointPair, Positive], Field(min_length=1)] | None = Field(
+    lengths: (
+        Annotated[dict[Annotated[PointPair, AfterValidator(_not_of_the_sketch)], Positive], Field(min_length=1)] | None
+    ) = Field(
         None,
         description='Instead of `points`, as "A-B" = 200; each point after the second needs those to two before it.',
     )
@@ -149,7 +169,9 @@ class VariationTable(Table):
     """What the workshop may deviate: a number of the file, and by how much, for `--monte-carlo`."""
 
     path: str = Field(max_length=limits.PATH, description='Where the number is, as "bodies.rocker.lengths.O-P3".')
-    plus_minus: Positive = Field(description="In the number's unit: three standard deviations, or all of a uniform.")
+    plus_minus: Annotated[Positive, Field(le=limits.LARGEST)] = Field(
+        description="In the number's unit: three standard deviations, or all of a uniform."
+    )
     distribution: Literal["normal", "uniform"] = Field("normal", description='"normal" where absent, or "uniform".')
 
 
@@ -238,6 +260,8 @@ def explain(error: ValidationError, file: type[Table]) -> str:
             text = f"not a name: expected {wanted}"
         case "model_type" | "dict_type":
             text = "expected a table"
+        case "less_than_equal":
+            text = f"expected {first['ctx']['le']:g} at most, found {first['input']:g}"
         case "greater_than" | "greater_than_equal" | "literal_error":
             text = f"{first['msg'].replace('Input should be', 'expected')}, found {one_line(repr(first['input']), 40)}"
         case _:

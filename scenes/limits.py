@@ -14,6 +14,7 @@ POINTS = 1000  # of all bodies and the ground, a pin's once for each: a run of 3
 LOADS = 200  # and as many springs, each evaluated at every step: a run of two hundred springs takes three times as long
 ROWS = 10_000  # of a force table, and of a motion law: a run takes three times as long as with one row
 TURNS = 10  # of a crank in a cycle: scales and ends of strokes are found at 3,600 instants of it, 360 a turn
+LARGEST = 1e45  # of a deviation, as of a moment of inertia: its square with whatever gradient is a double
 VARIATIONS = 200  # numbers of a scene that vary at once, each a dimension of the draws and a derivative
 VALUES = 25_000_000  # samples times channels of a run, or rows times columns of a result: three engines take 4 GB
 PATH = 300  # characters of the path of one: three names and what is between them

@@ -18,7 +18,7 @@ from .consistency import check
 from .corners import corners, on_one_line
 from .drive import ConstantSpeed, Drive, MotionLaw
 from .errors import InputError, nearest, one_line
-from .format import BodyTable, DriveTable, LoadTable, SceneFile, SketchTable, SpringTable, TolerancesTable, explain
+from .format import BodyTable, DriveTable, LoadTable, SceneFile, SpringTable, TolerancesTable, explain
 from .limits import SOURCE, TITLE
 from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
 from .scene import GROUND, Body, Scene, Sketch, Slide
@@ -122,7 +122,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
         springs=tuple(_spring(spring, length, force) for spring in table.springs),
         gravity=table.gravity,
         sketch=Sketch(
-            _sketched_drive(table.sketch, slider_driven=slider_driven) * drive_unit,
+            _sketched_drive(table, slider_driven=slider_driven) * drive_unit,
             MappingProxyType({name: _times(length, point) for name, point in (table.sketch.model_extra or {}).items()}),
         ),
         output=table.output.slider or table.output.point or "",
@@ -190,14 +190,14 @@ def _spring(table: SpringTable, length: float, force: float) -> Spring:
     return Spring(first, second, table.stiffness * force / length, table.length * length)
 
 
-def _sketched_drive(table: SketchTable, *, slider_driven: bool) -> float:
+def _sketched_drive(table: SceneFile, *, slider_driven: bool) -> float:
     right, wrong = ("displacement", "angle") if slider_driven else ("angle", "displacement")
-    if getattr(table, wrong) is not None:
-        driven = "slider" if slider_driven else "crank"
-        raise InputError(f"sketch.{wrong}: expected '{right}', since the drive moves a {driven}")
-    if slider_driven and table.displacement is None:
-        raise InputError("sketch.displacement: missing; the sketch shows the linkage at one place of the driven slider")
-    return getattr(table, right) or 0.0
+    driven = f"drive.body, '{table.drive.body}', {'slides' if slider_driven else 'does not slide'} on the ground"
+    if getattr(table.sketch, wrong) is not None:
+        raise InputError(f"sketch.{wrong}: expected '{right}', since {driven}; or another body there")
+    if slider_driven and table.sketch.displacement is None:
+        raise InputError(f"sketch.displacement: missing; the sketch is at one place of what is driven: {driven}")
+    return getattr(table.sketch, right) or 0.0
 
 
 def _tolerances(place: str, table: TolerancesTable, *, slider_driven: bool) -> dict[str, float]:

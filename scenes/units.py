@@ -48,15 +48,17 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
     speed, other = (_SLIDING, _TURNING) if slides else (_TURNING, _SLIDING)
     for name, (si, usual) in (_USUAL | {"speed": speed}).items():
         unit = getattr(units, name) or si
-        hint = ""
         if name == "speed" and unit not in usual and _PRODUCT.fullmatch(unit) and _factor(unit, other[0]) > 0:
-            kind, has = ("crank", "has") if slides else ("slider", "has no")
-            hint = f"is a speed of a {kind}, and the driven body '{driven}' {has} `slides` on the ground"
-        factors[name] = unit, factor(unit, si, name, f"units.{name}", usual, hint)
+            kind, is_driven = ("crank", "slides") if slides else ("slider", "does not slide")
+            raise InputError(
+                f"drive.body: '{driven}' {is_driven} on the ground, and units.speed, '{unit}', is of a {kind};"
+                f" expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
+            )
+        factors[name] = unit, factor(unit, si, name, f"units.{name}", usual)
     return factors
 
 
-def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = (), hint: str = "") -> float:
+def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:
     """Return how many of the SI unit a unit is.
 
     Args:
@@ -65,7 +67,6 @@ def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = (),
         name: of the quantity, for the message.
         place: where the unit is in its file.
         usual: units to suggest the nearest of.
-        hint: what is wrong with one that is none of the quantity, where more is known.
 
     Raises:
         InputError: the text is no unit of the quantity; the message has its place in the file and the nearest unit.
@@ -74,7 +75,7 @@ def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = (),
     if not _PRODUCT.fullmatch(unit):
         wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
     elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
-        wrong = hint or f"is not a known unit of {name}"
+        wrong = f"is not a known unit of {name}"
     if wrong:
         shown = one_line(unit, 40)
         raise InputError(f"{place}: '{shown}' {wrong}{nearest(shown, usual) if usual else ''}")
