@@ -42,12 +42,12 @@ def check(
     """
     from scenes import Scene, load  # late, as all imports here: the commands report what stops those
 
-    from .arguments import checked, sampling
+    from .arguments import from_python, sampling
     from .report.notebook import Result
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)
-    options = checked(engines=engines, samples=samples, turns=turns, accuracy=accuracy)
+    options = from_python(engines, samples=samples, turns=turns, accuracy=accuracy)
     asked_for = sampling(scene, options.samples, options.turns)
     return Result.of(judged(scene, options.engines, asked_for, options.accuracy))
 
@@ -74,14 +74,14 @@ def vary(
     from scenes import load, numbers_in
     from scenes.arguments import names
 
-    from .arguments import checked, sampling
+    from .arguments import from_python, sampling
     from .family.family import members
     from .family.grid import grid
     from .family.grid import variation as read
     from .report.notebook import Varied
 
     scene = load(name_or_path)
-    options = checked(engines=engines, samples=samples)
+    options = from_python(engines, samples=samples)
     varied = [read(text) for text in names("variation", (variation, *more))]
     numbers_in(scene.file, [each.path for each in varied])
     request, changes = sampling(scene, options.samples, 1), grid(varied)

@@ -2,11 +2,10 @@
 
 import argparse
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 from numbers import Integral
 from pathlib import Path
-from typing import Any
 
 from scenes import InputError, Sampling, Scene, limits
 from scenes.arguments import names, refuse
@@ -36,16 +35,16 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
     )
+    parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
     parser.add_argument(
-        "--engines", type=KEYWORDS["engines"], default=",".join(registry.DEFAULT_ENGINES), help="comma-separated"
+        "--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)"
     )
-    parser.add_argument("--samples", type=KEYWORDS["samples"], default=360, help="samples per cycle of the drive (360)")
-    parser.add_argument("--turns", type=KEYWORDS["turns"], default=1, help="cycles of the drive (1)")
+    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_out("the reports")
     parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
     parser.add_argument(
         "--accuracy",
-        type=KEYWORDS["accuracy"],
+        type=accuracy,
         help=f"the engines' settings: {', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)",
     )
     parser.add_argument(
@@ -131,33 +130,15 @@ def accuracy(text: str) -> Accuracy:
     return level
 
 
-KEYWORDS: Mapping[str, Callable[[str], Any]] = {
-    "engines": _engines,
-    "samples": _count(FEWEST, 100_000),
-    "turns": _count(1, 10_000),
-    "accuracy": accuracy,
-}  # options that Python functions take too
-
-
-def checked(**given: object) -> argparse.Namespace:
-    """Return arguments of a Python function as options.
-
-    Raises:
-        InputError: one is not of its type, or not what the command line takes.
-    """
-    options = argparse.Namespace()
-    for name, value in given.items():
-        if name == "engines":
-            text = ",".join(names(name, value))
-        elif name == "accuracy" or (isinstance(value, Integral) and not isinstance(value, bool)):
-            text = str(value)
-        else:
-            refuse(name, "a whole number", value)
-        try:
-            setattr(options, name, KEYWORDS[name](text))
-        except ArgumentTypeError as error:
-            raise InputError(f"{name}: {error}") from None
-    return options
+def from_python(engines: object, **others: object) -> argparse.Namespace:
+    """Return arguments of a Python function, by the names of their options, as options; bad ones raise InputError."""
+    for name in others.keys() & {"samples", "turns"}:
+        if isinstance(others[name], bool) or not isinstance(others[name], Integral):
+            refuse(name, "a whole number", others[name])
+    words = {"engines": ",".join(names("engines", engines)), **others}
+    python = parser()
+    python.usage = None
+    return python.parse_args([f"--{name}={word}" for name, word in words.items()])
 
 
 def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:

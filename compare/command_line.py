@@ -43,7 +43,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--out", type=_folder, default=Path("results"), help=f"folder for {what} (results)")
 
     def parse_args(self, args: Iterable[str] | None = None, namespace: Any = None) -> Any:
-        """Return the options, or raise InputError, which for one that is unknown names the nearest."""
+        """Return the options; one that is unknown raises InputError with the nearest."""
         from scenes.errors import InputError, nearest
 
         options, unknown = self.parse_known_args(None if args is None else [*args], namespace)
@@ -57,7 +57,7 @@ class Parser(argparse.ArgumentParser):
         """Raise InputError with the message and the usage."""
         from scenes import InputError
 
-        raise InputError(f"arguments: {message}; usage: {self.usage}")
+        raise InputError(f"arguments: {message}{f'; usage: {self.usage}' if self.usage else ''}")
 
 
 def _folder(text: str) -> Path:

@@ -1,7 +1,7 @@
 """What callers from Python pass, refused in one line where it is of another kind."""
 
 from collections.abc import Iterable, Mapping
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +16,7 @@ def refuse(argument: str, expected: str, value: object) -> NoReturn:
 
 
 def scene_of(value: object) -> Scene:
-    """Return the argument `scene`.
-
-    Raises:
-        InputError: it is none.
-    """
+    """Return the argument `scene`, or raise InputError."""
     if not isinstance(value, Scene):
         refuse("scene", "a Scene, as scenes.load(...) returns it", value)
     return value
@@ -33,11 +29,7 @@ def check_changes(value: object) -> None:
 
 
 def names(argument: str, value: object) -> tuple[str, ...]:
-    """Return several names; one text is not several.
-
-    Raises:
-        InputError: it is none, or has something else among them.
-    """
+    """Return several names, or raise InputError; one text is not several."""
     several = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes) else (None,)
     if not all(isinstance(name, str) for name in several):
         refuse(argument, f"several names{f', as {one_line(repr([value]), 60)}' * isinstance(value, str)}", value)
@@ -45,11 +37,7 @@ def names(argument: str, value: object) -> tuple[str, ...]:
 
 
 def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset[str]:
-    """Return several names, all of them known.
-
-    Raises:
-        InputError: as of `names`, or one is unknown; the nearest one is named.
-    """
+    """Return several names, or raise InputError, which names the one nearest to one that is unknown."""
     several, valid = names(argument, value), frozenset(known)
     for name in several:
         if name not in valid:
@@ -57,16 +45,17 @@ def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset
     return frozenset(several)
 
 
-def doubles(argument: str, value: object) -> NDArray[np.float64]:
-    """Return numbers as an array of their own, of the same shape.
-
-    Raises:
-        InputError: they are no real numbers, or masked, which no model knows of.
-    """
+def unmasked(argument: str, value: object) -> NDArray[Any]:
+    """Return an array of any kind, or raise InputError for one with a mask, which no model knows of."""
     if isinstance(value, np.ma.MaskedArray):
         raise InputError(f"{argument}: expected plain numbers, found a masked array; its .filled(...) gives some")
+    return np.asarray(value)
+
+
+def doubles(argument: str, value: object) -> NDArray[np.float64]:
+    """Return real numbers as an array of their own, of the same shape, or raise InputError."""
     try:
-        given = np.asarray(value)
+        given = unmasked(argument, value)
         if given.dtype.kind == "O":
             given = np.vectorize(float, otypes=[np.float64])(given)  # NumPy itself would make NaN of None
         if given.dtype.kind in "biuf":

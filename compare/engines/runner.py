@@ -9,7 +9,8 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from scenes import Engine, Failure, Motion, Request, Rows, Scene, Settings, Status
-from scenes.motion import Samples, kinematic_channels, quantity
+from scenes.arguments import unmasked
+from scenes.motion import kinematic_channels, quantity
 
 from . import registry
 from .isolation import Ended
@@ -149,15 +150,9 @@ def _plain(motion: object) -> Motion:
     if not isinstance(motion, Motion):
         raise TypeError(f"expected scenes.Motion, found {type(motion).__name__}")
     return Motion(
-        {channel: _unmasked(channel, samples) for channel, samples in motion.samples.items()},
+        {channel: unmasked(channel, samples) for channel, samples in motion.samples.items()},
         {channel: text_of(reason) for channel, reason in motion.unsupported.items()},
     )
-
-
-def _unmasked(channel: str, samples: object) -> Samples:
-    if isinstance(samples, np.ma.MaskedArray):
-        raise TypeError(f"{channel}: expected plain numbers, found a masked array")
-    return np.asarray(samples)
 
 
 def complete(outcome: Run, scene: Scene, request: Rows) -> Run:
