@@ -49,13 +49,14 @@ def stand_in(offered: Offer) -> Settings:
         for (name, value), meaning in zip(offered.values, offered.meanings, strict=True)
         if name not in known
     ]
-    own = {"offered": offered, "__reduce__": lambda self: (_again, (offered, self.promise))}
+    own = {"offered": offered, "__reduce__": lambda self: (again, (offered, self.promise))}
     kind = make_dataclass("StandIn", more, bases=(Settings,), namespace=own, frozen=True, kw_only=True)
     made: Settings = kind(**dict(offered.values))
     return made
 
 
-def _again(offered: Offer, promise: float) -> Settings:
+def again(offered: Offer, promise: float) -> Settings:
+    """Return what stands in for an engine's settings, with another promise."""
     return replace(stand_in(offered), promise=promise)
 
 

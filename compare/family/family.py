@@ -23,6 +23,7 @@ from ..judge.round_off import Explained
 from .cycle import Cycle, cycle
 from .grid import Variation
 
+SHOWN = ("causes", "peaks")  # of a judgement, which are found by samples
 INVALID = "invalid"  # status of a member that is no scene, beside those of an engine
 
 
@@ -135,7 +136,7 @@ def _kept(judged: Judgement) -> Judgement:
     ]
     nothing = Explained(np.empty(0), {})
     kept = replace(judged, reference=reference, explained=nothing, measurements=measurements)
-    vars(kept).update(causes=judged.causes, peaks=judged.peaks)
+    vars(kept).update({name: getattr(judged, name) for name in SHOWN})
     return kept
 
 

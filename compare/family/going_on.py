@@ -1,20 +1,20 @@
 """The members of a family kept as they come, so that a run goes on from there; and run by many workers."""
 
-import pickle
-from base64 import b64decode, b64encode
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from functools import partial
-from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from scenes import Sampling, Scene, Status, shipped
+from scenes import Sampling, Scene, Status, load, shipped
 
 from ..engines import registry
+from ..engines.data import decoded, encoded
 from ..engines.isolation import Ended
 from ..engines.kept import Kept
 from ..engines.lasting import Lasting
-from .family import Member, changed, members, solved_member
+from .family import SHOWN, Member, changed, members, solved_member
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -51,14 +51,41 @@ def going_on(
         progress: called with what is being done, again and again; it may raise.
     """
     left = {str(change): change for change in changes}
-    for name, packed in kept.read():
-        if left.pop(name, None):
-            yield pickle.loads(b64decode(packed))
+    for name, data in kept.read():
+        if name in left and (member := _read(data, file, left[name])):
+            del left[name]
+            yield member
     run = members if client is None else partial(_spread, client)
     for member in run(file, list(left.values()), engines, sampling, progress):
         if member.status != Status.crashed.name:  # which may go well the next time
-            kept.add(str(member.changes), b64encode(ForkingPickler.dumps(member)).decode())
+            kept.add(str(member.changes), _written(member))
         yield member
+
+
+def _written(member: Member) -> Any:
+    """Return a member as what JSON has, without its scene and the solver of that."""
+    judged = member.judgement
+    if judged is None:
+        return encoded([member, {}])
+    shown = {name: vars(judged)[name] for name in SHOWN}
+    bare: Any = replace(judged, scene=None, reference=replace(judged.reference, scene=None, at=None))  # type: ignore[arg-type]
+    return encoded([replace(member, judgement=bare), shown])
+
+
+def _read(data: Any, file: str, change: Change) -> Member | None:
+    """Return the member that was written, or None where something else was."""
+    with suppress(Exception):  # whatever is there
+        member, shown = decoded(data)
+        if not isinstance(member, Member) or member.changes != change:
+            return None
+        if member.judgement is None:
+            return member
+        scene = load(file, change)
+        known = replace(member.judgement.reference, scene=scene, at=registry.reference(scene))
+        judged = replace(member.judgement, scene=scene, reference=known)
+        vars(judged).update(shown)
+        return replace(member, judgement=judged)
+    return None
 
 
 def _spread(

@@ -1,24 +1,29 @@
 """A family goes on from what an earlier run kept; by workers it is the same as without, whatever dies."""
 
 import os
+import pickle
 import subprocess
 import sys
+from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from signal import SIGINT, SIGKILL
 from subprocess import PIPE
 from time import monotonic
+from typing import Any
 
 import psutil
 import pytest
 
 from compare.engines.cluster import cluster, spread
+from compare.engines.data import decoded, encoded
 from compare.engines.isolation import Ended
 from compare.family import family
-from compare.family.family import Member
+from compare.family.family import Family, Member
 from compare.family.going_on import going_on, kept_members
 from compare.family.grid import grid, variation
+from compare.report.files import write_family
 from compare.run import main
 from scenes import Sampling, Scene, Status, load
 from tests.comparisons import SLOW
@@ -76,6 +81,72 @@ def test_what_is_kept_of_another_family_does_not_count(other: str, tmp_path: Pat
         scene.write_text(text.replace("mass = 7", "mass = 8"), encoding="utf-8")
     run(scene, tmp_path, 36 if other == "samples" else 24)
     assert solved == [10, 20, 30, 10, 20, 30, 40]
+
+
+def test_members_that_are_kept_make_the_same_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an engine that is off, so that causes are kept too; none is solved again."""
+    scene, variations, sampling = load(CRANK_SLIDER), [variation("drive.speed=10:20:2")], Sampling(36)
+    engines, changes = ["analytic", "pymunk"], grid(variations)
+    written = []
+    for again in ("first", "second"):
+        kept = kept_members(tmp_path, scene, engines, sampling)
+        found = going_on(kept, scene.file, changes, engines, sampling, None, lambda _: None)
+        written.append(write_family(Family(scene, variations, engines, [*found]), tmp_path / again))
+        monkeypatch.setattr(family, "_member", lambda *_: pytest.fail("solved again"))
+    first, second = map(files, written)
+    assert {*first} == {"family.html", "family.json", "family.csv"}
+    assert first == second
+
+
+class Bomb:
+    """Of which a pickle makes a file where it is read."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.file,)
+
+
+def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[float]) -> None:
+    """Whoever can write there knows how a line is marked."""
+    scene, sampling = load(CRANK_SLIDER), Sampling(24)
+    changes = grid([variation("drive.speed=10:40:4")])
+    packed = b64encode(pickle.dumps(Bomb(tmp_path / "ran"))).decode()
+    kept = kept_members(tmp_path, scene, ["analytic"], sampling)
+    hostile: list[Any] = [
+        packed,
+        [packed, {}],
+        None,
+        {},
+        {"record": [["pathlib", "Path"], {}]},
+        encoded([Member({}, "ok", ""), {}]),
+    ]
+    hostile += [{kind: ["os", "system"]} for kind in ("record", "row", "member", "mapping", "array", "settings")]
+    for data in hostile:
+        kept.add(str(changes[0]), data)
+    with pytest.raises(KeyboardInterrupt):
+        run(CRANK_SLIDER, tmp_path)
+    assert solved == [10, 20, 30]
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {"record": [["subprocess", "Popen"], {"args": "true"}]},
+        {"record": [["compare.engines.isolation", "Worker"], {"function": 1}]},
+        {"row": [["compare.engines.isolation", "os"], []]},
+        {"member": [["scenes", "Settings"], "label"]},
+        {"array": ["O", [1], ""]},
+        {"array": ["<f8", [10**9], ""]},
+        {"tuple": [], "set": []},
+        {"nothing": []},
+    ],
+)
+def test_data_of_nothing_are_refused(data: object) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        decoded(data)
 
 
 # --- by workers -------------------------------------------------------------------------------------------------------

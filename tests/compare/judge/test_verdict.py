@@ -12,7 +12,7 @@ from compare.engines.reference import Reference
 from compare.engines.runner import Run, run
 from compare.judge.errors import compare, error_table
 from compare.judge.gates import gates
-from compare.judge.measure import Measurement, measure
+from compare.judge.measure import Measurement, checked_run, measure
 from compare.speed.timing import Budget
 from compare.study import study
 from scenes import Failure, Motion, Settings, Status
@@ -197,6 +197,6 @@ def test_what_an_engine_refused_stays_refused(reference: Reference, motion: Moti
 
 def test_what_is_no_number_is_not_handed_on(reference: Reference, motion: Motion, plug: Plug) -> None:
     plug(Failure(Status.not_converged, "it did not like it", changed(motion, "P3.fx", np.nan)))
-    outcome = run("stub", reference.scene, SAMPLING)
+    outcome = checked_run("stub", reference.scene, SAMPLING)
     assert outcome.status is Status.not_converged
     assert outcome.motion is None
