@@ -164,7 +164,7 @@ def setup(study: Study) -> str:
     scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
     cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
     run = f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle}"
-    return f"{run}. The reference is solved group by group: {registry.route(scene)}."
+    return f"{run}. Reference, group by group (R: pin, P: slide): {registry.route(scene)}."
 
 
 def _motion_of_the_drive(scene: Scene) -> str:

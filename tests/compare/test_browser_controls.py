@@ -1,4 +1,4 @@
-"""The controls of every figure, pressed in a browser: each does what its name is, and nothing leads to another host."""
+"""Every kind of page in a browser: each control does what its name is, nothing leads away, the words are plain."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -46,6 +46,9 @@ LEAVING = """() => [...document.querySelectorAll('*')].flatMap(e => [...e.attrib
     .map(a => a.value)).filter(to => !/^(#|data:|$)/.test(to))"""
 AWAY = re.compile(r"https?://(?!www\.w3\.org/)|cloud|share|chart studio|plotly\.com", re.IGNORECASE)
 OF_ITSELF = 5e-3  # of an axis whose range plotly finds anew, from the panel's size in px
+UNCLEAR = re.compile(  # words that a first reader did not understand
+    r"\b(rungs?|ladders?|certified to|to lock|cause is unknown|reference's way|That of a|silent wrong|no dyad)\b"
+)
 TO_PX = 0.02  # of an axis: a pixel or two of a drag over some hundred
 
 
@@ -214,6 +217,10 @@ def test_nothing_leaves_the_page(opened: "Page") -> None:
             "p => [p._context.plotlyServerURL, p._context.showSendToCloud, p._context.displaylogo]"
         )
         assert settings == ["", False, False]
+
+
+def test_a_first_reader_understands_the_words(opened: "Page") -> None:
+    assert UNCLEAR.findall(opened.locator("main").inner_text()) == []
 
 
 def test_a_figure_of_a_notebook_has_these_buttons_alone(browser: "Browser", tmp_path: Path) -> None:

@@ -171,7 +171,7 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
         which = ", ".join(f"{name} (off by {percent(off[name])})" for name in bent)
         yield f"Tolerances do not add up linearly for {which}: take the standard deviation of the machines drawn."
     elif shown:
-        yield f"Adding the tolerances up linearly gives each standard deviation to {percent(max(off.values()))}."
+        yield f"Adding the tolerances up linearly gives each standard deviation to within {percent(max(off.values()))}."
     for m in study.judged.measurements:
         ratios = {s.name: differences(study, s).get(m.run.engine, nan) / s.deviation for s in shown}
         known = {name: ratio for name, ratio in ratios.items() if not isnan(ratio)}

@@ -70,5 +70,5 @@ def test_the_linear_model_is_doubted_where_its_standard_deviation_misleads() -> 
         off = 1 - (1 + 3 * a**2 * (1 / 5 - 1 / 9)) ** -0.5
         assert float(number) == pytest.approx(100 * off, rel=0.03), "of the grid"
         said.append(sentence)
-    assert said[0].startswith("Adding the tolerances up linearly gives each standard deviation to 1.1")
+    assert said[0].startswith("Adding the tolerances up linearly gives each standard deviation to within 1.1")
     assert said[1].startswith("Tolerances do not add up linearly for peak speed (off by ")
