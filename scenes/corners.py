@@ -10,12 +10,14 @@ straightness of ISO 2768-2 in its finest class (0.3 mm on a metre), so that no d
 and ten thousand times what doubles leave of a height that three lengths give.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import inf
 from typing import Any, TypeAlias
 
 import numpy as np
+
+from .limits import POINTS
 
 Places: TypeAlias = Mapping[str, tuple[Any, Any]]  # m; numbers, or arrays of one shape
 Lengths: TypeAlias = Mapping[frozenset[str], Any]  # m, of pairs of points; likewise
@@ -34,9 +36,8 @@ def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None
     """
     if len(points) < 3 or (local is None and len(points) > 3):
         return tuple(points)
-    length = _length(local, lengths)
-    end = max(points, key=partial(length, points[0]))
-    other = max(points, key=partial(length, end))
+    end = max(points, key=partial(_length, local, lengths, points[0]))
+    other = max(points, key=partial(_length, local, lengths, end))
     ends = tuple(point for point in points if point in (end, other))
     return ends if all(height <= LINE for height in heights(ends, points, local, lengths)) else tuple(points)
 
@@ -45,10 +46,10 @@ def heights(
     corners: Sequence[str], points: Sequence[str], local: Places | None, lengths: Lengths | None
 ) -> Iterator[Any]:
     """Yield how high the triangles of two corners and another point are over their longest side, as a share of it."""
-    length, (p, q, *_) = _length(local, lengths), corners
+    p, q, *_ = corners
     for r in points:
         if r not in (p, q):
-            sides = np.broadcast_arrays(length(p, q), length(q, r), length(r, p))
+            sides = np.broadcast_arrays(*(_length(local, lengths, *ends) for ends in ((p, q), (q, r), (r, p))))
             with np.errstate(all="ignore"):  # of numbers that no file may have
                 a, b, c = sides / np.maximum.reduce(sides)
                 heron = (a + b + c) * (a + b - c) * (a - b + c) * (b + c - a)
@@ -65,7 +66,7 @@ def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[floa
     Returns:
         By point, m; nothing where there are not three points or more, all of them on the line.
     """
-    if len(points) < 3:
+    if not 2 < len(points) <= POINTS:
         return {}
     first, second, *others = points
     places = {first: 0.0, second: lengths.get(frozenset((first, second)), inf)}
@@ -81,14 +82,9 @@ def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[floa
     return {point: (place, 0.0) for point, place in places.items()}
 
 
-def _length(local: Places | None, lengths: Lengths | None) -> Callable[[str, str], Any]:
-    """Return the function of two points that is their distance, m; infinite where it is not known."""
-
-    def of_places(p: str, q: str) -> Any:
-        (x, y), (u, v) = (local or {})[p], (local or {})[q]
-        return np.hypot(x - u, y - v)
-
-    def of_lengths(p: str, q: str) -> Any:
+def _length(local: Places | None, lengths: Lengths | None, p: str, q: str) -> Any:
+    """Return the distance of two points, m; infinite where it is not known."""
+    if local is None:
         return 0.0 if p == q else (lengths or {}).get(frozenset((p, q)), inf)
-
-    return of_lengths if local is None else of_places
+    (x, y), (u, v) = local[p], local[q]
+    return np.hypot(x - u, y - v)

@@ -4,16 +4,7 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    Strict,
-    StringConstraints,
-    ValidationError,
-)
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, Strict, StringConstraints, ValidationError
 from pydantic_core import PydanticCustomError
 
 from . import limits
@@ -32,16 +23,7 @@ Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Pair = Annotated[tuple[Number, Number], Strict(False)]  # TOML has arrays, not tuples; the numbers stay strict
-
-
-def _not_of_the_sketch(name: str) -> str:
-    if taken := {"angle", "displacement"} & {*name.split("-")}:
-        why = f"the sketch has '{taken.pop()}' for the drive; expected another name of a point"
-        raise PydanticCustomError("taken", "{why}", {"why": why})
-    return name
-
-
-Points = Annotated[dict[Annotated[Name, AfterValidator(_not_of_the_sketch)], Pair], Field(min_length=1)]
+Points = Annotated[dict[Name, Pair], Field(min_length=1)]
 
 
 def _number_or_text(value: object) -> float | str:
@@ -94,9 +76,7 @@ class BodyTable(Table):
     points: Points | None = Field(
         None, description="By name: [x, y] in its own frame. A point that two bodies name is a pin."
     )
-    lengths: (
-        Annotated[dict[Annotated[PointPair, AfterValidator(_not_of_the_sketch)], Positive], Field(min_length=1)] | None
-    ) = Field(
+    lengths: Annotated[dict[PointPair, Positive], Field(min_length=1)] | None = Field(
         None,
         description='Instead of `points`, as "A-B" = 200; each point after the second needs those to two before it.',
     )
@@ -240,6 +220,8 @@ def explain(error: ValidationError, file: type[Table]) -> str:
     match first["type"]:
         case "extra_forbidden":
             text = f"unknown key{nearest(str(location[-1]), _keys_at(file, location[:-1]))}"
+        case "float_type" if location[:-1] == ["sketch"] and isinstance(first["input"], list):
+            text = "expected a number, since it is where the drive is; a point needs another name"
         case "missing" if isinstance(location[-1], int):
             text = f"expected two {entries}"
         case "missing":

@@ -121,14 +121,14 @@ SLIPS = {
         ["variations.0.plus_minus: expected 1e+45 at most, found 1e+300"],
     ),
     "point called angle": (
-        'lengths = { "O-P3" = 300 }',
-        'lengths = { "O-angle" = 300 }',
-        ["bodies.rocker.lengths.O-angle: the sketch has 'angle' for the drive; expected another name of a point"],
+        "angle = 11.5",
+        "angle = [480, -202]",
+        ["sketch.angle: expected a number, since it is where the drive is; a point needs another name"],
     ),
     "point called displacement": (
-        "points = { P5 = [0, 0] }",
-        "points = { displacement = [0, 0] }",
-        ["bodies.slider.points.displacement: the sketch has 'displacement' for the drive; expected another name"],
+        "angle = 11.5",
+        "displacement = [480, -202]",
+        ["sketch.displacement: expected a number, since it is where the drive is; a point needs another name"],
     ),
     "variation of nothing": ("plus_minus = 0.05", "plus_minus = 0", ["variations.0.plus_minus", "greater than 0"]),
     "unknown distribution": (
