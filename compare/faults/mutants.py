@@ -24,7 +24,8 @@ COMPARISONS: dict[type[ast.cmpop], type[ast.cmpop]] = _both_ways(
 )
 NAMES = _both_ways(("max", "min"), ("real", "imag"), ("sin", "cos"), ("all", "any"))
 NAMES |= _both_ways(("maximum", "minimum"), ("argmax", "argmin"))
-LARGER = 1000.0  # times a constant
+LARGER, MUCH_LARGER = 1e3, 1e6  # times a constant, and what a function returns
+NUMBERS = ("float", "Samples")
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,9 @@ def _changes(tree: ast.Module) -> Iterator[tuple[str, Any, str, ast.AST]]:
         for statement in function.body:
             for node in ast.walk(statement):
                 yield from ((name, node, kind, other) for kind, other in _others(node))
+                if isinstance(node, ast.Return) and ast.unparse(function.returns or ast.Constant("")) in NUMBERS:
+                    assert node.value is not None
+                    yield name, node.value, "result", ast.BinOp(node.value, ast.Mult(), ast.Constant(MUCH_LARGER))
 
 
 def _functions(node: ast.AST, prefix: str) -> Iterator[tuple[str, ast.FunctionDef]]:
@@ -101,6 +105,8 @@ def _others(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
             | ast.Call(func=ast.Name(id="abs"), args=[argument])
         ):
             yield "abs dropped", argument
+        case ast.Subscript(value=value, slice=ast.Call(), ctx=ast.Load()):
+            yield "row", ast.Subscript(value, ast.Constant(0), ast.Load())
         case ast.Attribute(value=value, attr=attr, ctx=ast.Load()) if attr in NAMES:
             yield "name", ast.Attribute(value, NAMES[attr], ast.Load())
         case ast.Name(id=name, ctx=ast.Load()) if name in NAMES:

@@ -2,29 +2,34 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Motion, Sampling, Status
-from scenes.motion import Samples, channels, quantity
+from scenes import Failure, Motion, Sampling, Scene, Status
+from scenes.motion import Samples, channels, force_channels, quantity
 
 from ..engines.press_switches import on_switch
-from ..engines.reference import Reference, sizes
+from ..engines.reference import Reference
 from ..engines.runner import Run, complete
-from ..judge.errors import GROUPS
+from ..judge.errors import GROUPS, shown_groups
 from ..judge.gates import gates, missed
 from ..judge.measure import Measurement, assess
-from ..judge.round_off import Explained
+from ..judge.perturbation import neighbours
+from ..judge.round_off import EPS, Explained
 from ..judge.verdict import judged
 from . import spoilt_motion as spoilt
 from .fault import Clean
+from .sizes import length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
 CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself
 EXCESS = 300.0  # times what the settings promise: an ok run has no excuse for so much, not even in its balances
+ROUNDINGS = 100.0  # times how far the motion moves: the drive is off by as little too
 MOST = 1.0  # of a scale or magnitude: angles come round
-ALONE = ("drive", "closure", "Newton")  # checks that have to notice by themselves that all channels are off
+BLIND = {"branch"}  # that all channels are off is no other branch
+FAR = 1e6  # times the peak of what the drive does: more than any other power
 
 
 @dataclass(frozen=True)
@@ -39,17 +44,32 @@ class Thinned(Clean):
         drive_promise = self.run.settings.drive_promise
         return {
             channel: min(times * (drive_promise if channel == self.drive else self.promise), MOST)
-            + 10 * np.nan_to_num(self.explained.error(channel), posinf=0.0)
+            + np.nan_to_num(self.rounding[channel], posinf=0.0)
             for channel in self.motion.samples
             if channel in self.reference.scale and channel != "time"
         }
 
     def amounts(self, times: float = EXCESS) -> Mapping[str, Samples]:
         """Return such errors in the units of the channels."""
-        return {
-            channel: error * sizes(self.true, channel, self.reference.scale[channel])
-            for channel, error in self.excess(times).items()
-        }
+        return {channel: error * self.sizes[channel] for channel, error in self.excess(times).items()}
+
+    @cached_property
+    def sizes(self) -> Mapping[str, Samples]:
+        """What errors are relative to, by channel, within a factor of two, each of shape (n,)."""
+        return sizes(self.scene, self.reference.cycle, self.true, self.reference.scale)
+
+    @cached_property
+    def rounding(self) -> Mapping[str, Samples]:
+        """More than what round-off explains, relative, by channel: by the motion with numbers a few last places off."""
+        position, time = self.true[self.drive], self.true["time"]
+        try:
+            others = [solve(position, time).samples for solve in self.reference.neighbours or neighbours(self.scene)]
+        except Failure:
+            others = []
+        moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
+        least = EPS * self.explained.condition
+        relative = {c: [length(motion, c) / size for motion in moved] for c, size in self.sizes.items()}
+        return {channel: ROUNDINGS * np.max([least, *found], axis=0) for channel, found in relative.items()}
 
     @property
     def complete(self) -> bool:
@@ -109,18 +129,40 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 
 
 def each_check_alone(sign: int) -> Noticed:
-    """Return whether checks notice by themselves that all channels are off, that they found no number, or too much."""
+    """Return whether checks notice by themselves that all channels are off, that they found no number, or too much.
+
+    A check that is not made notices nothing. Power is one number for all: it has to see what the drive does alone.
+    """
 
     def noticed(copy: Thinned) -> bool:
-        off = {channel: copy.motion[channel] + sign * amount for channel, amount in copy.amounts().items()}
-        found = copy.assessed(spoilt.replaced(copy.motion, off))
+        amounts = copy.amounts()
+        found = copy.assessed(
+            spoilt.replaced(copy.motion, {c: copy.motion[c] + sign * amount for c, amount in amounts.items()})
+        )
         assert copy.run.settings is not None
         too_much = EXCESS * max(copy.run.settings.promise, copy.run.settings.drive_promise)
-        alone = [[check for check in found.checks if check.check == name] for name in ALONE]
-        alone += [[replace(own, worst=worst)] for own in found.checks for worst in (float("nan"), too_much)]
-        return stops(copy, found) and all(judged(copy.run, own).status is not Status.ok for own in alone if own)
+        alone = {name: [check for check in found.checks if check.check == name] for name in checked(copy.scene)}
+        if copy.scene.has_masses:
+            *_, effort = force_channels(copy.scene)
+            driven = spoilt.shifted(copy.motion, [effort], sign * FAR * float(copy.sizes[effort].max()))
+            alone["power"] = [check for check in copy.assessed(driven).checks if check.check == "power"]
+        one_by_one = [[replace(own, worst=worst)] for own in found.checks for worst in (float("nan"), too_much)]
+        return (
+            all(alone.values())
+            and stops(copy, found)
+            and all(
+                judged(copy.run, own).status is not Status.ok
+                for own in (*(alone[name] for name in alone.keys() - BLIND), *one_by_one)
+            )
+        )
 
     return noticed
+
+
+def checked(scene: Scene) -> set[str]:
+    """Return the names of the checks that a complete motion of a scene undergoes."""
+    forces = {"Newton", "Euler", "power"} if scene.has_masses else set()
+    return {"drive", "closure", "branch", *shown_groups(scene), *forces}
 
 
 def each_channel_is_seen(copy: Thinned) -> bool:
@@ -129,18 +171,11 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     The output itself is as good as before: the comparison with the reference alone can notice.
     """
     excess, amounts = copy.excess(CLEAR), copy.amounts(CLEAR)
+    count = copy.sampling.count
     # On a press force's switch the reference is that of the side that fits, with no error of the other's.
-    clear = np.setdiff1d(np.arange(copy.sampling.count), on_switch(copy.reference.acts(copy.true)))
+    clear = np.setdiff1d(np.arange(count), on_switch(copy.reference.acts(copy.true)))
     rows = {channel: np.roll(clear, -n)[[0, len(clear) // 2]] for n, channel in enumerate(excess)}
-
-    def at(position: Samples, time: Samples) -> Motion:
-        true = copy.reference.at(position, time)
-        off = {channel: true[channel].copy() for channel in rows}
-        for channel, own in rows.items():
-            off[channel][own] += amounts[channel][own]
-        return spoilt.replaced(true, off)
-
-    found = copy.assessed(copy.motion, replace(copy.reference, at=at))
+    found = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
     if found.comparison is None or found.run.found_by != "reference" or not stops(copy, found):
         return False
     largest = {row.channel: row.max for row in found.errors}
@@ -151,7 +186,25 @@ def each_channel_is_seen(copy: Thinned) -> bool:
         and found.comparison.actual[channel][own].max() > excess[channel][own].min() / 2
         for channel, own in rows.items()
     )
-    return all(seen) and _all_missed(copy, replace(found, run=copy.run), min(map(np.min, excess.values())) / 2)
+    return all(seen) and _last_is_seen(copy)
+
+
+def _last_is_seen(copy: Thinned) -> bool:
+    """Return whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
+    amounts, last = copy.amounts(CLEAR), {GROUPS[quantity(channel)]: channel for channel in copy.excess(CLEAR)}
+    found = _against(copy, {channel: amounts[channel] for channel in last.values()})
+    least = min(map(np.min, copy.excess(CLEAR).values())) / 2
+    return found.run.found_by == "reference" and _all_missed(copy, replace(found, run=copy.run), least)
+
+
+def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
+    """Return the judgement of the run against a reference that is off by some amounts, by channel, shape (n,)."""
+
+    def at(position: Samples, time: Samples) -> Motion:
+        true = copy.reference.at(position, time)
+        return spoilt.replaced(true, {channel: true[channel] + amount for channel, amount in amounts.items()})
+
+    return copy.assessed(copy.motion, replace(copy.reference, at=at))
 
 
 def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:

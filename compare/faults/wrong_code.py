@@ -1,7 +1,7 @@
 """One wrong line in the core, in what all models share of the scene, or in the comparison itself; each in a worker."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from sys import getprofile, setprofile
 from types import FrameType
@@ -10,12 +10,14 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Motion, Settings, Status, load
+from scenes.motion import quantity
 
 from ..engines import registry
 from ..engines.isolation import Ended, Limits, isolated
 from ..engines.reference import found
 from ..engines.registry import REFERENCE
 from ..engines.runner import Run, run
+from ..judge.errors import GROUPS
 from ..judge.escalation import offers
 from ..judge.floor import establish
 from ..judge.gates import gates, missed
@@ -26,7 +28,9 @@ from .canaries import canaries
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
 from .mutants import Mutant, applied, mutants
+from .spoilt_motion import shifted
 from .table import SAMPLING, Record
+from .thinned import CLEAR
 
 CORE = ("dyads", "placing", "kinematics", "kinetostatics", "group_equations", "newton_group", "channels")
 SHARED = {
@@ -36,12 +40,12 @@ SHARED = {
 COMPARISON = {
     "compare.judge.measure": ("assess",),
     "compare.judge.verdict": ("limits", "judged", "compared"),
-    "compare.judge.errors": ("compare", "error_table"),
+    "compare.judge.errors": ("compare", "error_table", "worst_of"),
     "compare.judge.gates": ("Gate.missed", "gates", "missed"),
     "compare.judge.checks": ("checks", "_drive", "_gaps", "_newton_euler", "_power", "_flips"),
     "compare.judge.round_off": ("Explained.left_over", "Explained.error"),
     "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),
-    "compare.engines.reference": ("relative_errors", "sizes", "_distance"),
+    "compare.engines.reference": ("relative_errors", "sizes", "_distance", "force_scales", "kinematic_scales"),
 }
 FAULTS = 25  # of each engine's motion, that a comparison with a wrong line is tried with
 ROUNDING = 10  # times what doubles explain: the core's limit, besides its promise
@@ -153,40 +157,58 @@ def _clean(name: str) -> Clean:
 
 @cache
 def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
-    """Return a scene's judgement, and spoilt runs that it refuses."""
+    """Return a scene's judgement, and spoilt runs that it refuses: by large faults, and barely beyond what may be."""
     clean = judgement(found(load(name)), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
     spoilt = []
     for measured in clean.measurements:
         of = Clean(clean.reference, SAMPLING, measured.run)
         faults = [fault for fault in catalogue(of) if fault.spoil is not None]
-        for fault in faults[:: max(len(faults) // FAULTS, 1)]:
-            assert fault.spoil is not None
-            one = replace(measured.run, motion=fault.spoil())
-            found_out = assess(clean.reference, SAMPLING, one, clean.explained).run.status is not Status.ok
-            if found_out and one.motion is not None and above(fault, of, one.motion):
-                spoilt.append(one)
-    return clean, tuple(spoilt)
+        motions = [fault.spoil() for fault in faults[:: max(len(faults) // FAULTS, 1)] if fault.spoil]
+        allowed = clean.scene.tolerances.get(measured.run.engine, {})
+        for channel in of.channels[:: max(len(of.channels) // FAULTS, 1)]:
+            for most in {of.promise, allowed.get(GROUPS[quantity(channel)], of.promise)}:
+                motions.append(shifted(of.motion, [channel], CLEAR * most * of.size(channel).max()))
+        spoilt += [replace(measured.run, motion=motion) for motion in motions]
+    return clean, tuple(one for one in spoilt if not _passes(clean, one))
 
 
 def _canaried(item: Item) -> Record | None:
-    """Judge by a comparison with a wrong line: it is above where it lets a fault through or refuses a clean run."""
+    """Judge by a comparison with a wrong line: it is above where it lets a fault through or refuses a clean run.
+
+    The line is wrong from the start, as on the command line: in the reference's scales too.
+    """
     mutant, name = item
     right, spoilt = _to_be_refused(name)
+    runs = {m.run.engine: m.run for m in right.measurements}
     with applied(mutant):
         try:
-            noticed = "; ".join(canaries(right))
+            wrong = judgement(found(right.scene), [*runs], SAMPLING, _offers, lambda _: None, Known(runs))
+            refused, noticed = bool(wrong.misses), "; ".join([*wrong.missed, *canaries(wrong)])
+            is_above = refused or any(_passes(wrong, one) for one in spoilt)
         except Exception as error:  # which no user can overlook
-            noticed = f"{type(error).__name__}: {error}"
-        refused = not all(_passes(right, m.run) for m in right.measurements)  # then the check fails as it is
-        is_above = refused or any(_passes(right, one) for one in spoilt)
-    noticed = noticed or "clean runs are refused" * refused
+            is_above, noticed = True, f"{type(error).__name__}: {error}"
     return _record("comparison", mutant, name, is_above, bool(noticed), "canaries", "", noticed)
 
 
-def _passes(right: Judgement, outcome: Run) -> bool:
+@dataclass(frozen=True)
+class Known:
+    """In place of what runs engines: runs that are known, whatever their settings."""
+
+    runs: Mapping[str, Run]
+
+    def run(self, name: str, *_: object) -> Run:
+        """Return the run of an engine."""
+        return self.runs[name]
+
+    def timed(self, *_: object) -> list[Run]:
+        """Return no runs: none is timed."""
+        return []
+
+
+def _passes(wrong: Judgement, outcome: Run) -> bool:
     """Return whether nothing stops a CI run; a comparison that crashes stops one."""
     try:
-        judged = assess(right.reference, SAMPLING, outcome, right.explained)
-        return not missed([judged], gates(right.scene, [judged]))
+        judged = assess(wrong.reference, SAMPLING, outcome, wrong.explained)
+        return not missed([judged], gates(wrong.scene, [judged]))
     except Exception:
         return False

@@ -6,15 +6,20 @@ from typing import Any
 
 import pytest
 
+from compare.engines import reference
 from compare.faults import thinned
 from compare.faults.canaries import canaries
 from compare.faults.mutants import applied, mutants
-from compare.judge import errors, measure, verdict
+from compare.faults.wrong_code import Known
+from compare.judge import checks, errors, estimate, measure, verdict
+from compare.judge import gates as gates_module
 from compare.judge.escalation import offers
 from compare.judge.gates import Gate, gates
 from compare.judge.judgement import Judgement, judgement
+from compare.judge.round_off import Explained
 from scenes import Motion, Sampling, Status
-from tests.comparisons import SAMPLING, References
+from tests import scene_files
+from tests.comparisons import SAMPLING, References, all_checks
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 
@@ -56,15 +61,13 @@ def no_gates_for_failed_engines(patch: pytest.MonkeyPatch) -> None:
 def compared_with_itself(patch: pytest.MonkeyPatch) -> None:
     real = errors.compare
 
-    def itself(reference: Any, sampling: Any, motion: Motion) -> Any:
-        return real(replace(reference, at=lambda *_: motion), sampling, motion)
+    def itself(of: Any, sampling: Any, motion: Motion) -> Any:
+        return real(replace(of, at=lambda *_: motion), sampling, motion)
 
     patch.setattr(measure, "compare", itself)
 
 
 def a_channel_left_out(patch: pytest.MonkeyPatch) -> None:
-    from compare.engines import reference
-
     real = reference.relative_errors
     left_out = lambda *of: {c: off for c, off in real(*of).items() if c != "P3.fx"}  # noqa: E731
     patch.setattr(reference, "relative_errors", left_out)
@@ -131,6 +134,81 @@ def nothing_missed(patch: pytest.MonkeyPatch) -> None:
 def test_a_wrong_comparison_is_noticed(wrong: Patch, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong(monkeypatch)
     assert canaries(press)
+
+
+# --- wrong from the start, as on the command line: in the reference's scales too --------------------------------------
+
+
+def sizes_a_thousand_times_too_large(patch: pytest.MonkeyPatch) -> None:
+    real = reference.sizes
+    for module in (reference, checks, estimate):
+        patch.setattr(module, "sizes", lambda *of: 1000 * real(*of))
+
+
+def one_scale_for_all_forces(patch: pytest.MonkeyPatch) -> None:
+    real = reference.force_scales
+
+    def one(*of: Any) -> dict[str, float]:
+        scale = real(*of)
+        return dict.fromkeys(scale, max(scale.values()))
+
+    patch.setattr(reference, "force_scales", one)
+
+
+def round_off_that_explains_a_million_times_as_much(patch: pytest.MonkeyPatch) -> None:
+    real = Explained.error
+    patch.setattr(Explained, "error", lambda *of: 1e6 * real(*of))
+
+
+def the_first_row_for_the_worst(patch: pytest.MonkeyPatch) -> None:
+    for module in (errors, measure, gates_module):
+        patch.setattr(module, "worst_of", lambda rows, _="max": rows[0])
+
+
+def the_best_row_for_the_worst(patch: pytest.MonkeyPatch) -> None:
+    for module in (errors, measure, gates_module):
+        patch.setattr(module, "worst_of", lambda rows, of="max": min(rows, key=lambda row: getattr(row, of)))
+
+
+def no_check_of(name: str) -> Patch:
+    def patched(patch: pytest.MonkeyPatch) -> None:
+        real = checks.checks
+        patch.setattr(measure, "checks", lambda *of: [one for one in real(*of) if one.check != name])
+
+    return patched
+
+
+def lax_check_of(name: str) -> Patch:
+    def patched(patch: pytest.MonkeyPatch) -> None:
+        def thousandth(check: Any) -> Any:
+            return replace(check, worst=check.worst / 1000) if check.check == name else check
+
+        real = checks.checks
+        patch.setattr(measure, "checks", lambda *of: [thousandth(one) for one in real(*of)])
+
+    return patched
+
+
+NAMES = sorted(all_checks(scene_files.load("toggle_press")))
+FROM_THE_START = {
+    "sizes times 1000": sizes_a_thousand_times_too_large,
+    "one scale for all forces": one_scale_for_all_forces,
+    "round-off times 1e6": round_off_that_explains_a_million_times_as_much,
+    "the first row": the_first_row_for_the_worst,
+    "the best row": the_best_row_for_the_worst,
+    **{f"no check of {name}": no_check_of(name) for name in NAMES},
+    **{f"a lax check of {name}": lax_check_of(name) for name in NAMES if name != "branch"},
+}
+
+
+@pytest.mark.parametrize("wrong", FROM_THE_START)
+def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = Known({m.run.engine: m.run for m in press.measurements})
+    FROM_THE_START[wrong](monkeypatch)
+    found = judgement(
+        reference.found(press.scene), [*runs.runs], SAMPLING, lambda name: (offers(name, "balanced"), ""), print, runs
+    )
+    assert canaries(found)
 
 
 MEASURED = [("compare.engines.reference", "_distance"), ("compare.judge.checks", "_drive")]

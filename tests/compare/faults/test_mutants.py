@@ -22,6 +22,16 @@ def test_a_wrong_line_changes_what_is_called_and_nothing_stays_of_it(mutant: Mut
 
 
 def test_every_kind_of_wrong_line() -> None:
-    modules = ("scenes.loads", "scenes.drive", "compare.judge.checks", "compare.engines.runner")
+    modules = ("scenes.loads", "scenes.drive", "compare.judge.checks", "compare.judge.errors", "compare.engines.runner")
     kinds = {one.kind for module in modules for one in mutants(module)}
-    assert kinds == {"operator", "sign dropped", "comparison", "constant", "condition", "abs dropped", "name"}
+    assert kinds == {
+        "operator",
+        "sign dropped",
+        "comparison",
+        "constant",
+        "condition",
+        "abs dropped",
+        "name",
+        "result",
+        "row",
+    }

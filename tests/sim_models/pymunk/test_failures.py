@@ -11,7 +11,7 @@ from scenes import Failure, ProcessorBudget, Sampling, Scene, Status, hard
 from scenes.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk.checks import check_path
+from sim_models.pymunk.checks import check_impulses, check_path
 from sim_models.pymunk.constraints import LinkageConstraints, solved
 from sim_models.pymunk.engine import DEFAULT, FAST
 from sim_models.pymunk.masses import ballasted_masses
@@ -50,12 +50,18 @@ def test_every_step_is_checked(press: Scene) -> None:
     start_branch = linkage.branch(pose)
     run = build(press, ballasted_masses, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
     run.advance(ProcessorBudget(60.0, "a test"))
-    check_path(linkage, run.record[1:], run.positions, start_branch)
+    before = check_path(linkage, run.record[1:], run.positions, start_branch)
     good = run.record.copy()
     crank, rod, slider = 0, 3, 4
+    run.record[101, slider, 2] -= 3e-3  # turned in its guide, which counts at the linkage's size
+    after = check_path(linkage, run.record[1:], run.positions, start_branch)
+    assert after["joint_gap"] == pytest.approx(3e-3 * linkage.size / 0.077, abs=before["joint_gap"])
     for body, column, change, status in (
         (rod, 0, 0.01, Status.diverged),  # gapes
+        (rod, 0, -0.01, Status.diverged),
+        (rod, 1, -0.01, Status.diverged),
         (crank, 2, 1e-3, Status.diverged),  # drifts
+        (crank, 2, -1e-3, Status.diverged),
         (slider, 4, np.nan, Status.nonfinite),
     ):
         run.record[:] = good
@@ -63,6 +69,39 @@ def test_every_step_is_checked(press: Scene) -> None:
         with pytest.raises(Failure, match=f"at crank angle {100 / 216 * 360:.4f} deg") as caught:
             check_path(linkage, run.record[1:], run.positions, start_branch)
         assert caught.value.status is status
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_a_slider_drifts_and_joints_open_by_is_of_its_travel(sign: int) -> None:
+    """Its way ends at 2.5 dm, far from zero: from 3.9 dm it is 1.4 dm long, and half of that is the crank's radius."""
+    scene = driven_slider(3.9)
+    linkage = LinkageConstraints(scene, ballasted_masses)
+    run = build(scene, ballasted_masses, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
+    run.advance(ProcessorBudget(60.0, "a test"))
+    branch, good, (rod, slider) = linkage.branch(start(linkage)), run.record.copy(), (1, 2)
+    before = check_path(linkage, run.record[1:], run.positions, branch)
+    run.record[101, slider, 0] += sign * 7e-7 * 0.14
+    assert check_path(linkage, run.record[1:], run.positions, branch)["drive"] == pytest.approx(7e-7, rel=1e-3)
+    run.record[:] = good
+    run.record[101, rod, 0] += sign * 0.04 * 0.07
+    after = check_path(linkage, run.record[1:], run.positions, branch)
+    assert after["joint_gap"] == pytest.approx(0.04, abs=before["joint_gap"])
+    assert before["joint_gap"] <= 1e-3  # by the curvature of a third of a degree
+    for change in (1.1e-6, -1.1e-6):
+        run.record[:] = good
+        run.record[101, slider, 0] += change * 0.14
+        with pytest.raises(Failure, match="'slider' is not where the drive takes it"):
+            check_path(linkage, run.record[1:], run.positions, branch)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_forces_that_are_not_the_engines_are_seen(press: Scene, sign: int) -> None:
+    linkage, forces = LinkageConstraints(press, ballasted_masses), np.array([[1.0, 2.0], [5.0, 3.0], [4.0, 0.0]])
+    off = sign * 5.0 * np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.2]])
+    found = check_impulses(linkage, np.arange(3.0), forces, forces + 4e-7 * off)
+    assert found["impulses"] == pytest.approx(4e-7)
+    with pytest.raises(Failure, match=r"the reactions are not the engine's impulses at crank angle 114\.5916 deg"):
+        check_impulses(linkage, np.arange(3.0), forces, forces + 2e-6 * off)
 
 
 def test_crank_that_cannot_turn_around() -> None:

@@ -1,0 +1,50 @@
+"""What errors are relative to, by no line of the comparison's: docs/theory.md once more, within a factor of two."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from scenes import Motion, Scene
+from scenes.motion import Samples, force_channels, kinematic_channels, quantity
+from scenes.scene import GROUND
+
+ORDERS = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}  # of rates
+LEAST = 1e-2  # of the largest travel
+NOTHING = 1e-9  # of the largest force: what is relative to others
+
+
+def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, float]) -> dict[str, Samples]:
+    """Return what errors are relative to, by channel, each of shape (n,).
+
+    Args:
+        scene: the linkage.
+        cycle: its motion over one cycle of the drive, for travels and peaks.
+        true: its motion at the instants asked for, shape (n,).
+        otherwise: by channel what errors of a force are relative to where that is nothing beside the others.
+    """
+    whole, way, (least, largest) = np.ones_like(true["time"]), true[scene.drive_channel], scene.drive.extent
+    travel = 1.0 if scene.driven_slide is None else largest - least
+    paths = {point: cycle[f"{point}.x"] + 1j * cycle[f"{point}.y"] for point in scene.moving_points}
+    reach = {point: 2 * float(np.abs(path - path.mean()).max()) for point, path in paths.items()}  # T to 2 T
+    found = {}
+    for channel in kinematic_channels(scene):
+        point, order = channel.partition(".")[0], ORDERS.get(quantity(channel), 0)
+        unit = max(reach[point], LEAST * max(reach.values())) if point in reach else 1.0
+        scale = unit * (scene.drive.peak_rate / travel) ** order
+        found[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
+    peaks = {channel: float(length(cycle, channel).max()) for channel in force_channels(scene) if channel in cycle}
+    for body in scene.bodies.values():
+        if body.slide is not None and peaks:
+            both = [body, *(scene.bodies[name] for name in {body.slide.on} - {GROUND})]
+            lever = max(reach.get(point, 0.0) for one in both for point in one.points)
+            least_moment = lever * peaks[f"{body.name}.guide_force"]
+            peaks[f"{body.name}.guide_moment"] = max(peaks[f"{body.name}.guide_moment"], least_moment)
+    for channel, peak in peaks.items():
+        found[channel] = whole * (peak if peak > NOTHING * max(peaks.values()) else otherwise[channel])
+    return found | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}
+
+
+def length(motion: Motion, channel: str) -> Samples:
+    """Return the length of the vector of a component, the size of any other channel, shape (n,)."""
+    stem = channel[:-1]
+    return np.hypot(motion[f"{stem}x"], motion[f"{stem}y"]) if channel[-1] in "xy" else np.abs(motion[channel])
