@@ -1,11 +1,11 @@
 """One wrong line in the core, in what all models share of the scene, or in the comparison itself; each in a worker."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from sys import getprofile, setprofile
-from types import FrameType
-from typing import TypeAlias
+from types import FrameType, SimpleNamespace
+from typing import TypeAlias, cast
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..engines import registry
 from ..engines.isolation import Ended, Limits, isolated
 from ..engines.reference import found
 from ..engines.registry import REFERENCE
-from ..engines.runner import Run, run
+from ..engines.runner import Run, Runs, run
 from ..judge.errors import GROUPS
 from ..judge.escalation import offers
 from ..judge.floor import establish
@@ -182,7 +182,7 @@ def _canaried(item: Item) -> Record | None:
     runs = {m.run.engine: m.run for m in right.measurements}
     with applied(mutant):
         try:
-            wrong = judgement(found(right.scene), [*runs], SAMPLING, _offers, lambda _: None, Known(runs))
+            wrong = judgement(found(right.scene), [*runs], SAMPLING, _offers, lambda _: None, known(runs))
             refused, noticed = bool(wrong.misses), "; ".join([*wrong.missed, *canaries(wrong)])
             is_above = refused or any(_passes(wrong, one) for one in spoilt)
         except Exception as error:  # which no user can overlook
@@ -190,19 +190,9 @@ def _canaried(item: Item) -> Record | None:
     return _record("comparison", mutant, name, is_above, bool(noticed), "canaries", "", noticed)
 
 
-@dataclass(frozen=True)
-class Known:
-    """In place of what runs engines: runs that are known, whatever their settings."""
-
-    runs: Mapping[str, Run]
-
-    def run(self, name: str, *_: object) -> Run:
-        """Return the run of an engine."""
-        return self.runs[name]
-
-    def timed(self, *_: object) -> list[Run]:
-        """Return no runs: none is timed."""
-        return []
+def known(runs: Mapping[str, Run]) -> Runs:
+    """Return what stands in for engines whose runs are known, whatever their settings."""
+    return cast("Runs", SimpleNamespace(run=lambda name, *_: runs[name]))
 
 
 def _passes(wrong: Judgement, outcome: Run) -> bool:

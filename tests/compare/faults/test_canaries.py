@@ -10,7 +10,7 @@ from compare.engines import reference
 from compare.faults import thinned
 from compare.faults.canaries import canaries
 from compare.faults.mutants import applied, mutants
-from compare.faults.wrong_code import Known
+from compare.faults.wrong_code import known
 from compare.judge import checks, errors, estimate, measure, verdict
 from compare.judge import gates as gates_module
 from compare.judge.escalation import offers
@@ -203,10 +203,10 @@ FROM_THE_START = {
 
 @pytest.mark.parametrize("wrong", FROM_THE_START)
 def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
-    runs = Known({m.run.engine: m.run for m in press.measurements})
+    runs = {m.run.engine: m.run for m in press.measurements}
     FROM_THE_START[wrong](monkeypatch)
     found = judgement(
-        reference.found(press.scene), [*runs.runs], SAMPLING, lambda name: (offers(name, "balanced"), ""), print, runs
+        reference.found(press.scene), [*runs], SAMPLING, lambda name: (offers(name, "balanced"), ""), print, known(runs)
     )
     assert canaries(found)
 
