@@ -14,7 +14,7 @@ with starting(__name__):
     from ..report.faults.page import page
     from ..report.files import json_text
     from ..report.placing import check_writable, placed
-    from .rates import let_through, rates
+    from .rates import SHARES, let_through, rates
     from .table import Record, answer_faults
     from .wrong_code import comparison_faults, core_faults, shared_faults
 
@@ -22,7 +22,7 @@ USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
 SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
 CORE = 40  # wrong lines
 COMPARISON = 60
-FILES = ("faults.html", "faults.json")
+FILES = ("faults.html", "faults.json", "families.json")
 
 
 @command
@@ -51,19 +51,22 @@ def main(arguments: list[str] | None = None) -> int:
             records.extend(found)
     folder = write(records, options.out)
     for row in rates(records).to_dict("records"):
-        print(f"{row['family']}  {row['found']} of {row['above the limit']} above the limit found")
+        shares = (f"{100 * row[share]:.3g} % {share}" for share in SHARES)
+        print(f"{row['family']}  {row['above the limit']} above the limit  {', '.join(shares)}")
     print(f"faults: {folder / 'faults.html'}")
     return 1 if len(let_through(records)) else 0
 
 
 def write(records: Sequence[Record], folder: Path) -> Path:
-    """Write `faults.json` and `faults.html` into `folder/faults/` and return that folder.
+    """Write `faults.json`, `families.json` and `faults.html` into `folder/faults/` and return that folder.
 
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
     with placed(folder, "faults", FILES) as aside:
         (aside / "faults.json").write_text(json_text([asdict(record) for record in records]), encoding="utf-8")
+        families = rates(records).to_dict("records")
+        (aside / "families.json").write_text(json_text(families), encoding="utf-8")
         (aside / "faults.html").write_text(page(records), encoding="utf-8")
     return folder / "faults"
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from . import read_out, samples, spoilt_scene, weight_and_friction
+from . import courses, left_out, read_out, samples, spoilt_scene, weight_and_friction
 from .fault import Clean, Fault
 
 FAMILIES = (
@@ -18,6 +18,8 @@ FAMILIES = (
     weight_and_friction.friction,
     samples.data,
     samples.solutions,
+    courses.courses,
+    left_out.left_out,
 )
 
 

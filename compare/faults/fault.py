@@ -30,7 +30,7 @@ class Fault:
     family: str
     kind: str
     magnitude: float
-    cause: str  # what triage should name it
+    cause: str  # the `Kind` that triage should name
     place: str  # the body, joint or point where it is, `drive` or `all`
     spoil: Callable[[], Motion] | None = None
     scene: Scene | None = None

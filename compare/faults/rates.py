@@ -8,38 +8,40 @@ import pandas as pd
 from ..judge.causes.evidence import Kind
 from .table import Record
 
-TOTAL = "all of the engines' answers"
-CODE = ("core", "shared", "comparison")  # families of wrong lines, which have no cause of the kind that triage names
+MEAN, TOTAL = "mean over the families of answers", "all of the engines' answers"
+CODE = ("core", "shared", "comparison")  # families of wrong lines
+SHARES = ("share found", "place right", "cause right", "wrong cause")
 
 
 def rates(records: Sequence[Record]) -> pd.DataFrame:
-    """Return one row a family, and one of all faults in engines' answers.
+    """Return one row a family, one of the mean over those of engines' answers, and one of all faults in these.
 
+    A family is one kind of fault, whatever its quantity, place and amount; many of one kind count as one in the mean.
     `place right`, `cause right` and `wrong cause` are shares of the faults that are above the limit and found.
     """
     table = pd.DataFrame(map(asdict, records))
-    rows = [_row(str(family), own) for family, own in table.groupby("family", sort=False)]
-    answers = table[~table["family"].isin(CODE)]
-    return pd.DataFrame([*rows, _row(TOTAL, answers)] if len(answers) else rows)
+    code = table["family"].isin(CODE)
+    names = table["family"].where(code, table["family"] + ": " + table["true_cause"])
+    grouped = (table[of].groupby(names, sort=False) for of in (code, ~code))
+    rows, answers = ([_row(str(name), own) for name, own in groups] for groups in grouped)
+    if answers:
+        mean = pd.DataFrame(answers)[list(SHARES)].mean()
+        answers += [{"family": MEAN, **mean}, _row(TOTAL, table[~code])]
+    return pd.DataFrame([*rows, *answers])
 
 
 def _row(family: str, faults: pd.DataFrame) -> dict[str, object]:
     above = faults[faults["above"]]
     found = above[above["found"]]
-    placed, named = found["place"] == found["true_place"], found["cause"] == found["true_cause"]
-    known = (found["cause"] != Kind.unknown) & (found["cause"] != "")
-    judged = family not in CODE
-    return {
-        "family": family,
-        "kinds": faults["kind"].nunique(),
-        "faults": len(faults),
-        "above the limit": len(above),
-        "found": len(found),
-        "share found": len(found) / len(above) if len(above) else float("nan"),
-        "place right": placed.mean() if family != "comparison" else float("nan"),
-        "cause right": named.mean() if judged else float("nan"),
-        "wrong cause": (known & ~named).mean() if judged else float("nan"),
-    }
+    named = found["cause"] == found["true_cause"]
+    shares = (
+        len(found) / len(above) if len(above) else float("nan"),
+        (found["place"] == found["true_place"]).mean(),
+        named.mean(),
+        ((found["cause"] != Kind.unknown) & ~named).mean(),
+    )
+    counts = {"kinds": faults["kind"].nunique(), "faults": len(faults), "above the limit": len(above)}
+    return {"family": family, **counts, "found": len(found), **dict(zip(SHARES, shares, strict=True))}
 
 
 def let_through(records: Sequence[Record]) -> pd.DataFrame:

@@ -51,7 +51,7 @@ def signs(clean: Clean) -> Iterator[Fault]:
 
 def frames(clean: Clean) -> Iterator[Fault]:
     """Yield swapped components, other frames, units, factors, offsets and missing terms."""
-    yield from _vectors_in_other_frames(clean)
+    yield from vectors_in_other_frames(clean)
     for what, kind, factor in UNITS:
         for stem in clean.some(clean.stems(what), kind, 2):
             names = [f"{stem}.{what}"] + ([f"{stem}.{what[:-1]}y"] if what.endswith("x") else [])
@@ -70,7 +70,9 @@ def frames(clean: Clean) -> Iterator[Fault]:
     yield from _mirrored_and_relative(clean)
 
 
-def _vectors_in_other_frames(clean: Clean) -> Iterator[Fault]:
+def vectors_in_other_frames(clean: Clean) -> Iterator[Fault]:
+    """Yield vectors with swapped components, turned, or in a body's frame."""
+
     def fault(kind: str, stem: str, prefix: str, size: float, cause: Kind, change: Change) -> Fault:
         names = [(f"{stem}.{prefix}x", f"{stem}.{prefix}y")]
         return Fault("frame", kind, size, cause, stem, partial(spoilt.mapped, clean.motion, names, change))

@@ -14,7 +14,7 @@ from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from ..judge.causes.evidence import Kind
-from ..judge.causes.parts import stem
+from ..judge.causes.parts import common, stem
 from ..judge.errors import GROUPS
 from . import spoilt_motion as spoilt
 from .fault import OF_BODIES, Clean, Fault
@@ -39,7 +39,7 @@ def times(clean: Clean) -> Iterator[Fault]:
         yield fault(f"all early by {by}", far, early, all_channels, Kind.lag)
     yield from _late_by_a_little(clean)
     for what, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
-        yield fault(f"{what} late by a sample", 1, late, names, Kind.lag)
+        yield fault(f"{what} late by a sample", 1, late, names, Kind.lag, common(names))
     for what, stems in {"point": clean.stems("vx"), "body": clean.stems("omega"), "joint": clean.stems("fx")}.items():
         for place in clean.some(stems, f"{what} late"):
             own = {name for name in clean.channels if stem(name) == place}
@@ -88,7 +88,9 @@ def _late_by_a_little(clean: Clean) -> Iterator[Fault]:
                 continue
             moved = partial(spoilt.moved, motion, clean.true, then)
             everything = partial(moved, [*clean.channels, clean.drive])
-            yield Fault("time", f"all {how} by {name}", by, Kind.lag, "all", everything)
+            seen = by * rate > clean.promise * 1e-3 * travel  # else in the drive alone, where an engine has no error
+            cause, place = (Kind.lag, "all") if seen else (Kind.drive, "drive")
+            yield Fault("time", f"all {how} by {name}", by, cause, place, everything)
             linkage = partial(moved, clean.channels)
             yield Fault("time", f"all but the drive {how} by {name}", by, Kind.lag, "all", linkage)
             if sign > 0:
@@ -126,7 +128,7 @@ def data(clean: Clean) -> Iterator[Fault]:
                 yield other(f"a channel {kind}", name, np.full_like(own, value), Kind.constant)
     for group, names in clean.grouped("velocity", "acceleration", "reaction", "torque", "force"):
         declared = partial(spoilt.without, motion, names, "cannot be had")
-        yield fault(f"all channels of a group declared unsupported: {group}", "all", declared)
+        yield fault(f"all channels of a group declared unsupported: {group}", common(names), declared)
     yield fault("a row too few", "all", partial(spoilt.taken, motion, range(count - 1)))
     yield fault("a row too many", "all", partial(spoilt.taken, motion, [*range(count), count - 1]))
     yield fault("no rows", "all", partial(spoilt.taken, motion, []))
@@ -163,7 +165,7 @@ def _coarse(clean: Clean) -> Iterator[Fault]:
     motion, step = clean.motion, clean.scene.drive.cycle / clean.sampling.samples
 
     def fault(kind: str, size: float, cause: Kind, samples: Mapping[str, Samples]) -> Fault:
-        return Fault("solver", kind, size, cause, "all", partial(spoilt.replaced, motion, samples))
+        return Fault("solver", kind, size, cause, common(samples), partial(spoilt.replaced, motion, samples))
 
     of_points = [("", "v", "velocity"), ("v", "a", "acceleration")]
     for before, after, what in (*of_points, ("angle", "omega", "omega"), ("omega", "alpha", "alpha")):

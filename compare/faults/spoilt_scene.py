@@ -149,7 +149,8 @@ def drives(clean: Clean) -> Iterator[Fault]:
         if isinstance(drive, ConstantSpeed):
             yield fault("another speed of the drive", by, "speed", (1 + by) * drive.speed)
             if scene.driven_slide is None:
-                yield fault("another start of the drive", by, "start", drive.start + by)
+                other = put(scene, ("drive", "start"), drive.start + by)  # at one speed the same as a lag
+                yield Fault("time", "another start of the drive", by, Kind.lag, "all", scene=other)
         else:
             middle = len(drive.positions) // 2
             yield fault("another entry of the law", by, "positions", middle, drive.positions[middle] + by)

@@ -36,10 +36,11 @@ class Record:
     above: bool  # whether it moves a channel by more than its limit
     found: bool
     by: str  # who found it, and how the run ended
-    place: str  # named by triage, as the cause is
-    cause: str
+    place: str  # a body, joint or point, `drive`, `all`, or where a line is; as `true_place`
+    cause: str  # a word of `Kind`, as `true_cause`
     true_place: str
     true_cause: str
+    detail: str  # the sentence of the cause, or the line of code
 
 
 def answer_faults(scenes: Sequence[str], poll: Callable[[], None]) -> Iterator[Record]:
@@ -87,10 +88,13 @@ def _outcome(fault: Fault, clean: Run) -> Run:
 
 def _record(fault: Fault, clean: Clean, motion: Motion, judged: Measurement) -> Record:
     named = UNKNOWN if judged.run.status is Status.ok else cause(clean.reference, SAMPLING, motion)
+    causes = [(str(kind), place) for kind, place in ((named.kind, named.place), *named.others)]
+    true = str(fault.cause), fault.place
+    kind, place = true if true in causes else causes[0]  # of several that explain it as well
     return Record(
         *(fault.family, fault.kind, fault.magnitude, clean.scene.name, clean.run.engine),
         above(fault, clean, motion),
         bool(missed([judged], [])),
         f"{judged.run.found_by}: {judged.run.status.name}",
-        *(named.place, str(named.kind), fault.place, fault.cause),
+        *(place, kind, *reversed(true), named.sentence),
     )

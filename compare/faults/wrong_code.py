@@ -17,6 +17,7 @@ from ..engines.isolation import Ended, Limits, isolated
 from ..engines.reference import found
 from ..engines.registry import REFERENCE
 from ..engines.runner import Run, Runs, run
+from ..judge.causes.evidence import Kind
 from ..judge.errors import GROUPS
 from ..judge.escalation import offers
 from ..judge.floor import establish
@@ -110,17 +111,19 @@ def _records(
 
 
 def _record(
-    family: str, mutant: Mutant, scene: str, is_above: bool, found: bool, by: str, place: str, cause: str
+    family: str, mutant: Mutant, scene: str, is_above: bool, found: bool, by: str, place: str, blamed: str
 ) -> Record:
+    """Return a record; its cause is named where code is blamed, in these words."""
     true_place = {"core": REFERENCE, "shared": "scene"}.get(family, family)
-    where = f"{mutant.module}.{mutant.function}: {mutant.line}"
-    return Record(family, mutant.kind, 1.0, scene, REFERENCE, is_above, found, by, place, cause, true_place, where)
+    where = f"{mutant.module}.{mutant.function}: {mutant.line}" + f" ({blamed})" * bool(blamed)
+    causes = place, str(Kind.code if blamed else Kind.unknown), true_place, str(Kind.code)
+    return Record(family, mutant.kind, 1.0, scene, REFERENCE, is_above, found, by, *causes, where)
 
 
 def _judged(family: str, item: Item) -> Record | None:
     """Judge a scene by a core, or with a scene layer, that has a wrong line."""
     mutant, name = item
-    clean, fault = _clean(name), Fault(family, mutant.kind, 1.0, mutant.line, mutant.function)
+    clean, fault = _clean(name), Fault(family, mutant.kind, 1.0, Kind.code, mutant.function)
     with applied(mutant):
         try:
             wrong = registry.reference(clean.scene)(clean.sampling.commanded(clean.scene), clean.true["time"])
@@ -187,7 +190,8 @@ def _canaried(item: Item) -> Record | None:
             is_above = refused or any(_passes(wrong, one) for one in spoilt)
         except Exception as error:  # which no user can overlook
             is_above, noticed = True, f"{type(error).__name__}: {error}"
-    return _record("comparison", mutant, name, is_above, bool(noticed), "canaries", "", noticed)
+    place = "comparison" * bool(noticed)
+    return _record("comparison", mutant, name, is_above, bool(noticed), "canaries", place, noticed)
 
 
 def known(runs: Mapping[str, Run]) -> Runs:

@@ -8,14 +8,14 @@ from scenes import Failure, Motion, Rows, Status
 
 from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
-from .causes.course import course_causes, noisy
+from .causes.course import course_causes, noisy, starting
 from .causes.drive import drive_causes, strayed
 from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, Kind, away_from_switches, evidence
 from .causes.force import Carried, weight_causes
 from .causes.geometry import affordable, geometry_causes
-from .causes.load import load_causes
+from .causes.load import late_loads, load_causes
 from .causes.read_out import read_out_causes
-from .causes.sample import incomplete, sample_causes
+from .causes.sample import in_some_rows, incomplete, sample_causes
 from .causes.whole import whole_causes
 from .errors import worst_of
 from .measure import Measurement
@@ -26,6 +26,7 @@ STILL = 1e-3  # of the deviation: with less in the kinematic channels, no body i
 PLURAL = re.compile(r"^(all [\w ]+s) (has its|has|is) ")
 VERBS = {"has its": "have their ", "has": "have ", "is": "are "}
 FAR_LESS = 0.1  # of an error: others that have less do not share its cause
+ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no more are told apart by nothing
 PRICE = 0.25  # of what is left over, for each number that was fitted
 
 
@@ -37,6 +38,7 @@ class Cause:
     place: str  # a body, joint, channel, "drive" or "all"; empty where unknown
     amount: str
     sentence: str
+    others: tuple[tuple[Kind, str], ...] = ()  # kinds and places of causes that explain it as well, which it names too
 
     @property
     def known(self) -> bool:
@@ -71,14 +73,17 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     found: list[tuple[float, float, Hypothesis]] = []
     elsewhere = away_from_switches(evidence)
     few = affordable(elsewhere)
-    stages = ((_plain, evidence), (course_causes, evidence), (_of_forces, elsewhere), (_of_motion, few))
-    for causes, of in stages:
+    stages = (
+        *((_plain, evidence, False), (course_causes, evidence, False), (_of_forces, elsewhere, False)),
+        *((_of_late_loads, evidence, False), (_of_some_rows, evidence, True), (_of_motion, few, True)),
+    )
+    for causes, of, costly in stages:
+        if found and found[0][1] <= EXACT and (costly or not found[0][2].freedom):
+            break
         for hypothesis in causes(of):
             left = of.left(hypothesis.predicted)
             found.append((max(left, EXACT) * (1 + PRICE * hypothesis.freedom), left, hypothesis))
         found.sort(key=lambda one: one[:2])
-        if found and found[0][1] <= EXACT:
-            break
     return found
 
 
@@ -88,11 +93,24 @@ def _plain(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from whole_causes(evidence)
 
 
+def _of_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
+    yield from in_some_rows(evidence, read_out_causes)
+
+
+def _of_late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
+    if _of_forces_alone(evidence):
+        yield from late_loads(evidence, Carried(evidence))
+
+
 def _of_forces(evidence: Evidence) -> Iterator[Hypothesis]:
-    if evidence.reference.scene.has_masses and evidence.total > 0 and evidence.moved <= NEARLY_ALL:
+    if _of_forces_alone(evidence):
         carried = Carried(evidence)
         yield from weight_causes(evidence, carried)
         yield from load_causes(evidence, carried)
+
+
+def _of_forces_alone(evidence: Evidence) -> bool:
+    return evidence.reference.scene.has_masses and evidence.total > 0 and evidence.moved <= NEARLY_ALL
 
 
 def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -106,14 +124,21 @@ def _of_motion(evidence: Evidence) -> Iterator[Hypothesis]:
 def likeliest(evidence: Evidence) -> Cause:
     """Return the cheapest cause that explains nearly all; where none does, noise, or a drive that is not in its place.
 
-    What it leaves over is in its sentence. A deviation of rounding has no cause.
+    Others that explain as much at the same price are named with it. What it leaves over is in its sentence. A deviation
+    of rounding has no cause.
     """
     if not evidence.total > len(evidence.rows) * ROUNDING**2:
         return UNKNOWN
-    causes = [(left, cause) for price, left, cause in ranked(evidence)[:1] if price <= NEARLY_ALL]
-    left, best = causes[0] if causes else (0.0, noisy(evidence) or strayed(evidence))
+    causes = ranked(evidence)
+    if not (causes and causes[0][0] <= NEARLY_ALL):
+        best = noisy(evidence) or starting(evidence) or strayed(evidence)
+        return Cause(best.kind, best.place, best.amount, _in_plural(best.sentence)) if best else UNKNOWN
+    price, left, best = causes[0]
+    close = [one for cost, own, one in causes if cost <= ALIKE * price and own <= ALIKE * left + ROUGHLY]
+    alike = {(one.kind, one.place): one for one in reversed(close) if (one.kind, one.place) != (best.kind, best.place)}
     but_for = f" (all but {100 * left:.0f} % of the error)" if left > EXACT else ""
-    return Cause(best.kind, best.place, best.amount, _in_plural(best.sentence) + but_for) if best else UNKNOWN
+    named = ", or ".join(_in_plural(one.sentence) for one in (best, *alike.values()))
+    return Cause(best.kind, best.place, best.amount, named + but_for, tuple(alike))
 
 
 def _in_plural(sentence: str) -> str:

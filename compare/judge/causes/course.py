@@ -3,16 +3,20 @@
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
+from scenes import Motion
 from scenes.motion import Samples, quantity
 
-from .evidence import EXPLAINED, NEARLY_ALL, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
-from .parts import Part, common, place_of, stem
+from .evidence import EXPLAINED, NEARLY_ALL, SHORTEST, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
+from .parts import ANGLES, Part, common, place_of, stem
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
 WHOLE_SAMPLES = (1, 2, 3, -1, -2, -3)
 EVEN = 1e-6  # of a step: by how much equal steps differ where instants are written at decimals
+COARSE = (2, 3, 4, 5, 6, 8, 9, 10, 12)  # samples
+FASTER = 2.0  # from each third of the start to the next, a transient dies away by more
 LEAST_BEND = 1e-3  # of a second difference
 WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
 SPREAD = 0.15  # of the samples, that noise has at least
@@ -22,7 +26,7 @@ def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
     for part in evidence.parts:
         if evidence.outside(part[1]) <= EXPLAINED:
-            for cause in (_late, _late_by_samples, _differences, _smoothed):
+            for cause in (_late, _late_by_samples, _differences, _smoothed, _growing, _interpolated):
                 yield from cause(evidence, part)
 
 
@@ -104,14 +108,69 @@ def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     yield Hypothesis(Kind.solver, common(predicted), f"{typical:.3g}", sentence, predicted, 1)
 
 
+def _growing(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part whose errors grow steadily: from nothing by a slope of each channel's own, or by one factor."""
+    (name, channels), place, true = part, place_of(part), evidence.true
+    run = true["time"] - true["time"][0]
+    away = {c: true[c] + factor_of_change(evidence, c, run) * run for c in channels}
+    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", away, min(len(channels), 2))
+    (rate,), grown = fitted(evidence, lambda x: {c: true[c] * (1 + x[0] * run) for c in channels}, np.ones(1))
+    amount = f"by {100 * rate * run[-1]:.3g} %"
+    yield Hypothesis(Kind.solver, place, amount, f"{name} grows steadily, {amount} at the end", grown, 1)
+
+
+def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Yield a part that is right at every so many samples, and between them on lines or on a spline."""
+    (name, channels), rows = part, evidence.rows
+    if len(rows) < len(evidence.motion["time"]):
+        return
+    off = np.array([evidence.difference(c, evidence.true[c]) ** 2 for c in channels]).sum(axis=0)
+    for every in COARSE:
+        nodes = np.unique([*rows[::every], rows[-1]])
+        if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
+            for degree, how in ((1, "linear"), (3, "cubic")):
+                predicted = {c: _between(evidence.true, c, nodes, degree) for c in channels}
+                sentence = f"{name} is {how} between every {every}th sample"
+                yield Hypothesis(Kind.coarse, place_of(part), f"{how}, {every}", sentence, predicted)
+
+
+def _between(true: Motion, channel: str, nodes: NDArray[np.intp], degree: int) -> Samples:
+    """Return a channel at all instants as a spline through some rows has it."""
+    from scipy.interpolate import make_interp_spline
+
+    time, samples = true["time"], np.unwrap(true[channel]) if quantity(channel) in ANGLES else true[channel]
+    return np.asarray(make_interp_spline(time[nodes], samples[nodes], degree)(time))
+
+
+def starting(evidence: Evidence) -> Hypothesis | None:
+    """Return that the fewest channels that hold nearly all of the deviation have a start transient, if they have.
+
+    Their deviation is in the first rows, and dies away from there.
+    """
+    name, channels, off = _fewest(evidence)
+    by_row = np.sum(off**2, axis=0)
+    early = np.array_split(by_row[: len(by_row) // 4], 3)
+    first, second, third = (float(part.sum()) for part in early)
+    if not (len(by_row) > 4 * SHORTEST and first + second + third >= (1 - NEARLY_ALL**2) * by_row.sum()):
+        return None
+    if not (first > FASTER * second > FASTER**2 * third > 0 and by_row[0] > by_row.max() / FASTER):
+        return None
+    return Hypothesis(Kind.start, common(channels), "", f"{name} has a start transient", {})
+
+
+def _fewest(evidence: Evidence) -> tuple[str, tuple[str, ...], NDArray[np.float64]]:
+    """Return the fewest channels that hold nearly all of the deviation, what they are called, and how far off."""
+    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= NEARLY_ALL]
+    name, channels = min(parts, key=lambda part: len(part[1]))
+    return name, channels, np.array([evidence.difference(c, evidence.true[c]) for c in channels])
+
+
 def noisy(evidence: Evidence) -> Hypothesis | None:
     """Return that the fewest channels that hold nearly all of the deviation are noisy, if they are.
 
     The deviations of neighbouring samples have nothing to do with each other then, and no few of them are all of it.
     """
-    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= NEARLY_ALL]
-    name, channels = min(parts, key=lambda part: len(part[1]))
-    off = np.array([evidence.difference(c, evidence.true[c]) for c in channels])
+    name, channels, off = _fewest(evidence)
     square = float(np.sum(off**2))
     spread = square**2 / float(np.sum(np.sum(off**2, axis=0) ** 2)) / off.shape[1]
     if np.sum(off[:, 1:] * off[:, :-1]) > WHITE * square or spread < SPREAD:

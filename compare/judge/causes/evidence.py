@@ -21,6 +21,8 @@ from .parts import ANGLES, FORCES, Part, parts
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
+SHORTEST = 4  # rows, in which a motion can be off alone
+NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what right samples have
 EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
 NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
@@ -64,6 +66,9 @@ class Kind(StrEnum):
     differences = "differences of samples"
     branch = "another branch"
     solver = "discretisation"
+    start = "start transient"
+    coarse = "interpolation"
+    code = "wrong line"
 
 
 class Hypothesis(NamedTuple):
@@ -179,6 +184,14 @@ def thinned(evidence: Evidence, most: int) -> Evidence:
         return evidence
     off = sum(evidence.difference(channel, evidence.true[channel]) ** 2 for channel in evidence.names)
     return _at(evidence, np.unique([*np.linspace(0, count - 1, max(most, 2)).astype(np.intp), int(np.argmax(off))]))
+
+
+def stretch(evidence: Evidence) -> Evidence | None:
+    """Return the evidence at the rows from the first to the last that are off; None where these are few or all."""
+    off = np.array([evidence.difference(c, evidence.true[c]) ** 2 for c in evidence.names]).sum(axis=0)
+    bad = np.flatnonzero(off >= NEXT_TO_NOTHING * off.max())
+    kept = np.arange(bad[0], bad[-1] + 1)
+    return _at(evidence, kept) if SHORTEST <= len(kept) < len(off) else None
 
 
 def _at(evidence: Evidence, kept: NDArray[np.intp]) -> Evidence:

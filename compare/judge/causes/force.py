@@ -86,6 +86,11 @@ class Carried:
         force = weights.mass * (a + (1j * alpha - omega**2) * r - gravity)
         return force, weights.inertia * alpha + _cross(r, force)
 
+    def centripetal(self, name: str, weights: Weights) -> Wrench:
+        """Return what a body needs for its centre of mass to go round its first point: a force along the arm."""
+        angle, omega, _ = self.state.turning(name)
+        return -weights.mass * omega**2 * np.exp(1j * angle) * weights.com, np.zeros(angle.shape)
+
     def push(self, name: str, force: Vectors, at: Vectors) -> Wrenches:
         """Return what a force on a body takes from what its joints carry; nothing on the ground."""
         if name == GROUND:
@@ -177,8 +182,11 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
             amount, predicted = by_factor(names, kind is Kind.mass, True)
             if amount > NONE:
                 yield Hypothesis(kind, "all", percent(amount), f"each body's {kind} is {percent(amount)}", predicted, 1)
-    if scene.gravity is not None:  # without it the same as each body's mass
-        yield _at_rest(evidence, carried, own)
+    whole = {n: carried.needed(scene.bodies[n], w, gravity=0j) for n, w in own.items()}
+    shares = {"inertia's share of all forces": (Kind.mass, whole)} if scene.gravity is not None else {}
+    shares["the share m s w^2 of all forces"] = (Kind.term, {n: carried.centripetal(n, own[n]) for n in turning})
+    for what, (kind, share) in shares.items():  # without gravity inertia's is the same as each body's mass
+        yield _share(evidence, carried, kind, what, share)
     for one, two in combinations(own, 2):
         a, b = own[one], own[two]
         swapped = {
@@ -189,14 +197,13 @@ def weight_causes(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
         yield Hypothesis(Kind.mass, one, f"swapped with {two}'s", sentence, changed(swapped))
 
 
-def _at_rest(evidence: Evidence, carried: Carried, own: Mapping[str, Weights]) -> Hypothesis:
-    """Return forces without m a and I alpha, as a static solution has them, or with another share of these."""
-    moved = {n: carried.needed(carried.scene.bodies[n], w, gravity=0j) for n, w in own.items()}
+def _share(evidence: Evidence, carried: Carried, kind: Kind, what: str, share: Wrenches) -> Hypothesis:
+    """Return forces without a share, as a static solution is without m a and I alpha, or with another one of it."""
     (amount,), predicted = fitted(
-        evidence, lambda x: carried.changed({n: (x[0] * f, x[0] * m) for n, (f, m) in moved.items()}), np.ones(1)
+        evidence, lambda x: carried.changed({n: (x[0] * f, x[0] * m) for n, (f, m) in share.items()}), np.ones(1)
     )
     how = percent(amount)
-    return Hypothesis(Kind.mass, "all", how, f"inertia's share of all forces is {how}", predicted, 1)
+    return Hypothesis(kind, "all", how, f"{what} is {how}", predicted, 1)
 
 
 def _com(

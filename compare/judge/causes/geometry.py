@@ -1,6 +1,6 @@
 """Causes in the places, lengths and guides of a scene, and in its drive: they move all that hangs on them."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from heapq import nsmallest
 from typing import NamedTuple
 
@@ -35,10 +35,16 @@ class InputChange(NamedTuple):
 
 def geometry_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield other inputs of the geometry: those whose slopes explain most, fitted, until one explains all."""
-    first = []
+    first, still = [], np.ones((1, len(evidence.rows)))
+    turn = 2 * np.pi * evidence.true["time"] / evidence.reference.scene.drive.cycle
     for number, change in enumerate(_changes(evidence)):
-        predicted = _along_slopes(evidence, change)
+        slopes = [solved(change.scene(step), evidence.true, 1) for step in np.diag(change.steps)]
+        _, predicted = _along(evidence, change, slopes, still)
         first.append((evidence.left(predicted) if predicted else np.inf, number, change))
+        if change.kind is Kind.length and len(slopes) == 1:
+            x, predicted = _along(evidence, change, slopes, np.array([*still, np.cos(turn), np.sin(turn)]))
+            amount = f"{evidence.reference.scene.length(np.hypot(*x[1:]), 3)} over the turn"
+            yield Hypothesis(change.kind, change.place, amount, f"{change.what} varies by {amount}", predicted, len(x))
     for _, _, change in nsmallest(CLOSER, first):
         x, predicted = _fitted(evidence, change)
         if predicted:
@@ -55,15 +61,18 @@ def affordable(evidence: Evidence) -> Evidence:
     return thinned(evidence, int(WORK / (numbers * equations**2)))
 
 
-def _along_slopes(evidence: Evidence, change: InputChange) -> Channels:
+def _along(
+    evidence: Evidence, change: InputChange, slopes: Sequence[Motion], courses: Samples
+) -> tuple[Samples, Channels]:
+    """Return numbers by which an input is off along courses, shape (m, n), and the motion then, by its slopes."""
     true = evidence.true
-    slopes = [solved(change.scene(step), true, 1) for step in np.diag(change.steps)]
+    steps = np.repeat(change.steps, len(courses))
 
     def along(x: Samples) -> Channels:
-        by = list(zip(x / change.steps, slopes, strict=True))
-        return {c: true[c] + sum(b * (slope[c] - true[c]) for b, slope in by) for c in evidence.names}
+        by = (x / steps).reshape(len(slopes), -1) @ courses
+        return {c: true[c] + sum(b * (s[c] - true[c]) for b, s in zip(by, slopes, strict=True)) for c in evidence.names}
 
-    return fitted(evidence, along, change.steps)[1]
+    return fitted(evidence, along, steps)
 
 
 def _fitted(evidence: Evidence, change: InputChange) -> tuple[Samples, Channels]:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from scenes import Failure
 from scenes.motion import Samples
 from scenes.scene import GROUND, Body, Force, ForceTable, Load, PressForce
 
@@ -13,6 +14,7 @@ from ...engines.motion_vectors import Vectors
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
 from .force import Carried, Wrenches, both, percent
 
+ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
 STANDARD_GRAVITY = -9.81j  # m/s^2
 
 
@@ -85,6 +87,24 @@ def _force(carried: Carried, load: Load) -> Vectors:
     acting = [a for a, one in zip(carried.state.acting, presses, strict=True) if one is load]
     (push,) = replace(carried.state, scene=scene, acting=acting).applied(scene.bodies[load.body])
     return push.force
+
+
+def late_loads(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:
+    """Yield loads that are late: each as it was where the drive was a few samples before."""
+    reference, time, drive = evidence.reference, evidence.true["time"], evidence.reference.scene.drive
+    step = float(np.ptp(evidence.motion["time"])) / (len(evidence.motion["time"]) - 1)
+    for by in (way * rows * step for rows in ROWS_LATE for way in (1, -1)):
+        then = time - by
+        then = then if drive.repeats else np.clip(then, 0.0, drive.cycle)
+        try:
+            before = Carried(replace(evidence, true=reference.at(drive.at(then).position, then)))
+        except Failure:
+            continue
+        for load in (one for one in carried.scene.loads if not isinstance(one, Force)):
+            more, at = _force(before, load) - _force(carried, load), carried.state.place(load.at)
+            predicted = carried.changed(carried.push(load.body, more, at))
+            how = f"{1e3 * abs(by):.3g} ms {'late' if by > 0 else 'early'}"
+            yield Hypothesis(Kind.load, load.at, how, f"the load at {load.at} is {how}", predicted, 1)
 
 
 def _switches(evidence: Evidence, carried: Carried) -> Iterator[Hypothesis]:

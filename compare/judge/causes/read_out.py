@@ -82,7 +82,7 @@ def _unit(factor: float, channels: tuple[str, ...]) -> str:
 
 
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """Yield an offset of one channel, of a vector, or of one quantity of all; and a drift."""
+    """Yield an offset of one channel, of a vector, or of one quantity of all."""
     (name, channels), place = part, place_of(part)
     quantities = {quantity(channel) for channel in channels}
     if len(quantities) > 1 and not (len(channels) == 2 and _vectors(channels)):
@@ -98,9 +98,6 @@ def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         return  # friction of the drive
     kind = Kind.drive if channels == (scene.drive_channel,) else Kind.offset
     yield Hypothesis(kind, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
-    slope = {c: float(off[c] @ time / (time @ time)) for c in channels}
-    predicted = {c: evidence.true[c] + slope[c] * time for c in channels}
-    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", predicted, len(slope))
 
 
 def _mean(quantity: str, off: list[Samples]) -> float:

@@ -1,6 +1,6 @@
 """Causes that need no model: channels missing or not finite, samples held, spoilt or out of order."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +10,11 @@ from scenes.motion import quantity
 
 from ...engines.reference import Reference
 from ...engines.runner import ON_TIME
-from .evidence import Evidence, Hypothesis, Kind
+from .evidence import NEXT_TO_NOTHING, Evidence, Hypothesis, Kind, stretch
 from .parts import ANGLES, common
 
 FEW = 0.1  # of the samples
 MOST = 0.8  # of the channels, that a spoilt row spoils
-NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what its neighbours have
 TELLING = 3  # channels, by which a row is known: one number or two are about those of many rows
 FAR_LESS = 1e-2  # of the square of a row's deviation: what it has from the row that it really is
 
@@ -66,6 +65,21 @@ def sample_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     yield from _held(evidence)
     yield from _out_of_order(evidence)
     yield from _spoilt(evidence)
+
+
+def in_some_rows(evidence: Evidence, causes: Callable[[Evidence], Iterator[Hypothesis]]) -> Iterator[Hypothesis]:
+    """Yield causes that act in the rows from the first to the last that are off, and in no others."""
+    if (off := stretch(evidence)) is None:
+        return
+    scene, inside = evidence.reference.scene, np.isin(evidence.rows, off.rows)
+    ends = (scene.where(float(off.true[scene.drive_channel][row])) for row in (0, -1))
+    where = " from {} to {}".format(*ends)
+    for cause in causes(off):
+        predicted = {c: evidence.true[c].copy() for c in cause.predicted}
+        for channel, values in cause.predicted.items():
+            predicted[channel][inside] = values
+        amount, sentence = f"{cause.amount}{where}".strip(), cause.sentence + where
+        yield cause._replace(amount=amount, sentence=sentence, predicted=predicted, freedom=cause.freedom + 1)
 
 
 def _held(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -126,9 +140,9 @@ def _exchanged(evidence: Evidence, channels: list[str]) -> Iterator[Hypothesis]:
             by = -int(np.median(shifts))
             by = by if 2 * abs(by) < len(true) else by + len(true) - 1
             late = f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
-            yield Hypothesis(Kind.lag, "all", late, f"all is {late}", {c: evidence.true[c][rows] for c in channels})
+            yield Hypothesis(Kind.lag, "all", late, f"all is {late}", {c: evidence.true[c][rows] for c in channels}, 1)
         elif len(channels) >= TELLING:
-            yield _of_rows(evidence, Kind.rows, "all", channels, rows, "has rows of other instants")
+            yield _of_rows(evidence, Kind.rows, "all", channels, rows, "has rows of other instants")._replace(freedom=1)
 
 
 def _rows(motion: Motion, channels: list[str], scale: Mapping[str, float]) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ from ..html import render
 
 FILE = "faults.json"
 COLUMNS = ["kind", "magnitude", "scene", "engine", "above", "found", "by", "place", "true_place", "cause", "true_cause"]
+COLUMNS += ["detail"]
 
 
 def page(records: Sequence[Record]) -> str:

@@ -8,12 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from compare.engines.runner import run
 from compare.faults.__main__ import main, write
 from compare.faults.catalogue import catalogue
 from compare.faults.fault import Clean, Fault, above
-from compare.faults.rates import let_through, rates
+from compare.faults.left_out import left_out
+from compare.faults.rates import MEAN, TOTAL, let_through, rates
 from compare.faults.table import SAMPLING, Record, judged_faults
+from compare.judge.causes.evidence import Kind
 from compare.judge.measure import measure
+from compare.judge.triage import cause
 from scenes import Motion
 from tests.comparisons import References, changed
 
@@ -54,7 +58,48 @@ def test_there_are_enough_kinds_in_every_family(clean: Clean) -> None:
     kinds = {(fault.family, fault.kind) for fault in catalogue(clean)}
     assert len(kinds) >= 110
     families = {"sign", "frame", "wrong body", "time", "inertia", "geometry", "load", "gravity", "friction"}
-    assert {family for family, _ in kinds} == families | {"data", "solver"}
+    families |= {"data", "solver", "ten rows", "half a turn", "drifting velocities", "start", "breathing bar"}
+    families |= {"coarse samples", "crank without mass", "m s w^2", "I alpha", "load on the neighbour"}
+    assert {family for family, _ in kinds} == families  # a constant force is never late
+
+
+def _record(family: str, kind: str, named: str = "mass", true: str = "mass", place: str = "rod") -> Record:
+    return Record(family, kind, 1.0, "s", "e", True, True, "", place, named, "rod", true, "")
+
+
+def test_many_quantities_of_one_kind_count_as_one_in_the_mean() -> None:
+    named = [_record("sign", f"of {k}", "opposite sign", "opposite sign") for k in range(98)]
+    table = rates([*named, _record("inertia", "a mass", "load", place="P5"), _record("inertia", "no mass", "unknown")])
+    by_family = table.set_index("family")
+    assert by_family.loc[TOTAL, "cause right"] == pytest.approx(0.98)
+    assert by_family.loc[MEAN, "cause right"] == pytest.approx(0.5)  # of 1 and 0
+    assert by_family.loc[MEAN, "wrong cause"] == pytest.approx(0.25)  # of 0 and 1/2
+    assert by_family.loc["inertia: mass", "place right"] == 0.5
+
+
+def test_causes_and_places_are_of_one_vocabulary(records: Sequence[Record], tmp_path: Path) -> None:
+    wrong_line = _record("core", "sign", str(Kind.code), str(Kind.code))
+    rows = json.loads((write([*records, wrong_line], tmp_path) / "faults.json").read_text(encoding="utf-8"))
+    words = {str(kind) for kind in Kind}
+    assert {row["cause"] for row in rows} | {row["true_cause"] for row in rows} <= words
+    assert sum((row["cause"], row["place"]) == (row["true_cause"], row["true_place"]) for row in rows) > len(rows) / 2
+    families = json.loads((tmp_path / "faults" / "families.json").read_text(encoding="utf-8"))
+    assert [family["family"] for family in families][-2:] == [MEAN, TOTAL]
+    text = " ".join((Path(__file__).parents[3] / "docs" / "trust.md").read_text(encoding="utf-8").split())
+    assert not [word for word in words if f"`{word}`" not in text]
+
+
+@pytest.mark.parametrize("family", ["m s w^2", "I alpha", "late load", "load on the neighbour"])
+def test_what_is_left_out_and_where_loads_act_is_named(family: str, references: References) -> None:
+    """The faults are sums of the core's solutions under constant forces, the causes use the constraints' Jacobian."""
+    reference = references("quick_return")
+    clean = Clean(reference, SAMPLING, run("analytic", reference.scene, SAMPLING))
+    faults = [fault for fault in left_out(clean) if fault.family == family and fault.spoil is not None]
+    for fault in faults:
+        assert fault.spoil is not None
+        named = cause(reference, SAMPLING, fault.spoil())
+        assert (named.kind, named.place) == (fault.cause, fault.place), named.sentence
+    assert faults
 
 
 @pytest.mark.parametrize(("times", "is_above"), [(0.9, False), (1.1, True)])

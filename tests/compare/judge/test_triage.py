@@ -19,10 +19,13 @@ from compare.judge.projection import Projection, projected
 from compare.judge.triage import Cause, cause, sentences
 from scenes import Instants, Motion, Scene, Settings, Status
 from scenes.motion import Samples, channels, force_channels, quantity
+from scenes.scene import Force, PressForce
 from tests.comparisons import SAMPLING, References, changed, commanded
 
 Spoil = Callable[[Reference, Motion], dict[str, Samples]]
 ROWS = np.arange(SAMPLING.count)
+DYING = np.exp(-ROWS / 5) * np.cos(ROWS)
+TEN = (ROWS >= 20) & (ROWS < 30)
 
 
 def spoilt(motion: Motion, samples: dict[str, Samples]) -> Motion:
@@ -46,6 +49,20 @@ def without_centripetal(motion: Motion) -> dict[str, Samples]:
 
 def rows(motion: Motion, order: NDArray[np.intp]) -> dict[str, Samples]:
     return {channel: samples[order] for channel, samples in motion.samples.items() if channel != "time"}
+
+
+def breathing(reference: Reference) -> dict[str, Samples]:
+    """Return each row of another length of the rod: 3 mm more and less of 300 over the turn."""
+    path = ("bodies", "rod", "lengths", frozenset(("P4", "P5")))
+    motion, time = commanded(reference), SAMPLING.times(reference.scene)
+    rods = [put(reference.scene, path, 0.3 + 0.003 * np.sin(2 * np.pi * row / 72)) for row in ROWS]
+    position = motion[reference.scene.drive_channel]
+    solved = [registry.reference(rod)(position[k : k + 1], time[k : k + 1]) for k, rod in enumerate(rods)]
+    return {c: np.array([row[c][0] for row in solved]) for c in motion.samples if c in solved[0]}
+
+
+def of_rates(motion: Motion, change: Callable[[str, Samples], Samples], *quantities: str) -> dict[str, Samples]:
+    return {c: change(c, own) for c, own in motion.samples.items() if quantity(c) in quantities}
 
 
 READ_OUT: dict[str, tuple[str, Spoil, Kind, str]] = {
@@ -83,6 +100,45 @@ READ_OUT: dict[str, tuple[str, Spoil, Kind, str]] = {
         },
         *(Kind.lag, "all"),
     ),
+    "sign in ten rows": (
+        *("toggle_press", lambda _, m: {c: np.where(TEN, -m[c], m[c]) for c in ("P4.fx", "P4.fy")}),
+        *(Kind.sign, "P4"),
+    ),
+    "frame in ten rows": (
+        "toggle_press",
+        lambda _, m: {c: np.where(TEN, in_frame(m, "P4", "toggle")[c], m[c]) for c in ("P4.fx", "P4.fy")},
+        *(Kind.frame, "P4"),
+    ),
+    "half a turn": (
+        "toggle_press",
+        lambda _, m: {"rod.angle": m["rod.angle"] + np.pi * (ROWS > 30)},
+        Kind.offset,
+        "rod",
+    ),
+    "growing": (
+        *("toggle_press", lambda _, m: of_rates(m, lambda _, v: v * (1 + 0.01 * ROWS / 72), "vx", "vy", "omega")),
+        *(Kind.solver, "all"),
+    ),
+    "drifting": (
+        "toggle_press",
+        lambda r, m: of_rates(m, lambda c, v: v + 0.01 * r.scale[c] * ROWS / 72, "vx", "vy", "omega"),
+        *(Kind.solver, "all"),
+    ),
+    "a start": (
+        "toggle_press",
+        lambda r, m: of_rates(
+            m, lambda c, a: a + 0.1 * r.scale[c] * np.exp(-ROWS / 5) * np.cos(ROWS), "ax", "ay", "alpha"
+        ),
+        *(Kind.start, "all"),
+    ),
+    "coarse": (
+        *(
+            "toggle_press",
+            lambda _, m: of_rates(m, lambda _, a: np.interp(ROWS, ROWS[::4], a[::4]), "ax", "ay", "alpha"),
+        ),
+        *(Kind.coarse, "all"),
+    ),
+    "breathing": ("toggle_press", lambda r, _: breathing(r), Kind.length, "rod"),
     "drive": ("swinging_law", lambda _, m: {"crank_angle": m["crank_angle"] + 1e-3}, Kind.drive, "drive"),
 }
 
@@ -178,6 +234,20 @@ def _times(factor: float, value: object) -> float | tuple[float, float]:
         return factor * value[0], factor * value[1]
     assert isinstance(value, float | int)
     return factor * value
+
+
+def test_a_load_that_is_switched_late_is_named(references: References) -> None:
+    """Each row with the whole press force or with none, as it was two samples before."""
+    reference = references("quick_return")
+    scene, motion = reference.scene, commanded(reference)
+    (load,) = (one for one in scene.loads if isinstance(one, PressForce))
+    always, never = (
+        _solved(replace(scene, loads=loads), reference) for loads in ((Force(load.body, load.at, load.force),), ())
+    )
+    acts = np.roll(reference.acts(motion)[0][0], 2)
+    wrong = {c: np.where(acts, always[c], never[c]) for c in force_channels(scene)}
+    found = cause(reference, SAMPLING, spoilt(motion, wrong))
+    assert (found.kind, found.place, found.amount) == (Kind.load, load.at, "41.7 ms late")  # of 1500 ms in 72
 
 
 def test_rows_without_a_reference_have_no_known_cause(references: References) -> None:
