@@ -54,7 +54,9 @@ def cycle_name(scene: Scene) -> str:
 
 
 def prefixed(scale: float, unit: str) -> tuple[float, str]:
-    """Return the factor from SI to the unit with the prefix that suits the scale, and that unit."""
+    """Return the factor from SI to the unit in which a scale reads from 1 to 10,000, and that unit."""
     prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-    power = min(max(3 * floor(log10(scale) / 3), min(prefixes)), max(prefixes))
+    digits = log10(scale)
+    power = 3 * floor((digits if digits < 0 else max(digits - 1, 0)) / 3)
+    power = min(max(power, min(prefixes)), max(prefixes))
     return 10.0**-power, prefixes[power] + unit

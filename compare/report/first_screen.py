@@ -73,7 +73,7 @@ def peaks(scene: Scene, found: Sequence[Peak], units: Units) -> list[Shown]:
     pins = [peak for peak in found if quantity(peak.channel) in OF_A_PIN]
     largest = max(pins, key=lambda peak: peak.value, default=None)
     joints = _of_joints(found)
-    whole = [peak for peak in found if peak not in joints]
+    whole = [peak for peak in found if peak not in joints and peak.value != 0]  # a cycle without losses has no work
     first = [_shown(scene, peak, units) for peak in whole]
     if largest is None:
         return first

@@ -5,7 +5,7 @@ from math import floor, isinf, isnan, log10
 from ..engines.axis import prefixed
 from .units import Units
 
-DIGITS, OF_LENGTHS = 3, 5  # significant ones
+DIGITS, OF_LENGTHS = 3, 4  # significant ones
 PLAIN = 1e-3, 1e6  # from here to there a number needs no power of ten
 PLAIN_PERCENT = 1e-6  # what is less is no longer told apart, %
 
@@ -26,6 +26,8 @@ def written(value: float, unit: str, units: Units) -> str:
     """Return a quantity in SI in the unit of the report, or else with the prefix that suits it: `84.2 kN`."""
     if isnan(value):
         return "–"
+    if value == 0:
+        return "0"
     factor, name = units.get(unit) or prefixed(abs(float(f"{value:.{DIGITS - 1}e}")) or 1.0, unit)
     return f"{_significant(factor * value, OF_LENGTHS if unit == 'm' else DIGITS)}{' ' * (name not in ('', '°'))}{name}"
 

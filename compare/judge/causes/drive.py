@@ -45,8 +45,9 @@ def strayed(evidence: Evidence) -> Hypothesis | None:
     off = np.abs(evidence.given[drive] - evidence.true[drive]).max()
     if not off > ASTRAY * max(1.0, float(np.abs(evidence.true[drive]).max())):
         return None
-    unit = "rad" if evidence.reference.scene.driven_slide is None else "m"
-    return Hypothesis(Kind.drive, "drive", f"{off:.3g} {unit}", f"the drive is off by up to {off:.3g} {unit}", {})
+    scene = evidence.reference.scene
+    by = scene.amount("angle" if scene.driven_slide is None else "length", float(off), 3)
+    return Hypothesis(Kind.drive, "drive", by, f"the drive is off by up to {by}", {})
 
 
 def _solved(evidence: Evidence, scene: Scene, position: Samples) -> Channels:

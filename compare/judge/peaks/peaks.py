@@ -20,7 +20,7 @@ from .curves import Curve, curves
 from .numbers import Number, numbers
 from .refined import refined
 
-NOTHING = 1e-8  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
+NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
 TURNS = 10  # of a run at most, evenly spread, in which engines are compared
 
 

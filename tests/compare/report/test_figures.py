@@ -93,7 +93,7 @@ def test_what_gives_one_component_is_drawn_where_that_is_enough(result: Study) -
 
 @pytest.mark.parametrize(
     ("scale", "factor", "unit"),
-    [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (2e6, 1e-6, "MN")],
+    [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (9e6, 1e-3, "kN"), (2e7, 1e-6, "MN")],
 )
 def test_prefixes(scale: float, factor: float, unit: str) -> None:
     found, named = prefixed(scale, "N")
@@ -149,8 +149,8 @@ def test_a_number_whose_name_leaves_it_open_is_explained_beside_it(result: Study
 def test_a_driven_sliders_effort_is_a_force(studies: Studies) -> None:
     result = studies("driven_toggle")
     panel = panel_of(result, "Drive: force on crosshead")
-    assert panel.axis == "force [kN]"
-    assert np.allclose(curve(panel, "force")(result.motion), 1e-3 * result.motion["drive.force"])
+    assert panel.axis == "force [N]"  # 8 kN
+    assert np.allclose(curve(panel, "force")(result.motion), result.motion["drive.force"])
 
 
 def test_an_output_on_a_slot_and_a_guide_goes_along_the_guide(studies: Studies) -> None:

@@ -1,0 +1,63 @@
+"""One unit for each kind of quantity, in which its peak reads between 1 and 10,000."""
+
+import re
+
+import numpy as np
+import pytest
+
+from compare.engines.reference import found
+from compare.judge.peaks.peaks import peaks
+from compare.report import first_screen
+from compare.report.units import units
+from scenes import Sampling
+from tests import scene_files
+from tests.scene_files import Changes
+
+LIGHT = {f"bodies.{body}.mass": 1e-9 for body in ("crank", "coupler", "rocker")}
+LARGE = {"units": {"length": "m", "mass": "kg", "force": "N", "angle": "deg", "speed": "rpm"}}
+FAST = {"drive.speed": -6000}
+SCENES: dict[str, tuple[str, Changes]] = {
+    "a press": ("toggle_press", {}),
+    "a four-bar": ("four_bar", {}),
+    "a clamp": ("double_toggle_clamp", {}),
+    "of tiny masses": ("four_bar", LIGHT),
+    "huge": ("four_bar", LARGE),
+    "fast": ("four_bar", FAST),
+}
+QUANTITIES = {
+    "m": "length",
+    "m/s": "speed",
+    "m/s^2": "acceleration",
+    "N": "force",
+    "N*m": "moment",
+    "J": "work",
+    "W": "power",
+}
+
+
+@pytest.mark.parametrize("case", SCENES)
+def test_every_peak_reads_from_1_to_10000_in_one_unit(case: str) -> None:
+    name, changes = SCENES[case]
+    reference = found(scene_files.load(name, changes))
+    numbers = (reference.scene, peaks(reference, Sampling(72), []), units(reference))
+    shown = [*first_screen.peaks(*numbers), *first_screen.joints(*numbers)]
+    texts: dict[str, list[str]] = {}
+    for number in shown:
+        if number.unit in QUANTITIES and number.value != 0:
+            texts.setdefault(number.unit, []).append(number.text)
+    assert {"m", "N", "W"} <= texts.keys()
+    for unit, written in texts.items():
+        values, names = zip(*(re.fullmatch(r"([−\d.,]+) (\D.*)", text).groups() for text in written), strict=True)  # type: ignore[union-attr]
+        assert len(set(names)) == 1, (unit, names)
+        largest = max(abs(float(value.replace(",", "").replace("−", "-"))) for value in values)
+        assert 1 <= largest < 10_000, written
+        assert all(len(value) <= 10 for value in values), written
+
+
+def test_what_is_zero_is_written_so() -> None:
+    reference = found(scene_files.load("slider_crank"))
+    numbers = (reference.scene, peaks(reference, Sampling(72), []), units(reference))
+    (moment,) = [joint for joint in first_screen.joints(*numbers) if joint.name == "Largest guide moment at slider"]
+    assert moment.text == "0"
+    assert "Work a turn" not in [number.name for number in first_screen.peaks(*numbers)]
+    assert not any(np.isnan(number.value) for number in first_screen.peaks(*numbers))
