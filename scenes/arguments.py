@@ -47,7 +47,7 @@ def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset
 
 def unmasked(argument: str, value: object) -> NDArray[Any]:
     """Return an array of any kind, or raise InputError for one with a mask, which no model knows of."""
-    if isinstance(value, np.ma.MaskedArray):
+    if isinstance(value, np.ndarray) and hasattr(value, "mask"):  # numpy.ma, which it is of, takes long to import
         raise InputError(f"{argument}: expected plain numbers, found a masked array; its .filled(...) gives some")
     return np.asarray(value)
 

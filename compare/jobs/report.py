@@ -24,7 +24,6 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
         KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
     """
     from ..engines.stopping import Stopped, stoppable
-    from ..faults.canaries import canaries
     from ..report import files as output
     from ..speed.timing import Budget
     from ..study import study
@@ -59,8 +58,12 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     if options.open:
         open_page(page)
     worse = [str(change) for change in changed or () if change.worse]
-    result.let_through.extend(canaries(result) if options.check else ())
-    return bool(options.check) and stops(scene, {scene.name: result}, options.format, worse)
+    if not options.check:
+        return False
+    from ..faults.canaries import canaries
+
+    result.let_through.extend(canaries(result))
+    return stops(scene, {scene.name: result}, options.format, worse)
 
 
 def _since(old: "Summary", result: "Study") -> list["Change"]:
