@@ -24,6 +24,7 @@ class AppliedForce(NamedTuple):
     force: Vectors
     at: Vectors
     velocity: Vectors
+    name: str
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class MotionVectors:
             share = next(acting) if isinstance(load, PressForce) else 1.0
             if load.body == body.name:
                 z, v, _ = self.point(load.at)
-                yield AppliedForce(share * self._force(load), z, v)
+                yield AppliedForce(share * self._force(load), z, v, f"the load at {load.at}")
         for spring in self.scene.springs:
             for (name, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
                 if name == body.name:
@@ -111,10 +112,13 @@ class MotionVectors:
                     towards = self.place(other) - z
                     distance = np.abs(towards)
                     unit = towards / np.where(distance > 0, distance, 1.0)
-                    yield AppliedForce(spring.stiffness * (distance - spring.length) * unit, z, v)
+                    ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
+                    pull = spring.stiffness * (distance - spring.length) * unit
+                    yield AppliedForce(pull, z, v, f"the spring between {ends}")
         if self.scene.gravity is not None:
             z, v, _ = self.com(body)
-            yield AppliedForce(np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity)), z, v)
+            weight = np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity))
+            yield AppliedForce(weight, z, v, f"the weight of {body.name}")
 
     def _force(self, load: Load) -> Vectors:
         if not isinstance(load, ForceTable):

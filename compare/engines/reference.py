@@ -29,6 +29,7 @@ class Floor:
     by_channel: Mapping[str, float]
     by: str
     doubt: str = ""  # why the reference is not to be believed; empty where it is
+    limit: str = ""  # where it is further off than it promises: why doubles leave no more
 
 
 @dataclass(frozen=True)

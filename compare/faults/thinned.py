@@ -91,7 +91,8 @@ def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Expla
     every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
     rows = slice(0, count + 1, every)
     samples = {channel: values[rows] for channel, values in run.motion.samples.items()}
-    known = Explained(explained.condition[rows], {c: values[rows] for c, values in explained.sensitivity.items()})
+    moved, cancelled = ({c: of[rows] for c, of in by.items()} for by in (explained.sensitivity, explained.cancelled))
+    known = Explained(explained.condition[rows], moved, cancelled=cancelled)
     fewer = replace(sampling, samples=count // every, turns=1)
     return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
 

@@ -190,9 +190,10 @@ def _name(judged: "Judgement") -> str:
 
 
 def _certified(judged: "Judgement") -> str:
-    if floors := judged.reference.floor.by_channel.values():
-        there = f"{digits(max(floors))} digits at {FLOOR_SAMPLES} positions of the drive"
-        return f"a calculation with 50 digits confirms {_name(judged)} to {there}"
+    floor = judged.reference.floor
+    if floor.by_channel:
+        there = f"{digits(max(floor.by_channel.values()))} digits at {FLOOR_SAMPLES} positions of the drive"
+        return f"a calculation with 50 digits confirms {_name(judged)} to {there}{floor.limit}"
     return f"no calculation with 50 digits confirms {_name(judged)}"
 
 

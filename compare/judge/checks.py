@@ -126,7 +126,10 @@ def _gaps(state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samp
         rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the travel
         gap = np.maximum(gap, np.where(off <= rounding, 0.0, off) / max(travel.get(p, 0.0), travel.get(q, 0.0)))
     if body.slide is not None:
-        gap = np.maximum(gap, np.abs(state.on_guide(body).imag) / guide_travel(state.scene, travel, body))
+        on, (origin, _) = state.on_guide(body), state.frame(body.slide.on)
+        places = np.abs(state.place(body.points[0])) + np.abs(origin) + abs(complex(*body.slide.through))
+        off = np.where(np.abs(on.imag) <= ROUNDINGS * EPS * (places + np.abs(on)), 0.0, np.abs(on.imag))
+        gap = np.maximum(gap, off / guide_travel(state.scene, travel, body))
         if body.name in state.scene.turning:
             between = state.angle(body.name) - state.angle(body.slide.on)
             gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))

@@ -13,7 +13,7 @@ from ..engines.reference import relative_errors, scales, sizes
 from .constraints import largest_length
 from .errors import GROUPS
 from .projection import projected
-from .round_off import EPS
+from .round_off import EPS, distance
 
 KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3, "force": 3}
 POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
@@ -42,7 +42,7 @@ def estimate(
     projection = projected(scene, motion, ends)
     scale = scales(scene, projection.closed, travel)
     units = scale | _force_units(scene)
-    rounding = EPS * _turns(scene, motion), projection.condition
+    rounding = EPS * np.maximum(_turns(scene, motion), distance(scene, motion)), projection.condition
     fitting = Motion({**projection.closed.samples, **projection.forces})
     errors = _unexplained(motion, fitting, scale, units, *rounding)
     return Estimate(errors, projection.branch, projection.condition, projection.closed)

@@ -74,7 +74,10 @@ def certified(reference: Reference, channels: frozenset[str] | None = None, runs
         return Floor({}, f"not certified: {oracle.run.reason}", doubt)
     where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(scene) else 'instants'}"
     by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
-    return Floor({channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}, by, doubt)
+    floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
+    worst = max(floor, key=floor.__getitem__)
+    limit = "" if floor[worst] <= settings.promise else f", all that doubles leave of {worst}: {explained.why(worst)}"
+    return Floor(floor, by, doubt, limit)
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:

@@ -5,14 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from compare import check
 from compare.engines import registry
 from compare.engines.reference import Floor, Reference, found
 from compare.judge import perturbation as sensitivity
+from compare.judge.checks import checks
 from compare.judge.constraints import Constraints, condition
 from compare.judge.errors import compare, error_table
 from compare.judge.round_off import EPS, Explained, explain
 from scenes import Sampling, hard
 from scenes.motion import channels, quantity
+from tests import scene_files
 from tests.comparisons import SAMPLING, changed, commanded, row_of
 
 TURN = Sampling(360)
@@ -103,3 +106,65 @@ def test_the_condition_is_that_of_the_matrix_that_moves_the_linkage(reference: R
     found = condition(reference.scene, motion)
     assert found[7] == pytest.approx(values[0] / values[-1])
     assert EPS * found.max() <= 1e-14
+
+
+ALONG, SQUARE = (np.cos(0.3), np.sin(0.3)), np.radians(0.1)
+MASSES = {"bodies.crank.mass": 1, "bodies.rod.mass": 1}
+SHORT = {
+    "bodies.slider.slides.along": [float(x) for x in ALONG],
+    "drive": {"body": "crank", "speed": 1, "start": 1.0, "end": 1.0002},
+    "sketch": {"angle": 0.3, "A": [float(x) for x in ALONG], "B": [float(4 * x) for x in ALONG]},
+}
+FAR = {
+    "ground.points": {"O": [1000000, 700000], "P1": [1000404.709, 699782.339]},
+    "bodies.slider.slides.through": [1000000, 700000],
+    "sketch": {
+        **{"angle": 11.5, "P2": [1000480, 699798], "P3": [1000000, 699700]},
+        **{"P4": [1000000, 699210], "P5": [1000000, 698910]},
+    },
+}
+GUIDE = float(1 - 3 * np.cos(SQUARE))  # m: its height, where the rod is so far from square to it at the end
+STEEP = {
+    "bodies.slider.slides.through": [0, GUIDE],
+    "drive": {"body": "crank", "speed": 1, "start": 0.9, "end": float(np.pi / 2)},
+    "sketch": {"angle": 0.9, "A": [0.62, 0.78], "B": [2, GUIDE]},
+}
+STRONG = {"springs": [{"between": ["ground.A", "crank.B"], "stiffness": 1e9, "length": 0.5}]}
+DOUBLES: dict[str, tuple[str, scene_files.Changes, str]] = {
+    "a stroke of a hundredth of a degree": ("slider_crank", {**MASSES, **SHORT}, "lengths"),
+    "a kilometre from the origin": ("toggle_press", FAR, "lengths"),
+    "a rod nearly square to its guide": ("slider_crank", {**MASSES, **STEEP}, "lengths"),
+    "a spring along the crank": (
+        "loaded_four_bar",
+        STRONG,
+        "the spring between ground.A and crank.B, 1e+08 N, cancels",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DOUBLES)
+def test_where_doubles_are_the_limit_that_is_the_reason_and_not_the_core(name: str) -> None:
+    pytest.importorskip("flint")
+    scene, changes, why = DOUBLES[name]
+    result = check(scene_files.load(scene, changes), engines=("analytic",), samples=72)
+    assert result.ok, result.verdicts
+    assert f"all that doubles leave of {'drive.torque: ' if 'spring' in why else ''}" in result.agreement.sentence
+    assert why in result.agreement.sentence
+
+
+def test_what_cancels_explains_round_off_alone() -> None:
+    """A spring of 1e8 N along a crank of 0.6 m that turns under some 100 N m: 1e8 N leaves less than 1e-6 N m."""
+    strong = explain(found(scene_files.load("loaded_four_bar", STRONG)), SAMPLING)
+    usual = explain(found(scene_files.load("loaded_four_bar")), SAMPLING)
+    assert 1e-12 < strong.error("drive.torque").max() < 1e-7
+    assert usual.error("drive.torque").max() < 1e-12
+
+
+def test_a_gap_in_a_guide_above_round_off_is_seen() -> None:
+    reference = found(scene_files.load("slider_crank", {**MASSES, **SHORT}))
+    motion = commanded(reference)
+    for off, seen in ((0.0, False), (100 * EPS * 4, True)):  # m, of places at 4 m
+        moved = changed(changed(motion, "B.x", -off * ALONG[1]), "B.y", off * ALONG[0])
+        gaps = [c for c in checks(reference.scene, moved, reference.travel) if c.check == "closure"]
+        (gap,) = (c.worst for c in gaps if c.of == "slider")
+        assert (gap > 0) == seen
