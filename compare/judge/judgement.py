@@ -163,7 +163,9 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         names = " and ".join(dict.fromkeys(m.run.engine for pair in pairs for m in pair))
         ok = [m.run.engine for m in measurements if m.run.status is Status.ok and m.run.engine != REFERENCE]
         alone = f"{' and '.join(ok)} and the core differ from others" if ok else "the core alone differs"
-        doubt = f"{alone}, suspect the core: {names} agree with each other"
+        votes = len({m.run.engine for pair in pairs for m in pair})
+        count = f"{votes} against {1 + len(ok)} with no calculation of 50 digits to decide"
+        doubt = f"{alone}, {count}, suspect the core: {names} agree with each other"
         by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [

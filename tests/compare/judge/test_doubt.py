@@ -24,6 +24,7 @@ from scenes import InputError, Motion, Scene, Settings, Status
 from tests.comparisons import commanded
 
 Spoil = Callable[[Motion], Motion]
+UNDECIDED = "with no calculation of 50 digits to decide"
 
 
 def judged(monkeypatch: pytest.MonkeyPatch, scene: Scene, other: Scene, spoil: Spoil) -> Judgement:
@@ -172,11 +173,13 @@ def test_of_many_engines_those_that_agree_are_named(reference: Reference) -> Non
 
     apart = [off("analytic", 0.0), off("exudyn", 0.1), off("pymunk", 0.5), off("casadi", 0.1001)]
     alone, measured = _voted(floorless, apart)
-    assert alone.floor.doubt == "the core alone differs, suspect the core: exudyn and casadi agree with each other"
+    assert alone.floor.doubt == (
+        f"the core alone differs, 2 against 1 {UNDECIDED}, suspect the core: exudyn and casadi agree with each other"
+    )
     assert [m.run.status for m in measured] == [Status.inaccurate, *[Status.ok] * 3]
     divided, _ = _voted(floorless, [*apart, off("pinocchio", 0.0)])
     assert divided.floor.doubt.startswith(
-        "pinocchio and the core differ from others, suspect the core: exudyn and casadi "
+        f"pinocchio and the core differ from others, 2 against 2 {UNDECIDED}, suspect the core: exudyn and casadi "
     )
     each_by_itself, _ = _voted(floorless, [off("analytic", 0.0), *(off(f"{by}", by) for by in (0.1, 0.2, 0.3, 0.4))])
     assert not each_by_itself.floor.doubt
