@@ -42,7 +42,7 @@ def left_out(clean: Clean) -> Iterator[Fault]:
     for load in scene.loads:
         acting = [acts[0] for one, acts in zip(presses, clean.reference.acts(clean.true), strict=True) if one is load]
         alone = MotionVectors(replace(scene, loads=(load,), springs=(), gravity=None), clean.true, acting)
-        ((own, _, _),) = alone.applied(scene.bodies[load.body])
+        ((own, *_),) = alone.applied(scene.bodies[load.body])
         for by in (1, 2) if not isinstance(load, Force) else ():
             change = partial(_pushed, clean, clean.motion, load.body, load.at, own[np.maximum(rows - by, 0)] - own)
             yield Fault("late load", "a load switched late", by, Kind.load, load.at, change)
