@@ -41,7 +41,8 @@ def chord(places: Vectors) -> complex:
     It is one between corners of their convex hull that two parallel lines touch (rotating calipers, Shamos 1978): the
     corner opposite to an edge has that edge's direction, turned by half a turn, between those of its own two edges.
     """
-    ordered = np.unique(places)  # by x, then by y
+    ordered = np.sort(places)  # by x, then by y; np.unique imports masked arrays, which takes long
+    ordered = ordered[np.append(True, ordered[1:] != ordered[:-1])]
     hull = np.concatenate([_below(ordered)[:-1], _below(ordered[::-1])[:-1]])
     if len(hull) < 3:
         return complex(ordered[-1] - ordered[0])
