@@ -10,7 +10,7 @@ from compare.engines import reference
 from compare.faults import thinned
 from compare.faults.canaries import canaries
 from compare.faults.mutants import applied, mutants
-from compare.faults.wrong_code import known
+from compare.faults.wrong_code import COMPARISON, _canaried, known
 from compare.judge import checks, errors, estimate, measure, verdict
 from compare.judge import gates as gates_module
 from compare.judge.escalation import offers
@@ -19,7 +19,7 @@ from compare.judge.judgement import Judgement, judgement
 from compare.judge.round_off import Explained
 from scenes import Motion, Sampling, Status
 from tests import scene_files
-from tests.comparisons import SAMPLING, References, all_checks
+from tests.comparisons import SAMPLING, SLOW, References, all_checks
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 
@@ -209,6 +209,22 @@ def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, m
         reference.found(press.scene), [*runs], SAMPLING, lambda name: (offers(name, "balanced"), ""), print, known(runs)
     )
     assert canaries(found)
+
+
+@SLOW
+def test_wrong_lines_of_the_table_are_found() -> None:
+    wanted = {"worst_of": {"name", "row"}, "force_scales": {"comparison"}, "Explained.error": {"result"}}
+    lines = [
+        one
+        for module, functions in COMPARISON.items()
+        for one in mutants(module, tuple(wanted.keys() & {*functions}))
+        if one.function in wanted
+        and one.kind in wanted[one.function]
+        and ("NOTHING" in one.line or "return" in one.line)
+    ]
+    records = [_canaried((line, "toggle_press")) for line in lines]
+    assert {one.function for one in lines} == wanted.keys()
+    assert all(record is not None and record.above and record.found for record in records)
 
 
 MEASURED = [("compare.engines.reference", "_distance"), ("compare.judge.checks", "_drive")]
