@@ -51,8 +51,8 @@ def main(arguments: list[str] | None = None) -> int:
             records.extend(found)
     folder = write(records, options.out)
     for row in rates(records).to_dict("records"):
-        shares = (f"{100 * row[share]:.3g} % {share}" for share in SHARES)
-        print(f"{row['family']}  {row['above the limit']} above the limit  {', '.join(shares)}")
+        shares = (f"{100 * row[share]:.3g} % {share.removeprefix('share ')}" for share in SHARES)
+        print(f"{row['family']}: {row['above the limit']} above the limit, " + ", ".join(shares))
     print(f"faults: {folder / 'faults.html'}")
     return 1 if len(let_through(records)) else 0
 

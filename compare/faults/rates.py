@@ -26,7 +26,8 @@ def rates(records: Sequence[Record]) -> pd.DataFrame:
     rows, answers = ([_row(str(name), own) for name, own in groups] for groups in grouped)
     if answers:
         mean = pd.DataFrame(answers)[list(SHARES)].mean()
-        answers += [{"family": MEAN, **mean}, _row(TOTAL, table[~code])]
+        total = _row(TOTAL, table[~code])
+        answers += [{**total, "family": MEAN, **mean}, total]
     return pd.DataFrame([*rows, *answers])
 
 

@@ -145,10 +145,11 @@ def _between(true: Motion, channel: str, nodes: NDArray[np.intp], degree: int) -
 def starting(evidence: Evidence) -> Hypothesis | None:
     """Return that the fewest channels that hold nearly all of the deviation have a start transient, if they have.
 
-    Their deviation is in the first rows, and dies away from there.
+    Their deviation, over their largest sizes, is in the first rows, and dies away from there.
     """
     name, channels, off = _fewest(evidence)
-    by_row = np.sum(off**2, axis=0)
+    size = np.array([evidence.scale[c] / evidence.scale[c].max() for c in channels])
+    by_row = np.sum((size * off) ** 2, axis=0)
     early = np.array_split(by_row[: len(by_row) // 4], 3)
     first, second, third = (float(part.sum()) for part in early)
     if not (len(by_row) > 4 * SHORTEST and first + second + third >= (1 - NEARLY_ALL**2) * by_row.sum()):

@@ -61,8 +61,6 @@ def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         yield Hypothesis(Kind.unit, place, FACTORS[unit], f"{name} is in {FACTORS[unit]}", predicted, 1)
     times = factor(evidence, channels, true.samples)
     known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
-    if known is None and all(np.ptp(true[c]) <= 1e-9 * evidence.reference.scale[c] for c in channels):
-        return  # an offset would do as well
     number, wrong = in_words(times)
     amount = number if known is None else ("" if times >= 0 else "-") + _unit(known, channels)
     predicted = {c: times * true[c] for c in channels}
@@ -140,7 +138,8 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
     amount = evidence.reference.scene.amount("angle", angle)
     by_angle = turned(dict.fromkeys(vectors, np.exp(1j * np.array(angle))))
-    yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, 1)
+    free = int(abs(abs(angle) - pi / 2) > NEAR)  # at a right angle it may be swapped components
+    yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, free)
     swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
     yield Hypothesis(Kind.swap, place, "components", f"{name} has its components swapped", swapped)
 

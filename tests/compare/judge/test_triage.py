@@ -250,6 +250,18 @@ def test_a_load_that_is_switched_late_is_named(references: References) -> None:
     assert (found.kind, found.place, found.amount) == (Kind.load, load.at, "41.7 ms late")  # of 1500 ms in 72
 
 
+def test_of_two_causes_that_explain_as_much_both_are_named(references: References) -> None:
+    """At a constant speed the crank's rate is off by a constant, or by a factor; along y alone, turned or swapped."""
+    reference = references("toggle_press")
+    motion = commanded(reference)
+    named = cause(reference, SAMPLING, spoilt(motion, {"crank.omega": 1.01 * motion["crank.omega"]}))
+    assert {(named.kind, named.place), *named.others} >= {(Kind.offset, "crank"), (Kind.unit, "crank")}
+    assert ", or " in named.sentence
+    turned = {"P5.vx": -motion["P5.vy"], "P5.vy": motion["P5.vx"]}
+    named = cause(reference, SAMPLING, spoilt(motion, {c: -own for c, own in turned.items()}))
+    assert {(named.kind, named.place), *named.others} == {(Kind.swap, "P5"), (Kind.frame, "P5")}
+
+
 def test_rows_without_a_reference_have_no_known_cause(references: References) -> None:
     """A driven slider beyond its end: the bodies do not reach."""
     reference = references("driven_toggle")
