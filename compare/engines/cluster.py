@@ -4,7 +4,6 @@ A task whose worker died runs again on another. Of one that was on several such 
 blame, or another that they had: it is tried once more by itself, and then given up.
 """
 
-import asyncio
 import logging
 import pickle
 import signal
@@ -21,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from scenes import InputError, Status
 
-from .isolation import POLL, Answer, Ended, Limits, answer, uninterrupted
+from .isolation import POLL, WAIT, Answer, Ended, Limits, answer, isolated, uninterrupted
 from .kept import version
 
 if TYPE_CHECKING:
@@ -96,12 +95,10 @@ def _here(workers: int) -> Iterator["Client"]:
 def _elsewhere(scheduler: str) -> Iterator["Client"]:
     from dask.distributed import Client
 
-    try:
-        asyncio.run(_connect(scheduler))  # a client that gets no answer takes half a minute to give up
-        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError, RuntimeError):  # whatever an address can be
-        raise InputError(f"--scheduler {scheduler}: expected a Dask scheduler there, and none answers") from None
-    with client:
+    ((_, greeted),) = isolated(_greet, [scheduler], Limits(PATIENCE / WAIT), lambda: None)
+    if isinstance(greeted, Ended):  # whatever is there, if it sends something at all
+        raise InputError(f"--scheduler {scheduler}: expected a Dask scheduler there, and none answers")
+    with Client(scheduler, timeout=PATIENCE, set_as_default=False) as client:
         try:
             client.wait_for_workers(1, timeout=PATIENCE)
         except TimeoutError:
@@ -109,12 +106,10 @@ def _elsewhere(scheduler: str) -> Iterator["Client"]:
         yield client
 
 
-async def _connect(scheduler: str) -> None:
-    from distributed.comm import connect
-    from distributed.security import Security
+def _greet(scheduler: str) -> None:
+    from dask.distributed import Client
 
-    comm = await connect(scheduler, timeout=PATIENCE, **Security().get_connection_args("client"))
-    comm.abort()
+    Client(scheduler, timeout=PATIENCE, set_as_default=False).close()
 
 
 def spread(

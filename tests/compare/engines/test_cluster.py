@@ -1,7 +1,13 @@
 """Tasks spread over workers: every outcome comes back, a stop begins no more, and engines stay for the next task."""
 
-from collections.abc import Iterator
-from threading import Event
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from threading import Event, Thread
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import pytest
@@ -20,6 +26,7 @@ if TYPE_CHECKING:
 RAISED = ("recursion", "SystemExit", "non-Exception", "newlines", "an exception that cannot be sent")
 done: list[str] = []
 go_on = Event()
+peers: list[socket.socket] = []  # that stay open
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +91,72 @@ def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"dask is not installed: pip install 'linkage-crosscheck\[dask\]'"):
         check_installed()
+
+
+def silent(peer: socket.socket) -> None:
+    peers.append(peer)
+
+
+def web(peer: socket.socket) -> None:
+    peer.recv(1000)
+    peer.sendall(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
+    peer.close()
+
+
+def junk(peer: socket.socket) -> None:
+    with peer, suppress(OSError):
+        peer.sendall((2**62).to_bytes(8, "little") * 100)
+
+
+def answer(server: socket.socket, behave: Callable[[socket.socket], None]) -> None:
+    with suppress(OSError):  # until it is closed
+        while True:
+            behave(server.accept()[0])
+
+
+@pytest.mark.parametrize("behave", [silent, web, junk, None])
+def test_what_is_no_scheduler_is_named_in_time(
+    behave: Callable[[socket.socket], None] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A peer that says nothing, a web server, one that says anything, and a port where nobody listens."""
+    monkeypatch.setattr(cluster, "PATIENCE", 3.0)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        if behave is None:
+            server.close()
+            port = 1
+        else:
+            port = server.getsockname()[1]
+            Thread(target=answer, args=(server, behave), daemon=True).start()
+        began = monotonic()
+        address = f"tcp://127.0.0.1:{port}"
+        with (
+            pytest.raises(
+                InputError, match=f"^--scheduler {address}: expected a Dask scheduler there, and none answer"
+            ),
+            cluster.cluster(0, address),
+        ):
+            pytest.fail("it answers")
+        for peer in peers:
+            peer.close()
+        assert monotonic() - began < 2 * 3.0 + 4.0  # an import of Dask, on a busy machine
+    assert children() == []
+
+
+def test_a_scheduler_that_runs_elsewhere(tmp_path: Path) -> None:
+    code = (
+        "from dask.distributed import LocalCluster\n"
+        "if __name__ == '__main__':\n"
+        "    with LocalCluster(n_workers=1, processes=False, dashboard_address=None, protocol='tcp://') as here:\n"
+        "        print(here.scheduler_address, flush=True); input()\n"
+    )
+    command, pipe = [sys.executable, "-c", code], subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, cwd=tmp_path, text=True) as other:
+        assert other.stdout is not None
+        address = other.stdout.readline().strip()
+        assert address.startswith("tcp://")
+        with cluster.cluster(0, address) as client:
+            assert dict(spread(str.upper, ["a"], client, lambda: None)) == {"a": "A"}
+        other.kill()
 
 
 def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
