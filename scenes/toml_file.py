@@ -40,6 +40,9 @@ def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) ->
     return tables
 
 
+SUMMARY_BYTES = 100_000_000  # of a summary.json: one of a hundred bodies has a few megabytes
+
+
 def read_text(path: Path, most: int) -> str:
     """Return what a text file holds.
 

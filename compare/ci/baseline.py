@@ -15,6 +15,7 @@ from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
+from scenes.toml_file import SUMMARY_BYTES, read_text
 
 from .units import in_file, unit_of
 
@@ -99,9 +100,11 @@ def read(path: Path, scene: Scene) -> Summary:
     file = path / scene.name / "summary.json" if path.is_dir() else path
     shown = f"--baseline: {one_line(str(file))}"
     try:
-        found = Summary.model_validate_json(file.read_bytes())
-    except OSError as error:
-        raise InputError(f"{shown}: cannot be read ({error.strerror})") from None
+        found = Summary.model_validate_json(read_text(file, SUMMARY_BYTES))
+    except FileNotFoundError:
+        raise InputError(f"{shown}: cannot be read (No such file or directory)") from None
+    except InputError as error:
+        raise InputError(f"{shown}: {error}") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         place = path_in_file((*first["loc"], ""))

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes import Motion
+from scenes import InputError, Motion
 from scenes.motion import header
 from scenes.scene import SI
+from scenes.toml_file import SUMMARY_BYTES, read_text
 
 from ..engines.axis import axis
 from ..engines.environment import environment
@@ -168,8 +169,8 @@ def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
         return False
     summary = next(name for name in own if name.endswith(".json"))
     try:
-        return json.loads((place / summary).read_text(encoding="utf-8"))["complete"] is not False
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return json.loads(read_text(place / summary, SUMMARY_BYTES))["complete"] is not False
+    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
         return True
 
 

@@ -6,6 +6,7 @@ from os.path import relpath
 from pathlib import Path
 
 from scenes import InputError, Scene, shipped
+from scenes.toml_file import SUMMARY_BYTES, read_text
 
 SUMMARIES = ("summary.json", "family.json", "monte_carlo.json")
 
@@ -32,12 +33,13 @@ def check_origin(scene: Scene, place: Path) -> None:
     """
     own = shipped().get(scene.file, Path(scene.file)).resolve()
     for summary in SUMMARIES:
-        with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin
-            made_from = json.loads((place / summary).read_text(encoding="utf-8"))["made_from"]
-            other = shipped().get(made_from, place.resolve() / made_from).resolve()
-            if other != own and other.is_file():
-                file = made_from if made_from in shipped() else other
-                raise InputError(
-                    f"{scene.file}: name: '{scene.name}' is that of {file} too, whose result is in {place};"
-                    " expected another name, or another --out"
-                )
+        other, file = own, ""
+        with suppress(InputError, OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin
+            file = json.loads(read_text(place / summary, SUMMARY_BYTES))["made_from"]
+            other = shipped().get(file, place.resolve() / file).resolve()
+        if other != own and other.is_file():
+            shown = file if file in shipped() else other
+            raise InputError(
+                f"{scene.file}: name: '{scene.name}' is that of {shown} too, whose result is in {place};"
+                " expected another name, or another --out"
+            )

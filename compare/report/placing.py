@@ -14,9 +14,11 @@ from contextlib import contextmanager, suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
 from secrets import token_hex
+from time import sleep
 
 from scenes import InputError
 
+PATIENCE, TRIES = 2.0, 100  # s without a lock until that is told, and how often it is tried until then
 OLDER = "-older"  # after the name of a folder aside: the older result, where no exchange in one step is possible
 AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
@@ -217,6 +219,13 @@ def _lock(folder: Path, *, wait: bool = False) -> int | None:
     file = None
     try:
         file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        for left in range(TRIES if wait else 0, 0, -1):
+            with suppress(BlockingIOError):
+                flock(file, LOCK_EX | LOCK_NB)
+                return file
+            sleep(PATIENCE / TRIES)
+            if left == 1:
+                print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
         flock(file, LOCK_EX | (0 if wait else LOCK_NB))
     except OSError:
         _unlock(file)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
@@ -283,3 +284,10 @@ def test_what_a_baseline_has_is_one_line(before: Json) -> None:
     found = since(old, before)
     assert len(found) >= 5
     assert all(str(change).isprintable() for change in found)
+
+
+def test_a_pipe_is_no_baseline(tmp_path: Path) -> None:
+    """Nobody writes to it, so that reading it would never end."""
+    os.mkfifo(tmp_path / "summary.json")
+    with pytest.raises(InputError, match=r"summary.json: expected a text file, found a pipe"):
+        read(tmp_path / "summary.json", scene_files.load("four_bar"))

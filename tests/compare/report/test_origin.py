@@ -1,11 +1,13 @@
 """A result says which scene file it is of, and another file of the same name does not take its place."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
 
 import scenes
+from compare.report.files import REPORT, _may_be_complete
 from compare.report.origin import check_origin, origin
 from compare.run import main
 from scenes import InputError
@@ -53,3 +55,9 @@ def test_a_shipped_scene_and_a_copy_of_it(tmp_path: Path) -> None:
 def test_a_result_of_unknown_origin_is_replaced_as_ever(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text, encoding="utf-8")
     check_origin(scenes.load("four_bar"), tmp_path)
+
+
+def test_a_pipe_in_place_of_an_older_result_is_of_unknown_origin(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "summary.json")
+    check_origin(scenes.load("four_bar"), tmp_path)
+    assert _may_be_complete(tmp_path, REPORT)

@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from threading import Timer
 
 import pytest
 
@@ -279,3 +280,18 @@ def test_a_working_folder_that_is_gone(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(InputError, match="the working folder is gone"):
         check_writable(Path("results"), ["name"], OWN)
     check_writable(tmp_path, ["name"], OWN)
+
+
+def test_a_lock_of_another_process_is_waited_for_and_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is lost: the result is placed once the other lets go."""
+    monkeypatch.setattr("compare.report.placing.PATIENCE", 0.2)
+    (tmp_path / "name").mkdir()
+    lock = placing._lock(tmp_path)
+    assert lock is not None
+    Timer(1.0, os.close, (lock,)).start()
+    with placed(tmp_path, "name", OWN) as aside:
+        (aside / "page.html").touch()
+    assert capsys.readouterr().err == f"{tmp_path}: waiting for the lock that another process has on it\n"
+    assert (tmp_path / "name" / "page.html").exists()
