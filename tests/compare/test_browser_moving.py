@@ -91,7 +91,7 @@ def test_all_cursors_follow(report: "Page") -> None:
 @pytest.mark.parametrize(
     ("title", "channels", "factor"),
     [
-        ("P5: acceleration", ["P5.ay"], 1e3),
+        ("P5: acceleration", ["P5.ay"], 1.0),
         ("Pin P3: force of rocker on toggle", ["P3.fx", "P3.fy"], 1e-3),
         ("Drive: torque on crank", ["drive.torque"], 1e-3),
     ],

@@ -170,7 +170,7 @@ def test_only_of_the_same_linkage_and_sampling_are_errors_and_peaks_worse(
 @pytest.mark.parametrize(("value", "named"), [(1e-11, False), (1e-9, True)])
 def test_a_moment_that_is_zero_but_for_rounding(value: float, named: bool, before: Json) -> None:
     """What 1e-12 of the largest force makes at an arm of the stroke, 7e-11 N m, is no change."""
-    moment = row(before["peaks"], name="peak drive torque") | {"name": "moment", "of": "guide", "differs": {}}
+    moment = row(before["peaks"], name="peak driving torque") | {"name": "moment", "of": "guide", "differs": {}}
     old, new = ({**before, "peaks": [*before["peaks"], moment | {"value": of}]} for of in (0.0, value))
     assert bool(since(old, new)) is named
 

@@ -53,6 +53,7 @@ def longer(result: Study) -> Study:
         result.explained,
         condition=of(result.explained.condition),
         sensitivity={channel: of(moved) for channel, moved in result.explained.sensitivity.items()},
+        cancelled={channel: of(left) for channel, left in result.explained.cancelled.items()},
     )
     sampling = replace(result.sampling, samples=count - 1)
     return replace(
