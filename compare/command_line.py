@@ -20,7 +20,7 @@ from contextlib import contextmanager, redirect_stdout, suppress
 from errno import ENOMEM
 from functools import wraps
 from pathlib import Path
-from signal import SIGINT, SIGTERM, signal
+from signal import SIG_IGN, SIGINT, SIGTERM, getsignal, signal
 from typing import Any, NoReturn, ParamSpec, TextIO, cast
 
 P = ParamSpec("P")
@@ -113,6 +113,13 @@ def _stop(number: int, _: object) -> None:
     raise _stops[-1]
 
 
+def _be_deaf() -> None:
+    """Have further stops do nothing to a main program that ends already: Python would end by the signal."""
+    for number in (SIGINT, SIGTERM):
+        if getsignal(number) is _stop:
+            signal(number, SIG_IGN)
+
+
 def _prepare() -> None:
     """Make the surroundings fit: streams that are closed, or cannot take every letter; threads; memory."""
     gc.set_threshold(OBJECTS)
@@ -151,7 +158,11 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
             with redirect_stdout(cast("TextIO", output)):
                 status = run(*arguments, **options)
         except BaseException as error:
-            status = _end(error)
+            try:
+                status = _end(error)
+            except (KeyboardInterrupt, Terminated) as again:  # in the moment before it is deaf
+                status = _end(again)
+        _be_deaf()
         output.flush()
         if output.trouble:
             _to_nowhere(sys.stdout)
@@ -188,6 +199,7 @@ def shown_progress(doing: str = "") -> Iterator[Callable[[str], None]]:
 
 def _end(error: BaseException) -> int:
     """Report what ended a command in one line, and return the exit status."""
+    _be_deaf()
     if isinstance(error, SystemExit) and not isinstance(error.code, str):  # of `--help`
         return error.code or 0
     if _stops and not isinstance(error, KeyboardInterrupt):

@@ -77,6 +77,18 @@ def test_a_stop_that_a_library_drops_while_it_is_imported_still_stops() -> None:
     assert ended(IMPORTING.format(drops) + "print('goes on')") == (130, "", f"{STOPPED}\n")
 
 
+@pytest.mark.parametrize("program", [IMPORTING, RUNNING])
+def test_a_second_stop_while_the_first_ends_the_program_does_nothing(program: str) -> None:
+    """At the exit, where Python would end by the signal; and while the line is printed."""
+    twice = (
+        "import atexit; atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\n"
+        "    flush = sys.stderr.flush\n"
+        "    sys.stderr.flush = lambda: (os.kill(os.getpid(), signal.SIGINT), flush())\n"
+        "    os.kill(os.getpid(), signal.SIGINT)"
+    )
+    assert ended(program.format(twice)) == (130, "", f"{STOPPED}\n")
+
+
 def test_what_terminates_a_program_lets_it_clean_up() -> None:
     code = "try: os.kill(os.getpid(), signal.SIGTERM)\n    finally: print('clean')"
     assert ended(RUNNING.format(code)) == (143, "clean\n", "terminated; nothing more was written\n")
