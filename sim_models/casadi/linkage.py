@@ -11,7 +11,6 @@ guide's normal, and the slider's angle from the guide's.
 """
 
 from functools import cached_property
-from math import dist
 from typing import Any
 
 import casadi
@@ -23,7 +22,7 @@ from scenes.loads import Force, ForceTable, Load, Spring
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .bodies import casadi_body
+from ..coordinates.bodies import framed_body, linkage_size
 
 TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by +90 degrees
 
@@ -39,8 +38,8 @@ class Linkage:
         """
         self.scene = scene
         self.index = {name: number for number, name in enumerate(scene.bodies)}
-        self.bodies = {name: casadi_body(scene, body) for name, body in scene.bodies.items()}
-        self.size = size or self._size()
+        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
+        self.size = size or linkage_size(scene, self.bodies)
         count = 3 * len(self.index)
         self.x, self.v, self.a = (SX.sym(name, count) for name in "xva")
         self.units = np.tile([self.size, self.size, 1.0], len(self.index))
@@ -52,7 +51,7 @@ class Linkage:
         pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
         self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
         rows = vertcat(*pins, *map(self._slide, sliders), self.drive_position)
-        self.constraints = rows / self.row_units
+        self.constraints, self.rows = rows / self.row_units, len(self.row_units)
 
     # --- geometry -----------------------------------------------------------------------------------------------------
 
@@ -76,8 +75,7 @@ class Linkage:
         """Return where a body has a point, m."""
         if body == GROUND:
             return vertcat(*self.scene.ground[name])
-        points = self.bodies[body].points
-        return self.place(body, casadi.vertsplit(points[name]))
+        return self.place(body, self.bodies[body].points[name])
 
     def displacement(self, body: str) -> Any:
         """Return how far a body that slides on the ground is along its guide, m."""
@@ -103,13 +101,6 @@ class Linkage:
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
         return casadi.dot(axis, way)
 
-    def _size(self) -> float:
-        """Return the largest distance between two points of a body or of the ground, or of a slider's travel, m."""
-        frames = [[*map(_floats, body.points.values())] for body in self.bodies.values()]
-        frames.append([*self.scene.ground.values()])
-        travel = 0.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
-        return max(travel, *(dist(p, q) for points in frames for p in points for q in points))
-
     # --- forces -------------------------------------------------------------------------------------------------------
 
     @cached_property
@@ -118,7 +109,7 @@ class Linkage:
         x, v, a = self.x, self.v, self.a
         kinetic, potential, work = 0.0, 0.0, SX.zeros(x.shape)
         for name, body in self.bodies.items():
-            com = self.place(name, casadi.vertsplit(body.com))
+            com = self.place(name, body.com)
             omega = v[3 * self.index[name] + 2]
             kinetic += (body.mass * casadi.sumsqr(jtimes(com, x, v)) + body.inertia * omega**2) / 2
             if self.scene.gravity is not None:
@@ -182,17 +173,6 @@ class Linkage:
         ends = [(s.first, s.second) for s in self.scene.springs if not _is_zero(s.length)]
         lengths = (casadi.norm_2(self.point(*second) - self.point(*first)) / self.size for first, second in ends)
         return casadi.mmin(vertcat(1.0, *lengths))
-
-    def slider(self, body: str) -> Function:
-        """Return the function of x, v and a: a slider's displacement and its two rates, m."""
-        s = self.displacement(body)
-        rate = jtimes(s, self.x, self.v)
-        second = jtimes(rate, self.x, self.v) + jtimes(rate, self.v, self.a)
-        return Function("slider", [self.x, self.v, self.a], [vertcat(s, rate, second)])
-
-
-def _floats(vector: Any) -> tuple[float, float]:
-    return float(vector[0]), float(vector[1])
 
 
 def _is_zero(number: Any) -> bool:

@@ -1,23 +1,25 @@
 """One run: poses at the samples, and the channels there by one compiled function."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import casadi
 import numpy as np
 from casadi import MX, SX, Function
 
-from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene, Status
+from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 from scenes.motion import Samples, quantity
 
+from ..coordinates.poses import Configuration
+from ..coordinates.start import SCENES, Start, begun
 from .channels import channels
 from .linkage import table
-from .poses import SECONDS, SOLVER, STEPS
 from .settings import CasadiSettings, RungeKutta
-from .start import begun
+from .system import CasadiSystem
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
-ROUNDING = float(np.finfo(float).eps) / 2
+SOLVER = "qr"  # CasADi's own, by Householder reflections; it raises RuntimeError where a pivot is zero
 
 
 def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSimulation":
@@ -27,18 +29,24 @@ def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSi
     return CasadiSimulation(scene, settings, request)
 
 
+@lru_cache(SCENES)
+def _begun(scene: Scene) -> tuple[CasadiSystem, Start]:
+    system = CasadiSystem(scene)
+    return system, begun(system)
+
+
 class CasadiSimulation:
     """One prepared run, see `scenes.engine.Simulation`."""
 
     def __init__(self, scene: Scene, settings: CasadiSettings, request: Request) -> None:
         self._scene, self._settings, self._request = scene, settings, request
-        self._poses, self._start, self._ends = begun(scene)
-        self._linkage = self._poses.linkage
+        self._system, (self._follower, self._start, self._ends) = _begun(scene)
         self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
         self._times, self._positions = request.times(scene), request.commanded(scene)
         self._driven = scene.drive.at(self._times)
         self._sampled = self._compiled()
-        self._x, self._rows = np.empty((0, 0)), np.empty((0, 0))
+        self._poses: list[Configuration] = []
+        self._rows = np.empty((0, 0))
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
 
@@ -48,15 +56,14 @@ class CasadiSimulation:
         Raises:
             Failure: the linkage locks, or two branches meet; a step led to another branch or nowhere; `timed_out`.
         """
-        poses, turns = self._poses, self._request.turns if isinstance(self._request, Sampling) else 1
-        poses.budget = ProcessorBudget(SECONDS * turns, "the way of the linkage")
-        poses.counters = dict.fromkeys(poses.counters, 0)
+        follower = self._follower
+        follower.begin(self._request.turns if isinstance(self._request, Sampling) else 1)
         if isinstance(self._settings, RungeKutta):
-            self._x = self._integrated(self._settings.steps)
+            self._poses = self._integrated(self._settings.steps)
         else:
-            self._x = poses.through(self._start, self._scene.drive.start, self._positions)
-        self._rows = self._at(self._x)
-        self.counters = poses.counters
+            self._poses = [*follower.through(self._start, self._scene.drive.start, self._positions.tolist())]
+        self._rows = self._at(np.transpose([pose.x for pose in self._poses]))
+        self.counters = follower.counters
 
     def read(self) -> Motion:
         """Return the channels.
@@ -65,19 +72,13 @@ class CasadiSimulation:
             Failure: `nonfinite`, a spring has no direction, with the motion; `not_converged`, rounding alone may
                 break the promise.
         """
-        goals = self._poses.goals(self._positions)
         rows = (np.ascontiguousarray(row) for row in self._rows)
         motion = Motion({"time": self._times} | dict(zip(self._wanted, rows, strict=False)))
         shortest = self._rows[-1]
         if self._request.wants_forces(self._scene) and not shortest.min() > SHORTEST_SPRING:
             where = self._scene.where(self._positions[shortest.argmin()])
             raise Failure(Status.nonfinite, f"the ends of a spring meet at {where}: it has no direction", motion)
-        rounding, where = self._rounding()
-        self.residuals = {"constraints": float(np.abs(table(self._linkage.gaps, self._x) - goals).max())}
-        self.residuals |= {"rounding": rounding}
-        if not rounding <= self._settings.promise:
-            reason = f"rounding alone may be {rounding:.1e} of an acceleration at {where}, too close to a lock"
-            raise Failure(Status.not_converged, reason)
+        self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
         return motion
 
     def _at(self, x: Samples) -> Samples:
@@ -87,45 +88,42 @@ class CasadiSimulation:
         except RuntimeError:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
 
-    def _rounding(self) -> tuple[float, str]:
-        """Return how much rounding may be in accelerations, of those that the drive has, and where most of it is.
-
-        A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
-        """
-        travel = 1.0 if self._scene.driven_slide is None else float(np.ptp(self._scene.drive.extent))
-        rate, bend = self._poses.tangent(self._x)
-        parts = np.maximum(np.abs(rate) * travel, np.abs(bend) * travel**2).max(axis=0)
-        return float(ROUNDING * parts.max()), self._scene.where(self._positions[parts.argmax()])
-
-    def _integrated(self, steps: int) -> Samples:
-        """Return the poses by Runge and Kutta's method, shape (3 bodies, n)."""
-        sampling, poses = equal_steps(self._request), self._poses
+    def _integrated(self, steps: int) -> list[Configuration]:
+        """Return the poses at the samples, by Runge and Kutta's method."""
+        sampling, follower, unit = equal_steps(self._request), self._follower, self._system.drive_unit
         each = -(-steps // sampling.samples)  # from a sample to the next
         count = each * sampling.samples * sampling.turns
         positions = self._scene.drive.after(np.arange(count + 1) / (each * sampling.samples))
-        widths = np.append(np.diff(positions), np.zeros(-count % STEPS)) / self._linkage.drive_unit
-        found, x = [self._start[:, None]], self._start
-        for first in range(0, count, STEPS):
-            poses.budget.check(f"{first} of {count} steps are done")
+        step, poses, pose = self._step(), [self._start], self._start
+        for number, (position, width) in enumerate(zip(positions[:-1], np.diff(positions) / unit, strict=True), 1):
+            follower.budget.check(f"{number} of {count} steps are done")
             try:
-                found.append(table(poses.runge_kutta, x, widths[None, first : first + STEPS]))
+                pose = follower.pose(table(step, pose.x, width)[:, 0])
             except RuntimeError:
-                where = self._scene.where(positions[first])
-                raise Failure(Status.diverged, f"a step past {where} came to a singular pose") from None
-            x = found[-1][:, -1]
-        poses.counters["steps"] = count
-        path = np.hstack(found)[:, : count + 1]
-        other = poses.branch(path) != poses.branch(self._start[:, None])  # a sign of NaN is another one too
-        if other.any():
-            where = self._scene.where(positions[other.argmax()])
-            raise Failure(Status.wrong_branch, f"a step led to another way to assemble the bodies at {where}")
-        return path[:, ::each]
+                reason = f"a step past {self._scene.where(position)} came to a singular pose"
+                raise Failure(Status.diverged, reason) from None
+            if pose.branch != self._start.branch:  # a sign of NaN is another one too
+                where = self._scene.where(positions[number])
+                raise Failure(Status.wrong_branch, f"a step led to another way to assemble the bodies at {where}")
+            if number % each == 0:
+                poses.append(pose)
+        follower.counters["steps"] = count
+        return poses
+
+    def _step(self) -> Function:
+        """Return the function of a pose and a step of the drive, over its unit, that gives the next pose."""
+        jacobian, count = self._system.linkage.jacobian, len(self._start.x)
+        x, h, drive_row = MX.sym("x", count), MX.sym("h"), np.eye(count)[:, -1]
+        k = [casadi.solve(jacobian(x), drive_row, SOLVER)]
+        for part in (1 / 2, 1 / 2, 1):
+            k.append(casadi.solve(jacobian(x + part * h * k[-1]), drive_row, SOLVER))
+        return Function("step", [x, h], [x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])])
 
     def _compiled(self) -> Function:
         """Return the function that gives the channels from x and the drive's rate and acceleration."""
-        linkage, count = self._linkage, self._poses.rows
+        linkage, count = self._system.linkage, len(self._start.x)
         x, rate, acceleration = MX.sym("x", count), MX.sym("rate"), MX.sym("acceleration")
-        J, unit = linkage.jacobian(x), self._poses.drive_row / linkage.drive_unit
+        J, unit = linkage.jacobian(x), np.eye(count)[:, -1] / linkage.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)
         forces = self._request.wants_forces(self._scene)

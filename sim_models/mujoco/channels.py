@@ -1,6 +1,6 @@
 """The scene's channels from coordinates and their rates, and MuJoCo's forces in the pins and of the drive."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ def kinematics(linkage: Linkage, moving: Mapping[str, Moving], driven: Samples) 
     return found
 
 
-def forces(linkage: Linkage, moving: Mapping[str, Moving], held: Samples, ends: Sequence[float]) -> dict[str, Samples]:
+def forces(linkage: Linkage, moving: Mapping[str, Moving], held: Samples, ends: Samples) -> dict[str, Samples]:
     """Return the force channels.
 
     A guide is a joint of MuJoCo's tree, which has no constraint: what it exerts is what Newton's and Euler's equations
@@ -50,7 +50,7 @@ def forces(linkage: Linkage, moving: Mapping[str, Moving], held: Samples, ends: 
         name = next(n for n in sorted(left) if not any(linkage.guide(other)[0] == n for other in left))
         carrier, _, along, first = linkage.guide(name)
         of, rigid = moving[name], linkage.bodies[name]
-        place, (com, _, acceleration) = of.at(first)[0], of.at(rigid.com)
+        place, (com, _, acceleration) = of.at(first)[0], of.at(complex(*rigid.com))
         needed = rigid.mass * (acceleration - complex(*(scene.gravity or (0, 0))))
         moment = rigid.inertia * of.alpha + ((com - place).conjugate() * needed).imag
         for on, at, force, couple in exerted:

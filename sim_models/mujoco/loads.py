@@ -1,16 +1,17 @@
 """The forces of loads and springs, at one time or at many."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from scenes.motion import Samples
 from scenes.scene import Force, ForceTable, Load, Spring
 
 from .model import Linkage, Moving, Plane
 
 
-def applied(linkage: Linkage, moving: Mapping[str, Moving], ends: Sequence[float]) -> Iterator[tuple[str, Plane, Any]]:
+def applied(linkage: Linkage, moving: Mapping[str, Moving], ends: Samples) -> Iterator[tuple[str, Plane, Any]]:
     """Yield body, place, m, and force, N, of loads and springs, each of shape (n,) or the same at all times."""
     for load, end in zip(linkage.scene.loads, ends, strict=True):
         place, *_ = moving[load.body].at(linkage.local(load.body, load.at))

@@ -16,9 +16,10 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .bodies import LEAST_INERTIA, mujoco_body
+from ..coordinates.bodies import FramedBody, framed_body, linkage_size
 
 Plane: TypeAlias = NDArray[np.complex128]
+LEAST_INERTIA = 1e-9  # of m l^2: MuJoCo has no body without one
 IMPEDANCE = 0.9999  # MuJoCo's limit; a joint's softness is the rest of it, times what its bodies weigh at their joints
 HARDER = (
     1e-4  # times the reciprocals of those weights: at 1, softness shows in accelerations near a toggle's dead point
@@ -51,34 +52,27 @@ class Linkage:
         """Find bodies and units.
 
         Raises:
-            Failure: see `bodies`; `unsupported`, there are more or fewer constraints than coordinates.
+            Failure: see `coordinates.bodies`; `unsupported`, a body has no mass.
         """
         self.scene = scene
-        self.bodies = {name: mujoco_body(scene, body) for name, body in scene.bodies.items()}
-        places = [np.array([*body.points.values(), body.com]) for body in self.bodies.values()]
-        places.append(np.array([complex(*at) for at in scene.ground.values()] or [0j]))
-        travel = 0.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent))
-        self.size = max(travel, *(float(np.abs(np.subtract.outer(of, of)).max()) for of in places))
+        self.bodies = {name: _heavy(framed_body(scene, body), name) for name, body in scene.bodies.items()}
+        self.size = linkage_size(scene, self.bodies)
         self.mass = max(body.mass for body in self.bodies.values())
         self.second = scene.drive.cycle / (2 * np.pi)
         self.force = self.mass * self.size / self.second**2
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size
         self.coordinates = [name for body in scene.bodies for name in self._names(body)]
         self.units = np.array([1.0 if name.endswith(".turn") else self.size for name in self.coordinates])
-        rows = 2 * len(scene.pins) + 1
-        if rows != len(self.coordinates):
-            counts = f"{len(self.coordinates)} coordinates and {rows} constraints"
-            raise Failure(Status.unsupported, f"{counts}: the reactions are not determined")
 
     def local(self, body: str, point: str) -> complex:
         """Return a point in the frame of its body or of the ground, m."""
-        return complex(*self.scene.ground[point]) if body == GROUND else self.bodies[body].points[point]
+        return complex(*(self.scene.ground[point] if body == GROUND else self.bodies[body].points[point]))
 
     def guide(self, body: str) -> tuple[str, complex, complex, complex]:
         """Return a slider's carrier, a point and the direction of its guide there, and its first point in its own."""
         held = self.scene.bodies[body]
         assert held.slide is not None
-        first = self.bodies[body].points[held.points[0]]
+        first = self.local(body, held.points[0])
         return held.slide.on, complex(*held.slide.through), complex(*held.slide.along), first
 
     def slides(self, body: str) -> bool:
@@ -149,7 +143,7 @@ class Linkage:
         for name, body in self.bodies.items():
             if (self.guide(name)[0] if self.slides(name) else GROUND) != parent:
                 continue
-            inertia = max(body.inertia / (self.mass * self.size**2), LEAST_INERTIA * body.mass / self.mass)
+            inertia = float(max(body.inertia / (self.mass * self.size**2), LEAST_INERTIA * body.mass / self.mass))
             if not min(inertia, body.mass / self.mass) > mujoco.mjMINVAL:
                 raise Failure(Status.unsupported, f"'{name}' is too light for MuJoCo beside the heaviest body")
             if self.slides(name):
@@ -160,9 +154,22 @@ class Linkage:
                 axes = {"x": ("slide", "1 0 0"), "y": ("slide", "0 1 0"), "turn": ("hinge", "0 0 1")}
             joints = (f'<joint name="{name}.{c}" type="{kind}" axis="{axis}"/>' for c, (kind, axis) in axes.items())
             about = f'diaginertia="{inertia!r} {inertia!r} {inertia!r}"'
-            weight = f'<inertial pos="{_space(body.com / self.size)}" mass="{body.mass / self.mass!r}" {about}/>'
+            weight = (
+                f'<inertial pos="{_space(complex(*body.com) / self.size)}" mass="{body.mass / self.mass!r}" {about}/>'
+            )
             content = "".join((*joints, weight, *self._content(name)))
             yield f'<body name="{name}" pos="{_space(place)}">{content}</body>'
+
+
+def _heavy(body: FramedBody, name: str) -> FramedBody:
+    """Return a body that MuJoCo can move.
+
+    Raises:
+        Failure: `unsupported`, it has no mass.
+    """
+    if body.mass == 0:
+        raise Failure(Status.unsupported, f"'{name}' has no mass, and MuJoCo moves no body without")
+    return body
 
 
 def _space(vector: complex) -> str:

@@ -12,18 +12,16 @@ from scenes.engine import equal_steps
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
+from ..coordinates.start import SCENES, Start, begun
 from . import channels
 from .loads import load_force, pull
-from .model import Linkage
-from .poses import Poses
 from .settings import MujocoSettings
-from .stroke import stroke_ends
+from .system import MujocoSystem
 
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
 SHORTEST_SPRING = 1e-4  # over the size: a shorter one's direction is that of the gaps in the joints
 SECONDS = 120.0  # of processor time, for each cycle
-SCENES = 4  # whose starts are kept
 
 
 def build(scene: Scene, settings: MujocoSettings, request: Request) -> "MujocoSimulation":
@@ -34,11 +32,13 @@ def build(scene: Scene, settings: MujocoSettings, request: Request) -> "MujocoSi
 
 
 @lru_cache(SCENES)
-def begun(scene: Scene) -> tuple[Poses, Samples, list[float]]:
-    """Return a scene's poses, that at the drive's start, and the ends of the press forces' strokes, m."""
-    poses = Poses(Linkage(scene))
-    x = poses.start()
-    return poses, x, stroke_ends(poses, x)
+def _begun(scene: Scene) -> tuple[MujocoSystem, Start]:
+    """Return the constraints of a scene and its start, with the whole way of the drive followed once."""
+    system = MujocoSystem(scene)
+    start = begun(system)
+    for end in scene.drive.extent:
+        _ = [*start.poses.through(start.pose, scene.drive.start, [end])]
+    return system, start
 
 
 class MujocoSimulation:
@@ -46,17 +46,17 @@ class MujocoSimulation:
 
     def __init__(self, scene: Scene, settings: MujocoSettings, request: Request) -> None:
         self._scene, self._request, self._sampling = scene, request, equal_steps(request)
-        self._poses, start, self._ends = begun(scene)
-        linkage = self._linkage = self._poses.linkage
+        system, (self._follower, start, self._ends) = _begun(scene)
+        self._follower.begin(1)
+        linkage = self._linkage = system.linkage
         self._each = -(-settings.steps // self._sampling.samples)
         self._h = scene.drive.cycle / (self._each * self._sampling.samples)  # s
         self._model = linkage.model(self._h / linkage.second, hard=settings.hard)
         self._data: Any = mujoco.MjData(self._model)
         self._order = linkage.order(self._model)
         before, at = (float(scene.drive.at(-steps * self._h).position) for steps in (PRE_ROLL + 1, PRE_ROLL))
-        *_, (_, first) = self._poses.way(start, scene.drive.start, before)
-        *_, (_, second) = self._poses.way(first, before, at)
-        self._start = second, (second - first) / (self._h / linkage.second)
+        first, second = self._follower.through(start, scene.drive.start, [before, at])
+        self._start, self._branch = (second.x, (second.x - first.x) / (self._h / linkage.second)), second.branch
         self._motion: Motion | None = None
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
@@ -100,7 +100,7 @@ class MujocoSimulation:
                 if not gap <= LARGEST_GAP:
                     where = self._scene.where(float(self._request.commanded(self._scene)[row]))
                     raise Failure(Status.diverged, f"a joint is open by {gap:.3g} of the linkage's size at {where}")
-                if self._poses.branch(q[row]) != self._poses.branch(self._start[0]):
+                if self._follower.pose(q[row]).branch != self._branch:
                     where = self._scene.where(float(self._request.commanded(self._scene)[row]))
                     raise Failure(Status.wrong_branch, f"the bodies are assembled another way at {where}")
         self.counters = {"steps": len(targets)}

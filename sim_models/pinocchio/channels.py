@@ -4,9 +4,9 @@ import numpy as np
 
 from scenes.motion import Samples
 
+from ..coordinates.poses import Configuration
 from .closures import Closures
 from .loads import applied, held, inverse_dynamics
-from .poses import Pose
 from .tree import Bodies
 
 
@@ -15,7 +15,7 @@ def kinematics(closures: Closures, q: Samples, bodies: Bodies) -> dict[str, floa
     scene, tree = closures.tree.scene, closures.tree
     angles = tree.turns @ q
     driven = closures.driven_guide
-    found = {scene.drive_channel: angles[closures.driven] if driven is None else closures.displacement(bodies, driven)}
+    found = {scene.drive_channel: angles[closures.driven] if driven is None else closures.along_guide(bodies, driven)}
     for point in scene.moving_points:
         held = closures.held(scene.owners[point][0], point)
         for level, of in (("", bodies.place), ("v", bodies.velocity), ("a", bodies.acceleration)):
@@ -32,14 +32,14 @@ def kinematics(closures: Closures, q: Samples, bodies: Bodies) -> dict[str, floa
 
 
 def forces(
-    closures: Closures, pose: Pose, bodies: Bodies, rates: tuple[Samples, Samples], ends: Samples
+    closures: Closures, pose: Configuration, bodies: Bodies, rates: tuple[Samples, Samples], ends: Samples
 ) -> dict[str, float]:
     """Return the force channels: of closed loops by their multipliers, of the tree's joints by the recursion.
 
     Raises:
         Failure: `nonfinite`, a spring has no direction.
     """
-    tree, motion, loads = closures.tree, (pose.q, *rates), list(applied(closures, bodies, ends))
+    tree, motion, loads = closures.tree, (closures.units * pose.x, *rates), list(applied(closures, bodies, ends))
     needed = closures.units * inverse_dynamics(closures, bodies, motion, loads)
     multipliers = np.linalg.solve(pose.J.T, needed) / closures.row_units
     inverse_dynamics(closures, bodies, motion, [*loads, *held(closures, bodies, multipliers)])

@@ -56,7 +56,7 @@ def _force(closures: Closures, bodies: Bodies, load: Load, end: float) -> comple
     if isinstance(load, Force):
         return complex(*load.force)
     guide = closures.guides[load.body]
-    x = closures.displacement(bodies, guide)
+    x = closures.along_guide(bodies, guide)
     if isinstance(load, ForceTable):
         return complex(np.interp(x, load.displacements, load.forces)) * guide.along
     v = (guide.along.conjugate() * bodies.velocity(*guide.first)).real

@@ -10,30 +10,32 @@ import numpy as np
 from scenes import Failure, Sampling, Status
 from scenes.motion import Samples
 
-from .poses import Pose, Poses
+from ..coordinates.poses import Configuration, PathFollower
 
+LOST = 0.1  # gap over the linkage's size, from where nothing pulls the loops together again
 PULL = 5.0  # k, over the drive's rate of turning, 2 pi a cycle: stable with Heun's method from 16 steps a cycle on
 
 
-def stepped(poses: Poses, start: Pose, sampling: Sampling, steps: int) -> Iterator[tuple[Pose, Samples, Samples]]:
-    """Yield pose, rates and accelerations at every sample, by Heun's method.
+def stepped(
+    poses: PathFollower, start: Configuration, sampling: Sampling, steps: int
+) -> Iterator[tuple[Configuration, Samples, Samples]]:
+    """Yield pose and the rates and accelerations of its coordinates at every sample, by Heun's method.
 
     Raises:
         Failure: `diverged` or `wrong_branch`, a step left the poses near the constraints; `timed_out`.
     """
-    drive, closures = poses.scene.drive, poses.closures
+    drive, system = poses.scene.drive, poses.system
     each = -(-steps // sampling.samples)  # from a sample to the next
     h = drive.cycle / sampling.samples / each
     count = each * sampling.samples * sampling.turns
     driven = np.transpose(drive.at(h * np.arange(count + 1)))
     k = PULL * 2 * np.pi / drive.cycle
 
-    def acceleration(pose: Pose, v: Samples, at: Samples, k: float) -> Samples:
+    def acceleration(pose: Configuration, v: Samples, at: Samples, k: float) -> Samples:
         goal, rate, change = (poses.goal(value) for value in at)
-        J = pose.J / closures.units
-        drift = 2 * k * (J @ v - rate) + k**2 * (closures.gaps(pose.q) - goal)
-        right = change - closures.bend(pose.q, v) - drift
-        return np.asarray(closures.units * np.linalg.solve(pose.J, right))
+        drift = 2 * k * (pose.J @ v - rate) + k**2 * (system.gaps(pose.x) - goal)
+        with np.errstate(over="ignore", invalid="ignore"):  # a run that leaves its branch may run away
+            return np.asarray(np.linalg.solve(pose.J, change - system.bend(pose.x, v) - drift))
 
     pose, v = start, driven[0][1] * poses.tangent(start)[0]
     for step in range(count + 1):
@@ -45,10 +47,11 @@ def stepped(poses: Poses, start: Pose, sampling: Sampling, steps: int) -> Iterat
         poses.counters["steps"] += 1
         try:
             a = acceleration(pose, v, driven[step], k)
-            ahead = acceleration(poses.pose(pose.q + h * v), v + h * a, driven[step + 1], k)
+            ahead = acceleration(poses.pose(pose.x + h * v), v + h * a, driven[step + 1], k)
         except np.linalg.LinAlgError:
             ahead = np.full_like(v, np.nan)
-        pose, v = poses.pose(pose.q + h * v + h**2 / 2 * a), v + h / 2 * (a + ahead)
-        if not (np.isfinite(v).all() and pose.branch == start.branch):
-            status = Status.wrong_branch if np.isfinite(v).all() else Status.diverged
+        pose, v = poses.pose(pose.x + h * v + h**2 / 2 * a), v + h / 2 * (a + ahead)
+        closed = bool(np.abs(system.gaps(pose.x) - poses.goal(driven[step + 1][0])).max() <= LOST)
+        if not (closed and pose.branch == start.branch):
+            status = Status.wrong_branch if closed else Status.diverged
             raise Failure(status, f"a step left the branch at {poses.scene.where(driven[step + 1][0])}")

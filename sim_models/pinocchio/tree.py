@@ -16,7 +16,7 @@ from scenes import Scene
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .bodies import pinocchio_body
+from ..coordinates.bodies import framed_body
 
 Plane: TypeAlias = NDArray[np.complex128]
 WORLD = pinocchio.LOCAL_WORLD_ALIGNED
@@ -71,7 +71,7 @@ class Tree:
             Failure: see `bodies`.
         """
         self.scene = scene
-        self.bodies = {name: pinocchio_body(scene, body) for name, body in scene.bodies.items()}
+        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.index = {name: row for row, name in enumerate((*scene.bodies, GROUND))}
         self.joints = list(self._spanned())
         self.anchors = {GROUND: 0j} | {joint.child: joint.anchor for joint in self.joints}
@@ -88,7 +88,7 @@ class Tree:
 
     def local(self, body: str, point: str) -> complex:
         """Return a point in the frame of its body or of the ground, m."""
-        return complex(*self.scene.ground[point]) if body == GROUND else self.bodies[body].points[point]
+        return complex(*(self.scene.ground[point] if body == GROUND else self.bodies[body].points[point]))
 
     def moved(self, q: Samples, v: Samples | None = None, a: Samples | None = None) -> Bodies:
         """Return what the bodies do at joint coordinates and their rates, each of shape (n,); without, at rest."""
@@ -147,7 +147,7 @@ class Tree:
         number: int = self.model.addJoint(self.number[joint.parent], kind, place, joint.name)
         body = self.bodies[joint.child]
         about = np.diag([body.inertia / 2, body.inertia / 2, body.inertia])  # only the last matters in the plane
-        inertia = pinocchio.Inertia(body.mass, _space(body.com - joint.anchor), about)
+        inertia = pinocchio.Inertia(body.mass, _space(complex(*body.com) - joint.anchor), about)
         self.model.appendBodyToJoint(number, inertia, pinocchio.SE3.Identity())
         return number
 

@@ -16,10 +16,10 @@ from tests.comparisons import SLOW
 
 casadi = pytest.importorskip("casadi")
 
-from sim_models.casadi import start  # noqa: E402  (its engine is there)
-from sim_models.casadi.channels import channels  # noqa: E402
+from sim_models.casadi.channels import channels  # noqa: E402  (its engine is there)
 from sim_models.casadi.linkage import Linkage  # noqa: E402
-from sim_models.casadi.poses import Poses  # noqa: E402
+from sim_models.casadi.system import CasadiSystem  # noqa: E402
+from sim_models.coordinates.start import begun  # noqa: E402
 
 SAMPLES = 3
 TOLERANCE = 1e-11  # of a channel's peak and of its derivative's: both are exact but for roundings
@@ -38,10 +38,10 @@ def test_two_routes_to_the_derivatives_agree(name: str) -> None:
     scene, paths, asked = scenes.load(name), NUMBERS[name], Sampling(SAMPLES)
     found = analytic.derivatives(scene, paths, asked.commanded(scene), asked.times(scene))
     solved, names = differentiated(scene, paths)
-    poses = Poses(Linkage(scene))  # not those kept of an earlier test, whose time may be over
-    x = poses.through(start.start(poses), scene.drive.start, asked.commanded(scene))
+    follower, start, _ = begun(CasadiSystem(scene))
+    poses = [*follower.through(start, scene.drive.start, asked.commanded(scene).tolist())]
     for column, driven in enumerate(np.transpose(scene.drive.at(asked.times(scene)))):
-        values, slopes = solved(x[:, column], driven)
+        values, slopes = solved(poses[column].x, driven)
         for value, slope, channel in zip(values, slopes, names, strict=True):
             error = np.abs(found[channel][:, column] - slope).max()
             assert error <= TOLERANCE * max(np.abs(slope).max() + abs(value), 1e-3), channel

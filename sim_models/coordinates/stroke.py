@@ -8,12 +8,12 @@ from scipy.optimize import minimize_scalar
 from scenes.motion import Samples
 from scenes.scene import PressForce
 
-from .poses import Pose, Poses
+from .poses import Configuration, PathFollower
 
 ACCURACY = 1e-9  # of the drive's position, rad or of its travel; the displacement stands still there
 
 
-def stroke_ends(poses: Poses, start: Pose) -> Samples:
+def stroke_ends(poses: PathFollower, start: Configuration) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
     loads = poses.scene.loads
     presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
@@ -21,13 +21,12 @@ def stroke_ends(poses: Poses, start: Pose) -> Samples:
     return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
 
 
-def _end(poses: Poses, start: Pose, load: PressForce) -> float:
+def _end(poses: PathFollower, start: Configuration, load: PressForce) -> float:
     """Return the furthest displacement in the closing direction: at the best of many positions, or between two."""
     begin, step = poses.scene.drive.start, poses.largest_step / 4
-    guide = poses.closures.guides[load.body]
 
-    def closed(pose: Pose) -> float:
-        return load.closing * poses.closures.displacement(poses.closures.tree.moved(pose.q), guide)
+    def closed(pose: Configuration) -> float:
+        return load.closing * poses.system.displacement(pose.x, load.body)
 
     known = {begin: (closed(start), start)}
     for end in poses.scene.drive.extent:
@@ -36,13 +35,12 @@ def _end(poses: Poses, start: Pose, load: PressForce) -> float:
             known[position] = closed(pose), pose
     best = max(known, key=lambda position: known[position][0])
     furthest, pose = known[best]
-    order = sorted(known)
-    near = [p for p in pairwise(order) if best in p]
+    near = [pair for pair in pairwise(sorted(known)) if best in pair]
     low, high = near[0][0], near[-1][1]
-    found = minimize_scalar(
+    refined = minimize_scalar(
         lambda position: -closed(next(poses.through(pose, best, [position]))),
         bounds=(low, high),
         method="bounded",
         options={"xatol": ACCURACY * (high - low)},
     )
-    return load.closing * max(furthest, -float(found.fun))
+    return load.closing * max(furthest, -float(refined.fun))

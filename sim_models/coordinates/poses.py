@@ -1,0 +1,218 @@
+"""Poses of a linkage: steps along the way of the drive, predicted by two derivatives and corrected by Newton's method.
+
+A step goes from a pose to the one where C(x) = g, along the straight line between C and g. The Jacobian of a prediction
+serves all its corrections, which therefore shrink by a constant factor: where that is not small, the step was too long
+and is halved. The sign of det C_x changes only where two branches meet, so a step that changes it is too long as well.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from scenes import Failure, ProcessorBudget, Status
+from scenes.motion import Samples
+from scenes.open_joint import open_joint
+
+from .system import System
+
+CONTRACTION = 0.25  # largest ratio of a correction to the one before
+FITTING = 0.1  # of a step: the largest first correction
+ITERATIONS = 20
+CONVERGED = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
+ROUND_OFF = 1e-15
+HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
+PARTS = 200  # of one step; two branches that run side by side may need any number
+LARGEST = np.radians(10.0)  # step of the drive, and as a part of its travel
+TRIALS = 9  # positions ahead, to find one where a joint stays open
+OPEN = 1e-9  # gap of bodies that do not fit together, over the size
+SECONDS = 120.0  # of processor time, for the build and for each cycle
+ROUNDING = float(np.finfo(float).eps) / 2
+
+
+class Configuration(NamedTuple):
+    """Coordinates where C(x) = g, shape (n,), and the Jacobian there, shape (n, n)."""
+
+    x: Samples
+    J: Samples
+
+    @property
+    def branch(self) -> float:
+        """The sign of det J, which changes only where two branches meet."""
+        return float(np.linalg.slogdet(self.J)[0])
+
+
+class Stuck(Exception):  # noqa: N818 - a way that ends is no error
+    """No step leads on from this pose."""
+
+    def __init__(self, pose: Configuration) -> None:
+        super().__init__()
+        self.pose = pose
+
+
+class PathFollower:
+    """The poses of one linkage."""
+
+    def __init__(self, system: System) -> None:
+        self.system, self.scene = system, system.scene
+        self.counters = {"steps": 0, "newton_iterations": 0}
+        self.begin(1)
+
+    def begin(self, turns: int) -> None:
+        """Start the clock and the counters of the build, or of a run of so many turns."""
+        self.budget = ProcessorBudget(SECONDS * turns, "the way of the linkage")
+        self.counters = dict.fromkeys(self.counters, 0)
+
+    def pose(self, x: Samples) -> Configuration:
+        """Return the pose at coordinates."""
+        return Configuration(x, self.system.jacobian(x))
+
+    def through(self, pose: Configuration, here: float, positions: Iterable[float]) -> Iterator[Configuration]:
+        """Yield the poses at positions of the drive, from that at `here`, one after the other.
+
+        Raises:
+            Failure: `cannot_assemble`, the linkage locks on the way; `not_converged`, two branches meet there;
+                `timed_out`.
+        """
+        for position in positions:
+            parts = max(1, int(np.ceil(abs(position - here) / self.largest_step)))
+            for part in np.linspace(here, position, parts + 1)[1:].tolist():
+                try:
+                    pose = self.follow(pose, self.goal(part))
+                except Stuck as stuck:
+                    raise self._locked(stuck.pose, position) from None
+            here = position
+            yield pose
+
+    def goal(self, position: float) -> Samples:
+        """Return what C(x) is at a position of the drive, shape (m,)."""
+        goal = np.zeros(self.system.rows)
+        goal[-1] = position / self.system.drive_unit
+        return goal
+
+    @property
+    def largest_step(self) -> float:
+        """The largest step of the drive, rad or m."""
+        turn = self.scene.driven_slide is None
+        return float(LARGEST if turn else LARGEST / (2 * np.pi) * np.ptp(self.scene.drive.extent))
+
+    def tangent(self, pose: Configuration) -> tuple[Samples, Samples]:
+        """Return dx/ds and d2x/ds2, s the drive's position, rad or m.
+
+        Raises:
+            Failure: `not_converged`, the pose is singular.
+        """
+        try:
+            rate = _solved(pose.J, self.goal(1.0))
+            return rate, -_solved(pose.J, self.system.bend(pose.x, rate))
+        except np.linalg.LinAlgError:
+            raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
+
+    def residuals(self, poses: Sequence[Configuration], positions: Samples, promise: float) -> dict[str, float]:
+        """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has.
+
+        A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
+
+        Args:
+            poses: those at the positions.
+            positions: of the drive, rad or m, shape (n,).
+            promise: the relative error that rounding may make.
+
+        Raises:
+            Failure: `not_converged`, rounding alone may break the promise.
+        """
+        travel = 1.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
+        gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))
+        for row, (pose, position) in enumerate(zip(poses, positions.tolist(), strict=True)):
+            rate, bend = self.tangent(pose)
+            parts[row] = max(np.abs(rate).max() * travel, np.abs(bend).max() * travel**2)
+            gaps[row] = np.abs(self.system.gaps(pose.x) - self.goal(position)).max()
+        rounding = ROUNDING * float(parts.max())
+        if not rounding <= promise:
+            where = self.scene.where(float(positions[parts.argmax()]))
+            reason = f"rounding alone may be {rounding:.1e} of an acceleration at {where}, too close to a lock"
+            raise Failure(Status.not_converged, reason)
+        return {"constraints": float(gaps.max()), "rounding": rounding}
+
+    def follow(self, pose: Configuration, goal: Samples) -> Configuration:
+        """Return the pose where C(x) is the goal, by as many steps of halved length as it takes.
+
+        Raises:
+            Stuck: no pose follows.
+            Failure: `timed_out`.
+        """
+        ahead = [goal]
+        for _ in range(PARTS):
+            self.budget.check(f"{self.counters['steps']} steps are done")
+            reached = self._step(pose, ahead[-1])
+            if reached is not None:
+                pose = reached
+                ahead.pop()
+                if not ahead:
+                    return pose
+            elif len(ahead) > HALVINGS:
+                break
+            else:
+                ahead.append((self.system.gaps(pose.x) + ahead[-1]) / 2)
+        raise Stuck(pose)
+
+    def _step(self, pose: Configuration, goal: Samples) -> Configuration | None:
+        """Return the pose at a goal, or None where the step is too long."""
+        self.counters["steps"] += 1
+        try:
+            rate = _solved(pose.J, goal - self.system.gaps(pose.x))
+            way = rate - _solved(pose.J, self.system.bend(pose.x, rate)) / 2
+            x = pose.x + way
+            J, largest = self.system.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
+            for _ in range(ITERATIONS):
+                correction = _solved(J, goal - self.system.gaps(x))
+                length = np.abs(correction).max()
+                self.counters["newton_iterations"] += 1
+                if not (length <= largest or length <= CONVERGED):
+                    return None
+                x = x + correction
+                if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
+                    break
+                largest = CONTRACTION * length
+            reached = self.pose(x)
+            return reached if length <= CONVERGED and reached.branch == pose.branch else None
+        except np.linalg.LinAlgError:
+            return None
+
+    # --- why not ------------------------------------------------------------------------------------------------------
+
+    def _locked(self, pose: Configuration, goal: float) -> Failure:
+        """Return why no pose follows on the way of the drive to a goal."""
+        here = float(self.system.gaps(pose.x)[-1]) * self.system.drive_unit
+        past = self.scene.where(here)
+        for position in np.linspace(here, goal, TRIALS)[1:].tolist():
+            if not self.assembles(pose, position):
+                return Failure(Status.cannot_assemble, f"the linkage locks past {past}{self.misfit(pose, position)}")
+        reason = f"two ways to assemble the linkage meet past {past}, and nothing decides between them"
+        return Failure(Status.not_converged, reason)
+
+    def assembles(self, pose: Configuration, position: float) -> bool:
+        """Return whether there is a pose nearby, by least squares."""
+        goal = self.goal(position)
+        closest = least_squares(lambda x: self.system.gaps(x) - goal, pose.x, self.system.jacobian, method="lm")
+        return bool(np.abs(closest.fun).max() <= OPEN)
+
+    def repeated(self, pose: Configuration, position: float) -> int:
+        """Return how many constraints repeat others where the bodies fit together, zero where they do not."""
+        count = len(pose.x) - int(np.linalg.matrix_rank(pose.J))
+        return count if count and self.assembles(pose, position) else 0
+
+    def misfit(self, pose: Configuration, position: float) -> str:
+        """Return which joint stays open near a pose when all others close, for a message; or nothing."""
+        goal, size = self.goal(position), self.system.size
+        if not self.system.joints:
+            return ""
+        open_at = (lambda x: self.system.gaps(x) - goal), self.system.jacobian
+        joint, gap = open_joint(*open_at, pose.x, np.ones(len(pose.x)), self.system.joints, 1.0)
+        apart, where = self.scene.length(gap * size), self.scene.where(position)
+        return f"; with all else closed {joint} stays open by {apart} at {where}" if gap else ""
+
+
+def _solved(A: Samples, b: Samples) -> Samples:
+    return np.asarray(np.linalg.solve(A, b), np.float64)
