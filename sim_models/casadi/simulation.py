@@ -16,10 +16,9 @@ from ..coordinates.start import SCENES, Start, begun
 from .channels import channels
 from .linkage import table
 from .settings import CasadiSettings, RungeKutta
-from .system import CasadiSystem
+from .system import SOLVER, CasadiSystem, Compiled
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
-SOLVER = "qr"  # CasADi's own, by Householder reflections; it raises RuntimeError where a pivot is zero
 
 
 def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSimulation":
@@ -32,7 +31,7 @@ def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSi
 @lru_cache(SCENES)
 def _begun(scene: Scene) -> tuple[CasadiSystem, Start]:
     system = CasadiSystem(scene)
-    return system, begun(system)
+    return system, begun(system, system.step)
 
 
 class CasadiSimulation:
@@ -98,7 +97,7 @@ class CasadiSimulation:
         for number, (position, width) in enumerate(zip(positions[:-1], np.diff(positions) / unit, strict=True), 1):
             follower.budget.check(f"{number} of {count} steps are done")
             try:
-                pose = follower.pose(table(step, pose.x, width)[:, 0])
+                pose = follower.pose(step(pose.x, width)[0])
             except RuntimeError:
                 reason = f"a step past {self._scene.where(position)} came to a singular pose"
                 raise Failure(Status.diverged, reason) from None
@@ -110,14 +109,14 @@ class CasadiSimulation:
         follower.counters["steps"] = count
         return poses
 
-    def _step(self) -> Function:
+    def _step(self) -> Compiled:
         """Return the function of a pose and a step of the drive, over its unit, that gives the next pose."""
         jacobian, count = self._system.linkage.jacobian, len(self._start.x)
         x, h, drive_row = MX.sym("x", count), MX.sym("h"), np.eye(count)[:, -1]
         k = [casadi.solve(jacobian(x), drive_row, SOLVER)]
         for part in (1 / 2, 1 / 2, 1):
             k.append(casadi.solve(jacobian(x + part * h * k[-1]), drive_row, SOLVER))
-        return Function("step", [x, h], [x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])])
+        return Compiled(Function("step", [x, h], [x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])]))
 
     def _compiled(self) -> Function:
         """Return the function that gives the channels from x and the drive's rate and acceleration."""

@@ -5,8 +5,8 @@ serves all its corrections, which therefore shrink by a constant factor: where t
 and is halved. The sign of det C_x changes only where two branches meet, so a step that changes it is too long as well.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -51,11 +51,21 @@ class Stuck(Exception):  # noqa: N818 - a way that ends is no error
         self.pose = pose
 
 
+class Reached(NamedTuple):
+    """What a step came to."""
+
+    pose: Configuration | None  # None where it is too long
+    iterations: int  # of Newton's method
+
+
+Step: TypeAlias = Callable[[System, Configuration, Samples], Reached]  # to the pose where C(x) is the last of these
+
+
 class PathFollower:
     """The poses of one linkage."""
 
-    def __init__(self, system: System) -> None:
-        self.system, self.scene = system, system.scene
+    def __init__(self, system: System, step: Step | None = None) -> None:
+        self.system, self.scene, self._step = system, system.scene, step or newton_step
         self.counters = {"steps": 0, "newton_iterations": 0}
         self.begin(1)
 
@@ -145,9 +155,11 @@ class PathFollower:
         ahead = [goal]
         for _ in range(PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
-            reached = self._step(pose, ahead[-1])
-            if reached is not None:
-                pose = reached
+            reached = self._step(self.system, pose, ahead[-1])
+            self.counters["steps"] += 1
+            self.counters["newton_iterations"] += reached.iterations
+            if reached.pose is not None and reached.pose.branch == pose.branch:
+                pose = reached.pose
                 ahead.pop()
                 if not ahead:
                     return pose
@@ -156,29 +168,6 @@ class PathFollower:
             else:
                 ahead.append((self.system.gaps(pose.x) + ahead[-1]) / 2)
         raise Stuck(pose)
-
-    def _step(self, pose: Configuration, goal: Samples) -> Configuration | None:
-        """Return the pose at a goal, or None where the step is too long."""
-        self.counters["steps"] += 1
-        try:
-            rate = _solved(pose.J, goal - self.system.gaps(pose.x))
-            way = rate - _solved(pose.J, self.system.bend(pose.x, rate)) / 2
-            x = pose.x + way
-            J, largest = self.system.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
-            for _ in range(ITERATIONS):
-                correction = _solved(J, goal - self.system.gaps(x))
-                length = np.abs(correction).max()
-                self.counters["newton_iterations"] += 1
-                if not (length <= largest or length <= CONVERGED):
-                    return None
-                x = x + correction
-                if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
-                    break
-                largest = CONTRACTION * length
-            reached = self.pose(x)
-            return reached if length <= CONVERGED and reached.branch == pose.branch else None
-        except np.linalg.LinAlgError:
-            return None
 
     # --- why not ------------------------------------------------------------------------------------------------------
 
@@ -212,6 +201,28 @@ class PathFollower:
         joint, gap = open_joint(*open_at, pose.x, np.ones(len(pose.x)), self.system.joints, 1.0)
         apart, where = self.scene.length(gap * size), self.scene.where(position)
         return f"; with all else closed {joint} stays open by {apart} at {where}" if gap else ""
+
+
+def newton_step(system: System, pose: Configuration, goal: Samples) -> Reached:
+    """Return what a step from a pose to C(x) = goal comes to."""
+    iterations = 0
+    try:
+        rate = _solved(pose.J, goal - system.gaps(pose.x))
+        way = rate - _solved(pose.J, system.bend(pose.x, rate)) / 2
+        x = pose.x + way
+        J, largest = system.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
+        for iterations in range(1, ITERATIONS + 1):
+            correction = _solved(J, goal - system.gaps(x))
+            length = np.abs(correction).max()
+            if not (length <= largest or length <= CONVERGED):
+                return Reached(None, iterations)
+            x = x + correction
+            if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
+                break
+            largest = CONTRACTION * length
+        return Reached(Configuration(x, system.jacobian(x)) if length <= CONVERGED else None, iterations)
+    except np.linalg.LinAlgError:
+        return Reached(None, iterations)
 
 
 def _solved(A: Samples, b: Samples) -> Samples:

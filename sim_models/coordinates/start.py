@@ -9,7 +9,7 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .poses import Configuration, PathFollower, Stuck
+from .poses import Configuration, PathFollower, Step, Stuck
 from .stroke import stroke_ends
 from .system import Frame, System
 
@@ -26,14 +26,14 @@ class Start(NamedTuple):
     ends: Samples  # of the press forces' strokes, m, by load
 
 
-def begun(system: System) -> Start:
-    """Return the start of a linkage.
+def begun(system: System, step: Step | None = None) -> Start:
+    """Return the start of a linkage, whose poses are found by Newton's method or a step of its own.
 
     Raises:
         Failure: `unsupported`, constraints repeat each other; `cannot_assemble` or `not_converged`, no pose on the
             sketch's branch; `timed_out`.
     """
-    poses = PathFollower(system)
+    poses = PathFollower(system, step)
     pose = start(poses)
     return Start(poses, pose, stroke_ends(poses, pose))
 
