@@ -101,29 +101,12 @@ def by_multiprecision(scene: Scene, body: Body) -> Properties:
     return complex(float(x), float(y)), float(inertia(body, body.mass or 0.0, local))
 
 
-def by_casadi(scene: Scene, body: Body) -> Properties:
-    pytest.importorskip("casadi")
-    from sim_models.casadi.bodies import casadi_body
+def by_coordinates(scene: Scene, body: Body) -> Properties:
+    """CasADi's, MuJoCo's and Pinocchio's."""
+    from sim_models.coordinates.bodies import framed_body
 
-    own = casadi_body(scene, body)
-    x, y = own.com.full().ravel()
-    return complex(float(x), float(y)), float(own.inertia)
-
-
-def by_mujoco(scene: Scene, body: Body) -> Properties:
-    pytest.importorskip("mujoco")
-    from sim_models.mujoco.bodies import mujoco_body
-
-    own = mujoco_body(scene, body)
-    return own.com, own.inertia
-
-
-def by_pinocchio(scene: Scene, body: Body) -> Properties:
-    pytest.importorskip("pinocchio")
-    from sim_models.pinocchio.bodies import pinocchio_body
-
-    own = pinocchio_body(scene, body)
-    return own.com, own.inertia
+    own = framed_body(scene, body)
+    return complex(*own.com), own.inertia
 
 
 def by_judge(scene: Scene, body: Body) -> Properties:
@@ -131,7 +114,7 @@ def by_judge(scene: Scene, body: Body) -> Properties:
     return own.com + first_point(body), own.inertia
 
 
-MODELS = (by_analytic, by_exudyn, by_pymunk, by_multiprecision, by_casadi, by_mujoco, by_pinocchio, by_judge)
+MODELS = (by_analytic, by_exudyn, by_pymunk, by_multiprecision, by_coordinates, by_judge)
 
 
 @pytest.mark.parametrize("model", MODELS)
