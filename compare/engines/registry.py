@@ -81,6 +81,12 @@ ENTRIES = Entries(OWN)
 REFERENCE = "analytic"
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
+ALIKE = frozenset({"casadi", "mujoco", "pinocchio"})  # they share how a linkage is assembled, `sim_models.coordinates`
+
+
+def voter(name: str) -> str:
+    """Return an engine's name; engines that assemble a linkage alike have one between them, being one opinion."""
+    return min(ALIKE) if name in ALIKE else name
 
 
 def check_names(names: Iterable[str]) -> None:

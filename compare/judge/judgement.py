@@ -12,7 +12,7 @@ from scenes import Motion, Sampling, Scene, Settings, Status
 
 from ..engines import registry, runner
 from ..engines.reference import Reference, relative_errors
-from ..engines.registry import ORACLE, REFERENCE
+from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import Run, Runs
 from ..engines.stopping import kept
 from .agreement import Agreement, agreement
@@ -157,14 +157,18 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
     against = [m for m in voters if m.run.found_by == "reference"]
     doubt, by_themselves = reference.floor.doubt, dict[int, Measurement]()
     if not doubt:
-        pairs = [pair for pair in combinations(against, 2) if _agree(reference, *pair)]
+        pairs = [
+            (one, other)
+            for one, other in combinations(against, 2)
+            if voter(one.run.engine) != voter(other.run.engine) and _agree(reference, one, other)
+        ]
         if reference.floor.by_channel or not pairs:
             return reference, measurements
         names = " and ".join(dict.fromkeys(m.run.engine for pair in pairs for m in pair))
         ok = [m.run.engine for m in measurements if m.run.status is Status.ok and m.run.engine != REFERENCE]
         alone = f"{' and '.join(ok)} and the core differ from others" if ok else "the core alone differs"
-        votes = len({m.run.engine for pair in pairs for m in pair})
-        count = f"{votes} against {1 + len(ok)} with no calculation of 50 digits to decide"
+        votes = len({voter(m.run.engine) for pair in pairs for m in pair})
+        count = f"{votes} against {1 + len({*map(voter, ok)})} with no calculation of 50 digits to decide"
         doubt = f"{alone}, {count}, suspect the core: {names} agree with each other"
         by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))

@@ -181,5 +181,7 @@ def test_of_many_engines_those_that_agree_are_named(reference: Reference) -> Non
     assert divided.floor.doubt.startswith(
         f"pinocchio and the core differ from others, 2 against 2 {UNDECIDED}, suspect the core: exudyn and casadi "
     )
+    one_opinion, _ = _voted(floorless, [off("analytic", 0.0), off("casadi", 0.1), off("pinocchio", 0.1)])
+    assert not one_opinion.floor.doubt  # they share how a linkage is assembled
     each_by_itself, _ = _voted(floorless, [off("analytic", 0.0), *(off(f"{by}", by) for by in (0.1, 0.2, 0.3, 0.4))])
     assert not each_by_itself.floor.doubt
