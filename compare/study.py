@@ -65,7 +65,7 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
         if not isinstance(accuracy, str):
             speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
         found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
-    from .faults.canaries import canaries  # late: no report needs it
+    from .judge.canaries.canaries import canaries  # late: no report needs it
 
     found.let_through.extend(canaries(found))
     return found

@@ -14,7 +14,7 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     Raises:
         KeyboardInterrupt: the user stopped; what was solved till then is written.
     """
-    from ..faults.canaries import canaries
+    from ..judge.canaries.canaries import canaries
     from ..monte_carlo.study import begun, solved
     from ..report import files as output
     from ..report.monte_carlo.tables import ran, verdicts

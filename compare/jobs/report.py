@@ -60,7 +60,7 @@ def run(scene: Scene, request: Sampling, options: argparse.Namespace, show: Call
     worse = [str(change) for change in changed or () if change.worse]
     if not options.check:
         return False
-    from ..faults.canaries import canaries
+    from ..judge.canaries.canaries import canaries
 
     result.let_through.extend(canaries(result))
     return stops(scene, {scene.name: result}, options.format, worse)

@@ -11,8 +11,7 @@ import pandas as pd
 import pytest
 
 import compare
-from compare.faults.__main__ import write as write_faults
-from compare.faults.table import judged_faults
+from benchmarks.faults import write as write_faults
 from compare.hard.case import Case, examine
 from compare.hard.stability import over_sweeps
 from compare.report.page import page as report_page
@@ -26,6 +25,7 @@ from papers.clamp.optimisation.report import write as write_design
 from papers.clamp.optimisation.study import Effort, study
 from tests import scene_files
 from tests.comparisons import SLOW
+from tests.faults.table import judged_faults
 from tests.pages import silent
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from compare.command_line import TRACEBACK, Parser, command
 from scenes import InputError
 from tests.comparisons import SLOW
 
-COMMANDS = ("compare.run", "compare.faults", "papers.audit", "papers.optimise")
+COMMANDS = ("compare.run", "benchmarks.faults", "papers.audit", "papers.optimise")
 START = "import os, signal, sys; from compare.command_line import command, shown_progress, starting\n"
 IMPORTING = START + "with starting('__main__'):\n    {}\n"
 RUNNING = IMPORTING.format("pass") + "def run():\n    {}\n    return 0\nsys.exit(command(run)())"

@@ -6,11 +6,11 @@ from functools import partial
 
 import numpy as np
 
+from compare.judge.canaries import spoilt_motion as spoilt
+from compare.judge.causes.evidence import Kind
 from scenes.motion import Samples
 from scenes.scene import PressForce
 
-from ..judge.causes.evidence import Kind
-from . import spoilt_motion as spoilt
 from .fault import Clean, Fault
 
 G = 9.81  # m/s^2

@@ -2,12 +2,8 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 
-import numpy as np
-
 from scenes import Motion
 from scenes.motion import Samples
-
-from ..engines.motion_vectors import Vectors
 
 
 def replaced(motion: Motion, samples: Mapping[str, Samples]) -> Motion:
@@ -34,15 +30,6 @@ def swapped(motion: Motion, first: Iterable[str], second: Iterable[str]) -> Moti
     """Return the motion with channels in each other's place."""
     pairs = [*zip(first, second, strict=True)]
     return replaced(motion, {a: motion[b] for a, b in pairs} | {b: motion[a] for a, b in pairs})
-
-
-def mapped(motion: Motion, stems: Iterable[tuple[str, str]], change: Callable[[Vectors], Vectors]) -> Motion:
-    """Return the motion with some vectors changed, each given by the names of its x and its y channel."""
-    samples: dict[str, Samples] = {}
-    for x, y in stems:
-        vector = change(motion[x] + 1j * motion[y])
-        samples |= {x: vector.real, y: vector.imag}
-    return replaced(motion, samples)
 
 
 def taken(motion: Motion, rows: Iterable[int], names: Collection[str] | None = None) -> Motion:
@@ -73,16 +60,3 @@ def without(motion: Motion, names: Collection[str], reason: str = "") -> Motion:
 def moved(motion: Motion, right: Motion, wrong: Motion, names: Iterable[str], factor: float = 1.0) -> Motion:
     """Return the motion plus what lies between two others, times a factor, in some channels."""
     return replaced(motion, {name: motion[name] + factor * (wrong[name] - right[name]) for name in names})
-
-
-def noisy(motion: Motion, names: Iterable[str], size: Mapping[str, float], seed: int = 0) -> Motion:
-    """Return the motion with normal noise of a size, by channel."""
-    draw = np.random.default_rng(seed)
-    return replaced(
-        motion, {name: motion[name] + size[name] * draw.standard_normal(len(motion[name])) for name in names}
-    )
-
-
-def drifting(motion: Motion, names: Iterable[str], size: Mapping[str, float]) -> Motion:
-    """Return the motion with an error that grows evenly to a size at the end, by channel."""
-    return replaced(motion, {name: motion[name] + size[name] * np.linspace(0, 1, len(motion[name])) for name in names})

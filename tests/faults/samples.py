@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.judge.canaries import spoilt_motion as spoilt
+from compare.judge.causes.evidence import Kind
+from compare.judge.causes.parts import common, stem
+from compare.judge.errors import GROUPS
 from scenes import Failure, Motion
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
-from ..judge.causes.evidence import Kind
-from ..judge.causes.parts import common, stem
-from ..judge.errors import GROUPS
-from . import spoilt_motion as spoilt
 from .fault import OF_BODIES, Clean, Fault
 
 
@@ -144,15 +144,15 @@ def solutions(clean: Clean) -> Iterator[Fault]:
             for place in clean.some(map(stem, clean.of(what)), f"noise {what} {by}"):
                 name = f"{place}.{what}"
                 size = {name: float(by * clean.size(name).max())}
-                noise = partial(spoilt.noisy, motion, [name], size)
+                noise = partial(_noisy, motion, [name], size)
                 yield Fault("solver", f"noise: {what}", by, Kind.noise, place, noise)
-                drift = partial(spoilt.drifting, motion, [name], size)
+                drift = partial(_drifting, motion, [name], size)
                 yield Fault("solver", f"drift: {what}", by, Kind.solver, place, drift)
                 row = (7 * len(name) + count // 4) % count
                 spike = partial(spoilt.at_row, motion, name, row, float(motion[name][row]) + size[name])
                 yield Fault("solver", f"a spike: {what}", by, Kind.spike, place, spike)
     sizes = {name: 5 * p * float(clean.size(name).max()) for name in clean.channels}
-    noise = partial(spoilt.noisy, motion, clean.channels, sizes)
+    noise = partial(_noisy, motion, clean.channels, sizes)
     yield Fault("solver", "noise in all channels", 5 * p, Kind.noise, "all", noise)
     for group, names in clean.grouped("acceleration", "reaction"):
         rung = {name: motion[name] + 10 * p * clean.size(name) * (-1.0) ** np.arange(count) for name in names}
@@ -196,3 +196,18 @@ def _rounded(samples: Samples, digits: int) -> Samples:
     """Return samples rounded to some digits of their peak."""
     peak = float(np.abs(samples).max()) or 1.0
     return np.round(samples / peak, digits) * peak
+
+
+def _noisy(motion: Motion, names: Iterable[str], size: Mapping[str, float], seed: int = 0) -> Motion:
+    """Return the motion with normal noise of a size, by channel."""
+    draw = np.random.default_rng(seed)
+    return spoilt.replaced(
+        motion, {name: motion[name] + size[name] * draw.standard_normal(len(motion[name])) for name in names}
+    )
+
+
+def _drifting(motion: Motion, names: Iterable[str], size: Mapping[str, float]) -> Motion:
+    """Return the motion with an error that grows evenly to a size at the end, by channel."""
+    return spoilt.replaced(
+        motion, {name: motion[name] + size[name] * np.linspace(0, 1, len(motion[name])) for name in names}
+    )

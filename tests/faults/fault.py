@@ -8,14 +8,14 @@ from zlib import crc32
 
 import numpy as np
 
-from scenes import Motion, Sampling, Scene, Settings
+from compare.engines.motion_vectors import MotionVectors
+from compare.engines.reference import sizes
+from compare.judge.canaries.clean import CleanRun
+from compare.judge.canaries.sizes import apart
+from compare.judge.causes.parts import stem
+from compare.judge.errors import GROUPS
+from scenes import Motion, Scene, Settings
 from scenes.motion import Samples, quantity
-
-from ..engines.motion_vectors import MotionVectors
-from ..engines.reference import Reference, sizes
-from ..engines.runner import Run
-from ..judge.causes.parts import stem
-from ..judge.errors import GROUPS
 
 Item = TypeVar("Item")
 
@@ -38,44 +38,13 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Clean:
-    """An engine's run with nothing wrong in it."""
-
-    reference: Reference
-    sampling: Sampling
-    run: Run
-
-    @property
-    def scene(self) -> Scene:
-        """The scene solved."""
-        return self.reference.scene
-
-    @cached_property
-    def motion(self) -> Motion:
-        """The motion, every channel."""
-        assert self.run.motion is not None
-        return self.run.motion
+class Clean(CleanRun):
+    """A clean run, and what of it can be spoilt."""
 
     @cached_property
     def state(self) -> MotionVectors:
         """The motion as vectors."""
         return MotionVectors(self.scene, self.motion)
-
-    @cached_property
-    def true(self) -> Motion:
-        """What it should be."""
-        return self.reference.at(self.sampling.commanded(self.scene), self.sampling.times(self.scene))
-
-    @property
-    def promise(self) -> float:
-        """The largest relative error that the settings promise."""
-        assert self.run.settings is not None
-        return self.run.settings.promise
-
-    @property
-    def drive(self) -> str:
-        """The channel of the drive's position."""
-        return self.scene.drive_channel
 
     @property
     def channels(self) -> list[str]:
@@ -130,7 +99,7 @@ def above(fault: Fault, clean: Clean, motion: Motion) -> bool:
         return True
     for channel in clean.channels:
         pairs = [(motion[name], clean.true[name], clean.motion[name]) for name in _vector(channel)]
-        error, own = (np.sqrt(sum(_apart(channel, one[k], one[1]) ** 2 for one in pairs)) for k in (0, 2))
+        error, own = (np.sqrt(sum(apart(channel, one[k], one[1]) ** 2 for one in pairs)) for k in (0, 2))
         size = np.full(own.shape, scale[channel])
         if quantity(channel) not in ("x", "y", "angle"):
             size = np.maximum(size, np.sqrt(sum(one[1] ** 2 for one in pairs)))
@@ -142,9 +111,3 @@ def above(fault: Fault, clean: Clean, motion: Motion) -> bool:
 def _vector(channel: str) -> tuple[str, ...]:
     """Return the channels of the vector that a channel belongs to."""
     return (f"{channel[:-1]}x", f"{channel[:-1]}y") if channel[-1] in "xy" else (channel,)
-
-
-def _apart(channel: str, one: Samples, other: Samples) -> Samples:
-    """Return the distance of two channels, that of angles modulo one turn."""
-    difference = one - other
-    return np.angle(np.exp(1j * difference)) if quantity(channel) == "angle" else difference

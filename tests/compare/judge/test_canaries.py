@@ -7,12 +7,10 @@ from typing import Any
 import pytest
 
 from compare.engines import reference
-from compare.faults import thinned
-from compare.faults.canaries import canaries
-from compare.faults.mutants import applied, mutants
-from compare.faults.wrong_code import COMPARISON, _canaried, known
 from compare.judge import checks, errors, estimate, measure, verdict
 from compare.judge import gates as gates_module
+from compare.judge.canaries import thinned
+from compare.judge.canaries.canaries import canaries
 from compare.judge.escalation import offers
 from compare.judge.gates import Gate, gates
 from compare.judge.judgement import Judgement, judgement
@@ -20,6 +18,8 @@ from compare.judge.round_off import Explained
 from scenes import Motion, Sampling, Status
 from tests import scene_files
 from tests.comparisons import SAMPLING, SLOW, References, all_checks
+from tests.faults.mutants import applied, mutants
+from tests.faults.wrong_code import COMPARISON, _canaried, known
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 

@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TypeAlias
 
+from compare.engines.isolation import Ended, Limits, isolated
+from compare.engines.reference import found
+from compare.engines.runner import Run, run
+from compare.judge.gates import missed
+from compare.judge.measure import Measurement, assess, measure
+from compare.judge.round_off import explain
+from compare.judge.triage import UNKNOWN, cause
 from scenes import InputError, Motion, Sampling, Status, load
 
-from ..engines.isolation import Ended, Limits, isolated
-from ..engines.reference import found
-from ..engines.runner import Run, run
-from ..judge.gates import missed
-from ..judge.measure import Measurement, assess, measure
-from ..judge.round_off import explain
-from ..judge.triage import UNKNOWN, cause
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
 

@@ -10,17 +10,17 @@ import numpy as np
 from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.motion import Samples, channels, force_channels, quantity
 
-from ..engines.press_switches import on_switch
-from ..engines.reference import Reference
-from ..engines.runner import Run, complete
-from ..judge.errors import GROUPS, shown_groups
-from ..judge.gates import gates, missed
-from ..judge.measure import Measurement, assess
-from ..judge.perturbation import neighbours
-from ..judge.round_off import EPS, Explained
-from ..judge.verdict import judged
+from ...engines.press_switches import on_switch
+from ...engines.reference import Reference
+from ...engines.runner import Run, complete
+from ..errors import GROUPS, shown_groups
+from ..gates import gates, missed
+from ..measure import Measurement, assess
+from ..perturbation import neighbours
+from ..round_off import EPS, Explained
+from ..verdict import judged
 from . import spoilt_motion as spoilt
-from .fault import Clean
+from .clean import CleanRun
 from .sizes import length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
@@ -33,7 +33,7 @@ FAR = 1e6  # times the peak of what the drive does: more than any other power
 
 
 @dataclass(frozen=True)
-class Thinned(Clean):
+class Thinned(CleanRun):
     """One ok run at a few rows."""
 
     explained: Explained

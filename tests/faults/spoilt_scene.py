@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from compare.engines.motion_vectors import distances, inertia
+from compare.judge.causes.evidence import Kind
+from compare.judge.causes.geometry import rescaled
+from compare.judge.perturbation import put
 from scenes import Scene
 from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce
 
-from ..engines.motion_vectors import distances, inertia
-from ..judge.causes.evidence import Kind
-from ..judge.causes.geometry import rescaled
-from ..judge.perturbation import put
 from .fault import Clean, Fault
 
 SIZES = (0.5, 0.1, 0.01, 0.003)

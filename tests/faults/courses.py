@@ -7,13 +7,13 @@ from itertools import product
 
 import numpy as np
 
+from compare.engines import registry
+from compare.judge.canaries import spoilt_motion as spoilt
+from compare.judge.causes.evidence import Kind
+from compare.judge.perturbation import put
 from scenes import Failure, Motion
 from scenes.motion import Samples
 
-from ..engines import registry
-from ..judge.causes.evidence import Kind
-from ..judge.perturbation import put
-from . import spoilt_motion as spoilt
 from .fault import Clean, Fault
 from .read_out import signs, vectors_in_other_frames
 

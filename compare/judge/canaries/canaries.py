@@ -13,9 +13,9 @@ import numpy as np
 from scenes import Motion, Status
 from scenes.motion import force_channels
 
-from ..engines import registry
-from ..judge.judgement import Judgement
-from ..judge.perturbation import put
+from ...engines import registry
+from ..judgement import Judgement
+from ..perturbation import put
 from . import spoilt_motion as spoilt
 from .thinned import (
     CLEAR,

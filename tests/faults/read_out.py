@@ -1,6 +1,6 @@
 """Faults in what an engine reads out: opposite signs, other frames and units, other points, bodies and joints."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from itertools import pairwise
 from math import pi
@@ -8,12 +8,13 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes.motion import quantity
+from compare.engines.motion_vectors import Vectors, first_point
+from compare.judge.canaries import spoilt_motion as spoilt
+from compare.judge.causes.evidence import Kind
+from scenes import Motion
+from scenes.motion import Samples, quantity
 from scenes.scene import GROUND
 
-from ..engines.motion_vectors import Vectors, first_point
-from ..judge.causes.evidence import Kind
-from . import spoilt_motion as spoilt
 from .fault import OF_BODIES, OF_POINTS, Clean, Fault
 
 Change: TypeAlias = Callable[[Vectors], Vectors]
@@ -75,7 +76,7 @@ def vectors_in_other_frames(clean: Clean) -> Iterator[Fault]:
 
     def fault(kind: str, stem: str, prefix: str, size: float, cause: Kind, change: Change) -> Fault:
         names = [(f"{stem}.{prefix}x", f"{stem}.{prefix}y")]
-        return Fault("frame", kind, size, cause, stem, partial(spoilt.mapped, clean.motion, names, change))
+        return Fault("frame", kind, size, cause, stem, partial(_mapped, clean.motion, names, change))
 
     for prefix, what in (*OF_POINTS, ("f", "force")):
         stems = clean.stems(f"{prefix}x", f"{prefix}y")
@@ -117,7 +118,7 @@ def _mirrored_and_relative(clean: Clean) -> Iterator[Fault]:
         for term, vector in terms.items():
             for sign, how in ((-1, "missing"), (-2, "of the opposite sign")):
                 added = sign * vector
-                change = partial(spoilt.mapped, motion, [(f"{point}.ax", f"{point}.ay")], partial(np.add, added))
+                change = partial(_mapped, motion, [(f"{point}.ax", f"{point}.ay")], partial(np.add, added))
                 yield Fault("frame", f"{term} term {how}", 1.0, Kind.term, point, change)
     for name in clean.some(clean.stems("guide_force"), "guide moment"):
         slider = scene.bodies[name]
@@ -165,7 +166,7 @@ def pairs(clean: Clean) -> Iterator[Fault]:
             ("sum of both forces at a three-body pin", both[0], vectors[1]),
             ("difference of both forces at a three-body pin", both[1], -vectors[0]),
         ):
-            change = partial(spoilt.mapped, motion, [(x, y)], partial(np.add, by))
+            change = partial(_mapped, motion, [(x, y)], partial(np.add, by))
             yield Fault("wrong body", kind, 1.0, Kind.pair, x.rpartition(".")[0], change)
     for held in [pin for pin in scene.pins if pin.first == GROUND and f"{pin.channel}.fx" in motion][:1]:
         for next_pin in [one for one in scene.pins if held.second in (one.first, one.second) and one != held][:1]:
@@ -174,3 +175,12 @@ def pairs(clean: Clean) -> Iterator[Fault]:
             taken = {a: -sign * motion[b] for a, b in names}
             change = partial(spoilt.replaced, motion, taken)
             yield Fault("wrong body", "inertia of the body left out at its pin", 1.0, Kind.copy, held.channel, change)
+
+
+def _mapped(motion: Motion, stems: Iterable[tuple[str, str]], change: Change) -> Motion:
+    """Return the motion with some vectors changed, each given by the names of its x and its y channel."""
+    samples: dict[str, Samples] = {}
+    for x, y in stems:
+        vector = change(motion[x] + 1j * motion[y])
+        samples |= {x: vector.real, y: vector.imag}
+    return spoilt.replaced(motion, samples)

@@ -9,29 +9,29 @@ from typing import TypeAlias, cast
 
 import numpy as np
 
+from compare.engines import registry
+from compare.engines.isolation import Ended, Limits, isolated
+from compare.engines.reference import found
+from compare.engines.registry import REFERENCE
+from compare.engines.runner import Run, Runs, run
+from compare.judge.canaries.canaries import canaries
+from compare.judge.canaries.spoilt_motion import shifted
+from compare.judge.canaries.thinned import CLEAR
+from compare.judge.causes.evidence import Kind
+from compare.judge.errors import GROUPS
+from compare.judge.escalation import offers
+from compare.judge.floor import establish
+from compare.judge.gates import gates, missed
+from compare.judge.judgement import Judgement, judgement
+from compare.judge.measure import assess
+from compare.judge.round_off import explain
 from scenes import Motion, Settings, Status, load
 from scenes.motion import quantity
 
-from ..engines import registry
-from ..engines.isolation import Ended, Limits, isolated
-from ..engines.reference import found
-from ..engines.registry import REFERENCE
-from ..engines.runner import Run, Runs, run
-from ..judge.causes.evidence import Kind
-from ..judge.errors import GROUPS
-from ..judge.escalation import offers
-from ..judge.floor import establish
-from ..judge.gates import gates, missed
-from ..judge.judgement import Judgement, judgement
-from ..judge.measure import assess
-from ..judge.round_off import explain
-from .canaries import canaries
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
 from .mutants import Mutant, applied, mutants
-from .spoilt_motion import shifted
 from .table import SAMPLING, Record
-from .thinned import CLEAR
 
 CORE = ("dyads", "placing", "kinematics", "kinetostatics", "group_equations", "newton_group", "channels")
 SHARED = {

@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.faults import main, write
 from compare.engines.runner import run
-from compare.faults.__main__ import main, write
-from compare.faults.catalogue import catalogue
-from compare.faults.fault import Clean, Fault, above
-from compare.faults.left_out import left_out
-from compare.faults.rates import MEAN, TOTAL, let_through, rates
-from compare.faults.table import SAMPLING, Record, judged_faults
 from compare.judge.causes.evidence import Kind
 from compare.judge.measure import measure
 from compare.judge.triage import cause
 from scenes import Motion
 from tests.comparisons import References, changed
+from tests.faults.catalogue import catalogue
+from tests.faults.fault import Clean, Fault, above
+from tests.faults.left_out import left_out
+from tests.faults.rates import MEAN, TOTAL, let_through, rates
+from tests.faults.table import SAMPLING, Record, judged_faults
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_causes_and_places_are_of_one_vocabulary(records: Sequence[Record], tmp_
     assert sum((row["cause"], row["place"]) == (row["true_cause"], row["true_place"]) for row in rows) > len(rows) / 2
     families = json.loads((tmp_path / "faults" / "families.json").read_text(encoding="utf-8"))
     assert [family["family"] for family in families][-2:] == [MEAN, TOTAL]
-    text = " ".join((Path(__file__).parents[3] / "docs" / "trust.md").read_text(encoding="utf-8").split())
+    text = " ".join((Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8").split())
     assert not [word for word in words if f"`{word}`" not in text]
 
 

@@ -1,24 +1,23 @@
-"""`python -m compare.faults`: what is wrong on purpose, and whether the comparison finds it."""
+"""`python -m benchmarks.faults`: what is wrong on purpose, and whether the comparison finds it."""
 
 import sys
 
-from ..command_line import Parser, command, shown_progress, starting
+from compare.command_line import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections.abc import Sequence
     from dataclasses import asdict
     from pathlib import Path
 
+    from compare.report.files import json_text
+    from compare.report.placing import check_writable, placed
     from scenes import load
+    from tests.faults.page import page
+    from tests.faults.rates import SHARES, let_through, rates
+    from tests.faults.table import Record, answer_faults
+    from tests.faults.wrong_code import comparison_faults, core_faults, shared_faults
 
-    from ..report.faults.page import page
-    from ..report.files import json_text
-    from ..report.placing import check_writable, placed
-    from .rates import SHARES, let_through, rates
-    from .table import Record, answer_faults
-    from .wrong_code import comparison_faults, core_faults, shared_faults
-
-USAGE = "python -m compare.faults [--out DIR] [--scenes a,b]"
+USAGE = "python -m benchmarks.faults [--out DIR] [--scenes a,b]"
 SCENES = "toggle_press,quick_return,double_toggle_clamp,walking_leg,servo_press"  # laws, tables, press forces, gravity
 CORE = 40  # wrong lines
 COMPARISON = 60
@@ -28,7 +27,7 @@ FILES = ("faults.html", "faults.json", "families.json")
 @command
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 if a fault is let through, 2 for bad input."""
-    parser = Parser("python -m compare.faults", USAGE, "Check the checker: spoil what it judges, and its own lines.")
+    parser = Parser("python -m benchmarks.faults", USAGE, "Check the checker: spoil what it judges, and its own lines.")
     parser.add_out("the table")
     parser.add_argument("--scenes", default=SCENES, help=f"comma-separated ({SCENES})")
     options = parser.parse_args(arguments)

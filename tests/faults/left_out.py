@@ -6,15 +6,15 @@ from functools import partial
 
 import numpy as np
 
+from compare.engines import registry
+from compare.engines.motion_vectors import MotionVectors, Vectors, inertia
+from compare.engines.press_switches import press_forces
+from compare.judge.canaries import spoilt_motion as spoilt
+from compare.judge.causes.evidence import Kind
 from scenes import Motion
 from scenes.motion import force_channels
 from scenes.scene import GROUND, Force
 
-from ..engines import registry
-from ..engines.motion_vectors import MotionVectors, Vectors, inertia
-from ..engines.press_switches import press_forces
-from ..judge.causes.evidence import Kind
-from . import spoilt_motion as spoilt
 from .fault import Clean, Fault
 
 

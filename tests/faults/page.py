@@ -5,9 +5,10 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from ...faults.rates import let_through, rates
-from ...faults.table import Record
-from ..html import render
+from compare.report.html import render
+
+from .rates import let_through, rates
+from .table import Record
 
 FILE = "faults.json"
 COLUMNS = ["kind", "magnitude", "scene", "engine", "above", "found", "by", "place", "true_place", "cause", "true_cause"]
@@ -19,7 +20,8 @@ def page(records: Sequence[Record]) -> str:
     table = pd.DataFrame(map(asdict, records))
     families = table.groupby("family", sort=False)
     return render(
-        "faults/faults.html",
+        "faults.html",
+        "tests.faults",
         rates=rates(records),
         let_through=let_through(records),
         families=[(family, own.sort_values("found", kind="stable")[COLUMNS]) for family, own in families],

@@ -5,7 +5,8 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from ..judge.causes.evidence import Kind
+from compare.judge.causes.evidence import Kind
+
 from .table import Record
 
 MEAN, TOTAL = "mean over the families of answers", "all of the engines' answers"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from compare.faults.mutants import Mutant, applied, mutants
 from scenes.loads import PressForce
+from tests.faults.mutants import Mutant, applied, mutants
 
 PRESS = PressForce("slider", "P5", (0.0, 1.0), last=1.0, closing=-1)
 ACTS = mutants("scenes.loads", ("PressForce.acts",))

@@ -1,1 +1,0 @@
-"""The page of faults: what was wrong on purpose, and what the comparison made of it."""
