@@ -24,6 +24,7 @@ from . import absolute_coordinates
 SAMPLES = 720  # a cycle: fine enough for peaks to 1e-5 of themselves
 HAIR = 1e-6  # of a slider's range and peak speed: nearer to a press force's switch, it may or may not act
 TURNING = 1e-3  # of its peak speed, where it turns round: the way left goes with the square of the speed
+CANCELLED = 16 * np.finfo(float).eps  # of the largest force: what doubles leave where it cancels, by some ten terms
 NOTHING = 1e-12  # of the largest force: a joint that carries no more carries nothing but round-off
 DRIVE = "drive"
 
@@ -158,8 +159,20 @@ class Truth:
             for name, scale in ((f"{body}.omega", w), (f"{body}.alpha", w**2)):
                 yield name, _mixed(motion[name] + 0j, true[name] + 0j, scale)
         if scene.has_masses:
-            for (name, force), (_, there) in zip(self._forces(motion), self._forces(true), strict=True):
-                yield name, _mixed(force, there, self._peaks[name])
+            forces = [(*of, there) for of, (_, there) in zip(self._forces(motion), self._forces(true), strict=True)]
+            largest = np.max(
+                [np.abs(there) for name, _, there in forces if not name.endswith(("moment", "torque"))], axis=0
+            )
+            for name, force, there in forces:
+                left = CANCELLED * self._arm(name) * largest / np.maximum(self._peaks[name], np.abs(there))
+                error = _mixed(force, there, self._peaks[name])
+                yield name, np.where(error <= left, 0.0, error)
+
+    def _arm(self, channel: str) -> float:
+        """Return at which arm forces make a moment, m; one of a force."""
+        if channel.endswith("moment"):
+            return self._reach(channel)
+        return max(self._travels.values()) if channel == "drive.torque" else 1.0
 
 
 def _vector(motion: Channels, stem: str) -> Vectors:
