@@ -25,6 +25,7 @@ from .thinned import (
     each_check_alone,
     incomplete,
     refused,
+    refused_if_moved,
     stops_without_a_motion,
     thinned,
 )
@@ -66,14 +67,14 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
     }
     largest = max(sizes, key=sizes.__getitem__)
 
-    yield f"{largest} of the opposite sign", refused(partial(spoilt.scaled, names=[largest], factor=-1))
+    yield f"{largest} of the opposite sign", refused_if_moved(partial(spoilt.scaled, names=[largest], factor=-1))
     vectors = [(c, f"{c[:-1]}y") for c in sizes if c.endswith("x") and f"{c[:-1]}y" in sizes]
     apart = [np.abs(first.motion[x] - first.motion[y]).max() / first.reference.scale[x] for x, y in vectors]
     for x, y in [vector for vector, share in zip(vectors, apart, strict=True) if share > APART][-1:]:
         yield f"{x} and {y} swapped", refused(partial(spoilt.swapped, first=[x], second=[y]))
     late = [0, *range(count - 1)]
     yield "all late by a sample", refused(partial(spoilt.taken, rows=late, names={*channels, drive}))
-    yield "all but the drive late by a sample", refused(partial(spoilt.taken, rows=late, names=channels))
+    yield "all but the drive late by a sample", refused_if_moved(partial(spoilt.taken, rows=late, names=channels))
     yield "a drive that lags", lambda copy: refused(_lagging(copy))(copy)
     if scene.has_masses and first.complete:
         yield "another mass", _another_mass

@@ -107,6 +107,16 @@ def refused(spoil: Callable[[Motion], Motion]) -> Noticed:
     return noticed
 
 
+def refused_if_moved(spoil: Callable[[Motion], Motion]) -> Noticed:
+    """Return the same of a motion with all its channels, which is not wrong where they stay within what it promises."""
+
+    def noticed(copy: Thinned) -> bool:
+        moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
+        return all((abs(moved[c] - copy.motion[c]) <= allowed[c]).all() for c in allowed) or refused(spoil)(copy)
+
+    return noticed
+
+
 def incomplete(spoil: Callable[[Motion], Motion]) -> Noticed:
     """Return whether a motion that is not what was asked for is refused as such, and stops a CI run."""
 

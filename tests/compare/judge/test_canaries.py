@@ -37,9 +37,20 @@ def test_none_is_let_through(name: str, references: References) -> None:
     assert not canaries(found)
 
 
-def test_a_component_alone_is_broken(references: References) -> None:
-    sampling = Sampling(36, channels=frozenset({"T.x"}))
-    found = judgement(references("four_bar"), ("analytic",), sampling, lambda name: (offers(name, "fast"), ""), print)
+@pytest.mark.parametrize(
+    ("scene", "channel"),
+    [
+        ("four_bar", "T.x"),
+        ("four_bar", "crank.omega"),
+        ("four_bar", "crank.alpha"),
+        ("toggle_press", "slider.guide_moment"),
+    ],
+)
+def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, references: References) -> None:
+    sampling = Sampling(36, channels=frozenset({channel}))
+    found = judgement(
+        references(scene), ("analytic", "pymunk"), sampling, lambda name: (offers(name, "balanced"), ""), print
+    )
     assert found.ok
     assert not canaries(found)
 
