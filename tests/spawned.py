@@ -24,7 +24,7 @@ def main() -> None:
     for number, what, seconds in ((0, "a", 60.0), (0, "SystemExit", 60.0), (0, "asleep", 0.1), (1, "abort", 60.0)):
         workers[number].ask(what, Limits(seconds))
         outcome = workers[number].wait(lambda: None)
-        print(what, outcome.reason if isinstance(outcome, Ended) else outcome.result, sep=": ", flush=True)
+        print(what, outcome.reason if isinstance(outcome, Ended) else outcome, sep=": ", flush=True)
     workers[2].ask("asleep", Limits(60.0))
     workers[2].wait(lambda: print(*children(), flush=True))
 

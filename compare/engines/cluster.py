@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from scenes import InputError, Status
 
-from .isolation import POLL, WAIT, Answer, Ended, Limits, answer, isolated, uninterrupted
+from .isolation import POLL, WAIT, Ended, Limits, answer, isolated, uninterrupted
 from .kept import version
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ Result = TypeVar("Result")
 
 PATIENCE = 10  # s, for a scheduler and its workers to answer
 HERE = "127.0.0.1"  # nothing listens to other machines
+KILLED = Ended(Status.crashed, "every worker's process that took it died")
 SETTINGS = {
     "distributed.worker.daemon": False,  # a worker has processes of its own, the engines'
     "distributed.scheduler.worker-saturation": 1.0,  # no task waits on a worker while another is idle
@@ -128,22 +129,18 @@ def spread(
     """
     blamed: list[Item] = []
     for item, outcome in _spread(function, items, client, poll):
-        if outcome is None:
+        if outcome is KILLED:
             blamed.append(item)
         else:
-            yield item, outcome.result if isinstance(outcome, Answer) else outcome
+            yield item, outcome
     for item in blamed:
-        for _, outcome in _spread(function, [item], client, poll):
-            if isinstance(outcome, Answer):
-                yield item, outcome.result
-            else:
-                yield item, outcome or Ended(Status.crashed, "every worker's process that took it died")
+        yield from _spread(function, [item], client, poll)
 
 
 def _spread(
     function: Callable[[Item], Result], items: Iterable[Item], client: "Client", poll: Callable[[], None]
-) -> Iterator[tuple[Item, Answer[Result] | Ended | None]]:
-    """Yield what `spread` does, and None for what was on several workers that died."""
+) -> Iterator[tuple[Item, Result | Ended]]:
+    """Yield what `spread` does, and `KILLED` for what was on several workers that died."""
     done = SimpleQueue[Any]()
     running: dict[Any, Item] = {}
     try:
@@ -168,13 +165,13 @@ def _spread(
             client.cancel(list(running))
 
 
-def _outcome(future: Any) -> Answer[Any] | Ended | None:
+def _outcome(future: Any) -> Any:
     from dask.distributed import KilledWorker
 
     try:
-        outcome: Answer[Any] | Ended = pickle.loads(future.result())
+        (outcome,) = pickle.loads(future.result())
     except KilledWorker:
-        return None
+        return KILLED
     except CancelledError:
         raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
     return outcome

@@ -5,7 +5,7 @@ from outside stand as what is known of them without it.
 """
 
 from base64 import b64decode, b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from importlib import import_module
@@ -16,8 +16,9 @@ import numpy as np
 from scenes import Settings
 
 from .kept import PACKAGES
-from .offer import Offer, again, offer
+from .offer import StandIn, stand_in, standing
 
+KINDS = {kind.__name__: kind for kind in (dict, frozenset, tuple)}
 ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
 
 
@@ -27,33 +28,34 @@ def encoded(value: Any) -> Any:
     Raises:
         TypeError: it is or holds what is no data.
     """
-    match value:
-        case Enum():
-            return {"member": [_name(value), value.name]}
-        case None | bool() | int() | str():
-            return value
-        case float():
-            return float(value)
-        case complex():
-            return {"complex": [value.real, value.imag]}
-        case np.ndarray() if value.dtype.kind in ARRAYS:
-            return {"array": [value.dtype.str, value.shape, b64encode(value.tobytes()).decode()]}
-        case Settings() if not _own(type(value).__module__) or hasattr(value, "offered"):
-            known = getattr(value, "offered", None) or offer(value)
-            return {"settings": [encoded(known.values), encoded(known.meanings), value.promise]}
-        case Mapping():
-            return {"mapping": [[encoded(key), encoded(each)] for key, each in value.items()]}
-        case frozenset():
-            return {"set": [*map(encoded, value)]}
-        case tuple() if hasattr(value, "_fields"):
-            return {"row": [_name(value), [*map(encoded, value)]]}
-        case tuple():
-            return {"tuple": [*map(encoded, value)]}
-        case list():
-            return [*map(encoded, value)]
+    kind = type(value)
+    if isinstance(value, Enum):
+        return _written(kind, {"value": value.value})
+    if value is None or isinstance(value, int | str):
+        return value
+    if isinstance(value, float):
+        return float(value)
+    if isinstance(value, list):
+        return [*map(encoded, value)]
+    if isinstance(value, np.ndarray) and value.dtype.kind in ARRAYS:
+        return {"array": [value.dtype.str, value.shape, b64encode(value.tobytes()).decode()]}
+    if isinstance(value, Mapping):
+        return {"dict": [[encoded(key), encoded(each)] for key, each in value.items()]}
+    if kind in KINDS.values():
+        return {kind.__name__: [*map(encoded, value)]}
+    if isinstance(value, StandIn) or (isinstance(value, Settings) and not _own(kind.__module__)):
+        known: Any = stand_in(value)
+        return {"settings": [encoded(known.meanings), encoded(vars(known))]}
+    if isinstance(value, tuple):
+        return _written(kind, value._asdict())  # type: ignore[attr-defined]
     if not is_dataclass(value):
-        raise TypeError(f"{type(value).__name__} is no data")
-    return {"record": [_name(value), {each.name: encoded(getattr(value, each.name)) for each in fields(value)}]}
+        raise TypeError(f"{kind.__name__} is no data")
+    return _written(kind, {each.name: getattr(value, each.name) for each in fields(value)})
+
+
+def _written(kind: type, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a record as its class and what that is called with."""
+    return {f"{kind.__module__}:{kind.__qualname__}": {name: encoded(each) for name, each in arguments.items()}}
 
 
 def decoded(data: Any) -> Any:
@@ -67,36 +69,22 @@ def decoded(data: Any) -> Any:
     if not isinstance(data, dict):
         return data
     ((kind, of),) = data.items()
-    match kind:
-        case "complex":
-            return complex(*of)
-        case "array" if np.dtype(of[0]).kind in ARRAYS:
-            return np.frombuffer(b64decode(of[2]), of[0]).reshape(of[1]).copy()
-        case "settings":
-            return again(Offer(b"", *map(decoded, of[:2])), of[2])
-        case "mapping":
-            return {decoded(key): decoded(each) for key, each in of}
-        case "set" | "tuple":
-            return (frozenset if kind == "set" else tuple)(map(decoded, of))
-        case "member":
-            return _class(of[0], Enum)[of[1]]
-        case "row":
-            return _class(of[0], tuple)(*map(decoded, of[1]))
-        case "record" if is_dataclass(_class(of[0], object)):
-            return _class(of[0], object)(**{name: decoded(each) for name, each in of[1].items()})
-    raise ValueError(f"{kind} is no kind of data")
-
-
-def _name(value: object) -> Sequence[str]:
-    return type(value).__module__, type(value).__qualname__
+    if kind in KINDS:
+        return KINDS[kind](decoded(of))
+    if kind == "settings":
+        return standing(b"", *decoded(of))
+    if kind == "array" and np.dtype(of[0]).kind in ARRAYS:
+        return np.frombuffer(b64decode(of[2]), of[0]).reshape(of[1]).copy()
+    return _record(*kind.split(":"))(**{name: decoded(each) for name, each in of.items()})
 
 
 def _own(module: str) -> bool:
     return module.partition(".")[0] in PACKAGES
 
 
-def _class(name: Sequence[str], base: type) -> Any:
-    module, kept = name
-    if not _own(module) or not issubclass(of := getattr(import_module(module), kept), base):
-        raise ValueError(f"{kept} of {module} is no record")
+def _record(module: str, name: str) -> Any:
+    """Return the class of a record."""
+    of = getattr(import_module(module), name) if _own(module) else object
+    if not (is_dataclass(of) or issubclass(of, (Enum, tuple))):
+        raise ValueError(f"{name} of {module} is no record")
     return of

@@ -2,7 +2,6 @@
 
 import faulthandler
 import gc
-import io
 import os
 import pickle
 import signal
@@ -23,6 +22,7 @@ from typing import Any, Generic, TypeVar
 from scenes import InputError, Status
 
 from .guard import begin_guarded, descendants, memory
+from .messages import Messages
 from .reasons import TRACEBACK, described
 
 LINUX = sys.platform == "linux"
@@ -34,7 +34,6 @@ Result = TypeVar("Result")
 OPEN: set["Connection[bytes, bytes]"] = set()  # ways to the processes of this one, which are no matter of theirs
 POLL = 0.2  # s, between two looks at whether the user asked to stop
 LOOK = 1.0  # s, between two looks at what processes of an engine's own take
-CHUNK, HEAD = 2**20, 4  # bytes of an answer that are taken at a time, and that its size has
 PATIENCE = 2.0  # s, for a guard to end its processes
 WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
 
@@ -64,13 +63,6 @@ class Ended:
     at_limit: bool = False  # of time or memory
 
 
-@dataclass(frozen=True)
-class Answer(Generic[Result]):
-    """What the function returned."""
-
-    result: Result
-
-
 class Worker(Generic[Item, Result]):
     """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
 
@@ -90,8 +82,10 @@ class Worker(Generic[Item, Result]):
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
         theirs.close()
         self._limits, self._due, self._look, self._used = Limits(), 0.0, 0.0, 0.0
-        self._engine, self._said = 0, bytearray()  # the process that answers, once it has told; what came of a message
-        self.busy = False  # whether it was asked for something whose outcome is not known
+        self._messages = Messages(self.connection)
+        self._engine = 0  # the process that answers, once it has sent its number
+        self.busy = False  # whether it was asked for something of which the outcome is not known
+        self.outcome: Result | Ended
 
     def ask(self, item: Item, limits: Limits) -> None:
         """Have the function called, when the outcome of the last time is known."""
@@ -101,19 +95,20 @@ class Worker(Generic[Item, Result]):
         with suppress(OSError):  # its process has died, which is the outcome
             self.connection.send_bytes(ForkingPickler.dumps((limits, item)))
 
-    def outcome(self) -> Answer[Result] | Ended | None:
-        """Return what came of it, or None while the function is running."""
-        outcome = self._outcome()
-        self.busy = outcome is None
-        return outcome
-
-    def wait(self, poll: Callable[[], None]) -> Answer[Result] | Ended:
+    def wait(self, poll: Callable[[], None]) -> Result | Ended:
         """Return what came of it, once that is known. `poll` is called again and again; it may raise."""
-        while True:
-            wait([self.connection], POLL)
-            if (outcome := self.outcome()) is not None:
-                return outcome
+        wait([self.connection], POLL)
+        while not self.done():
             poll()
+            wait([self.connection], POLL)
+        return self.outcome
+
+    def done(self) -> bool:
+        """Return whether it is known what came of it, which is `outcome` then."""
+        if ended := self._ended():
+            self.end()
+            self.outcome, self.busy = ended, False
+        return not self.busy
 
     def end(self) -> None:
         """End the process, whatever it is doing, and all that it began."""
@@ -125,59 +120,36 @@ class Worker(Generic[Item, Result]):
         OPEN.discard(self.connection)
         self.connection.close()
 
-    def _outcome(self) -> Answer[Result] | Ended | None:
+    def _ended(self) -> Ended | None:
+        """Take what the process has sent, and return how it ended where no answer is to come."""
         try:
-            while (message := self._message()) is not None:
+            while self.busy and (message := self._messages.next(self._limits.memory)) is not None:
                 if self._engine:
-                    answer: Answer[Result] | Ended = _Reader(io.BytesIO(message)).load()
-                    return answer
-                self._engine = int.from_bytes(message, "big")
+                    (self.outcome,), self.busy = message, False
+                else:
+                    self._engine = message
         except (EOFError, OSError):
             return self._died()
         except Exception as error:
             return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
-        if self._process.exitcode is not None and not self.connection.poll():
+        if self.busy and self._process.exitcode is not None and not self.connection.poll():
             return self._died()
+        return self._beyond() if self.busy else None
+
+    def _beyond(self) -> Ended | None:
+        """Return which limit it is beyond."""
         if monotonic() >= self._look:
             self._look = monotonic() + LOOK
-            if self._memory() > self._limits.memory:
+            processes = descendants(self._process.pid or 0) if LINUX else []  # the first is what answers
+            if len(processes) > 1 and sum(map(memory, processes)) > self._limits.memory:
                 reason = f"it and what it began needed more memory {_than(self._limits)}"
                 return Ended(Status.crashed, reason, at_limit=True)
+        seconds = self._limits.seconds
         if monotonic() >= self._due:
-            return self._late(f"{WAIT * self._limits.seconds:.3g} s")
-        if self._processor_time() - self._used >= self._limits.seconds:
-            return self._late(f"{self._limits.seconds:.3g} s of processor time")
+            return Ended(Status.timed_out, f"no answer within {WAIT * seconds:.3g} s", at_limit=True)
+        if self._processor_time() - self._used >= seconds:
+            return Ended(Status.timed_out, f"no answer within {seconds:.3g} s of processor time", at_limit=True)
         return None
-
-    def _late(self, time: str) -> Ended:
-        self.end()
-        return Ended(Status.timed_out, f"no answer within {time}", at_limit=True)
-
-    def _message(self) -> bytes | None:
-        """Return the next message once it is whole, and wait for no more than is there.
-
-        Raises:
-            EOFError: there will be none.
-        """
-        if self.connection.poll():
-            if sys.platform == "win32":
-                return self.connection.recv_bytes()
-            if not (more := os.read(self.connection.fileno(), CHUNK)):
-                raise EOFError
-            self._said += more
-        size = int.from_bytes(self._said[:HEAD], "big", signed=True)  # as `multiprocessing` sends it
-        if not 0 <= size <= self._limits.memory:
-            raise ValueError("it is too large")
-        if len(self._said) < HEAD + size or not self._said:
-            return None
-        message = bytes(self._said[HEAD : HEAD + size])
-        del self._said[: HEAD + size]
-        return message
-
-    def _memory(self) -> int:
-        """Return the bytes that the process and those that it began have, where it began any."""
-        processes = descendants(self._process.pid or 0) if LINUX else []
-        return sum(map(memory, processes)) if len(processes) > 1 else 0
 
     def _processor_time(self) -> float:
         """Return what the process has used, s. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
@@ -214,15 +186,14 @@ def isolated(
                 worker.ask(busy[worker], limits)
             wait([worker.connection for worker in busy], POLL)
             for worker, item in [*busy.items()]:
-                outcome = worker.outcome()
-                if outcome is None:
+                if not worker.done():
                     continue
                 del busy[worker]
-                if isinstance(outcome, Answer):
-                    idle.append(worker)
-                else:  # whatever state it is in
+                if isinstance(worker.outcome, Ended):  # whatever state it is in
                     worker.end()
-                yield item, outcome.result if isinstance(outcome, Answer) else outcome
+                else:
+                    idle.append(worker)
+                yield item, worker.outcome
     finally:
         for worker in (*idle, *busy):
             worker.end()
@@ -230,20 +201,6 @@ def isolated(
 
 def _than(limits: Limits) -> str:
     return f"than its limit of {limits.memory / 2**30:.3g} GiB"
-
-
-class _Reader(pickle.Unpickler):
-    """Reads what another process sends, and imports nothing for it: an engine's own code stays there."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        """Return a class or function of what is imported here.
-
-        Raises:
-            UnpicklingError: it is of anything else.
-        """
-        if module not in sys.modules:
-            raise pickle.UnpicklingError(f"{name} of {module} is not known outside of it")
-        return super().find_class(module, name)
 
 
 @contextmanager
@@ -265,7 +222,7 @@ def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
 def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Result], parent: int) -> None:
     """Answer until the parent has gone."""
     _prepare(parent, connection.fileno())
-    connection.send_bytes(os.getpid().to_bytes(8, "big"))
+    connection.send_bytes(ForkingPickler.dumps(os.getpid()))
     size = _address_space()
     while True:
         try:
@@ -277,15 +234,14 @@ def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Re
 
 
 def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> memoryview:
-    """Return what the function returns for an item, or how it ended, as bytes to be sent; whatever it raises."""
-    outcome: Answer[Result] | Ended
+    """Return what the function returns for an item, or how it ended, as bytes of a tuple; whatever it raises."""
     try:
-        return ForkingPickler.dumps(Answer(function(item)))
+        return ForkingPickler.dumps((function(item),))
     except MemoryError:
-        outcome = Ended(Status.crashed, f"it needed more memory than there is, or {_than(limits)}", at_limit=True)
+        ended = Ended(Status.crashed, f"it needed more memory than there is, or {_than(limits)}", at_limit=True)
     except BaseException as error:  # also what ends a process, or its result cannot be sent
-        outcome = Ended(Status.crashed, described(error))
-    return ForkingPickler.dumps(outcome)
+        ended = Ended(Status.crashed, described(error))
+    return ForkingPickler.dumps((ended,))
 
 
 def _prepare(parent: int, connection: int) -> None:

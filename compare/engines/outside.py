@@ -24,11 +24,13 @@ from scenes.format import ENGINE
 
 from .entry import Entry
 from .isolation import Ended, Limits, isolated
-from .offer import Offer, offer, stand_in
+from .offer import stand_in
 from .reasons import described
 
 GROUP = "linkage_crosscheck.engines"
 LIMITS = Limits(20.0)  # of an import
+TIERS, LADDERS = ("DEFAULT", "FAST", "EXACT"), ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")
+FUNCTIONS = ("build", "at_steps", "iterations_needed")
 
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:
@@ -93,81 +95,62 @@ def imported(entry: Entry) -> Engine[Any]:
         Exception: it cannot be, or offers what is not what the protocol asks for.
     """
     engine = completed(import_module(entry.module), entry.version)
-    _offers(engine)
+    _check(engine)
     return engine
 
 
-def offered(entry: Entry) -> Engine[Any]:
-    """Return what an engine offers, of which none can be called where it is not imported; nothing where it cannot be.
+def offered(entry: Entry) -> tuple[Engine[Any], Ended | None]:
+    """Return what an engine offers, and how its import ended where that is nothing.
 
-    Unless it is already in this process, it is imported in one of its own.
+    Unless it is already in this process, it is imported in one of its own, and none of its functions can be called.
     """
-    outcome = _outcome(entry)
-    if _is_here(entry) and not isinstance(outcome, Ended):
-        return imported(entry)
-    names = {} if isinstance(outcome, Ended) else {name: _stand_ins(of) for name, of in outcome.items()}
-    return completed(SimpleNamespace(**{"DEFAULT": Settings("default"), "build": _elsewhere} | names), entry.version)
-
-
-def refused(entry: Entry) -> Ended | None:
-    """Return how the import of an engine ended that offers nothing."""
-    outcome = _outcome(entry)
-    return outcome if isinstance(outcome, Ended) else None
-
-
-def _is_here(entry: Entry) -> bool:
-    return entry.module in sys.modules or current_process().daemon  # which may have no processes
+    if entry.module in sys.modules or current_process().daemon:  # which may have no processes
+        try:
+            return imported(entry), None
+        except Exception as error:
+            offers: Mapping[str, Any] | Ended = Ended(Status.crashed, described(error))
+    else:
+        offers = _offers(entry)
+    if isinstance(offers, Ended):
+        return completed(SimpleNamespace(DEFAULT=Settings("default"), build=_elsewhere), entry.version), offers
+    return completed(SimpleNamespace(**offers), entry.version), None
 
 
 @cache
-def _outcome(entry: Entry) -> Mapping[str, Any] | Ended:
-    if not _is_here(entry):
-        ((_, outcome),) = isolated(_described, [entry], LIMITS, lambda: None)
-        return outcome
-    try:
-        return _described(entry)
-    except Exception as error:
-        return Ended(Status.crashed, described(error))
+def _offers(entry: Entry) -> Mapping[str, Any] | Ended:
+    ((_, outcome),) = isolated(_described, [entry], LIMITS, lambda: None)
+    return outcome
 
 
-def _described(entry: Entry) -> dict[str, Any]:
-    return _offers(imported(entry))
-
-
-def _stand_ins(offers: Any) -> Any:
-    if isinstance(offers, tuple):
-        return tuple(map(stand_in, offers))
-    return stand_in(offers) if isinstance(offers, Offer) else _elsewhere if offers else None
+def _described(entry: Entry) -> Mapping[str, Any]:
+    """Return what stands in for what an engine offers, by name."""
+    engine = imported(entry)
+    tiers = {name: stand_in(getattr(engine, name)) for name in TIERS}
+    ladders = {name: tuple(map(stand_in, getattr(engine, name))) for name in LADDERS}
+    return tiers | ladders | {name: _elsewhere for name in FUNCTIONS if getattr(engine, name) is not None}
 
 
 def _elsewhere(*_: object) -> NoReturn:
     raise ImportError("the engine is not imported in this process")
 
 
-def _offers(engine: Engine[Any]) -> dict[str, Any]:
-    """Return what an engine offers as plain data: by name settings, and whether it has some functions.
+def _check(engine: Engine[Any]) -> None:
+    """Refuse an engine that is not what the protocol asks for.
 
     Raises:
-        TypeError: it is not what the protocol asks for.
+        TypeError: its settings are none, or in no tuple.
         ValueError: two settings have one label.
     """
-    tiers = {name: getattr(engine, name) for name in ("DEFAULT", "FAST", "EXACT")}
-    ladders = {name: _tuple(getattr(engine, name)) for name in ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")}
-    settings = [*tiers.values(), *(each for ladder in ladders.values() for each in ladder)]
+    settings = [getattr(engine, name) for name in TIERS]
+    for ladder in (getattr(engine, name) for name in LADDERS):
+        if not isinstance(ladder, tuple):
+            raise TypeError(f"expected a tuple of settings, found {type(ladder).__name__}")
+        settings += ladder
     for each in (*settings, *([engine.at_steps(24)] if engine.at_steps else [])):
         check_settings(each)
     labels = Counter(each.label for each in dict.fromkeys(settings))
     if again := next((label for label, number in labels.items() if number > 1), None):
         raise ValueError(f"expected a label of its own for each of its settings, found two of {again}")
-    functions = {name: getattr(engine, name) is not None for name in ("at_steps", "iterations_needed")}
-    in_data = {name: tuple(map(offer, ladder)) for name, ladder in ladders.items()}
-    return {name: offer(each) for name, each in tiers.items()} | in_data | functions
-
-
-def _tuple(ladder: object) -> tuple[Any, ...]:
-    if not isinstance(ladder, tuple):
-        raise TypeError(f"expected a tuple of settings, found {type(ladder).__name__}")
-    return ladder
 
 
 def check_settings(settings: object) -> None:

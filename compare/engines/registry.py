@@ -104,13 +104,13 @@ def gives_everything(name: str) -> bool:
 def engine(name: str) -> Engine[Any]:
     """Return what an engine offers: its module, or of one from outside its settings, without its code."""
     entry = ENTRIES[name]
-    return outside.offered(entry) if entry.outside else cast("Engine[Any]", import_module(entry.module))
+    return outside.offered(entry)[0] if entry.outside else cast("Engine[Any]", import_module(entry.module))
 
 
 def refused(name: str) -> Ended | None:
     """Return how the import of an engine ended that cannot be imported, where that was tried by itself."""
     entry = ENTRIES[name]
-    return outside.refused(entry) if entry.outside and not entry.missing else None
+    return outside.offered(entry)[1] if entry.outside and not entry.missing else None
 
 
 def imported(name: str) -> Engine[Any]:

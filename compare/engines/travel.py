@@ -1,6 +1,6 @@
 """How far points travel: the largest distance between two of their positions, and what errors are divided by."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -41,9 +41,8 @@ def chord(places: Vectors) -> complex:
     It is one between corners of their convex hull that two parallel lines touch (rotating calipers, Shamos 1978): the
     corner opposite to an edge has that edge's direction, turned by half a turn, between those of its own two edges.
     """
-    ordered = np.sort(places)  # by x, then by y; np.unique imports masked arrays, which takes long
-    ordered = ordered[np.append(True, ordered[1:] != ordered[:-1])]
-    hull = np.concatenate([_below(ordered)[:-1], _below(ordered[::-1])[:-1]])
+    ordered = np.sort(places)  # by x, then by y
+    hull = np.array(_below(ordered.tolist())[:-1] + _below(ordered[::-1].tolist())[:-1])
     if len(hull) < 3:
         return complex(ordered[-1] - ordered[0])
     ends = np.roll(hull, -1)
@@ -53,20 +52,14 @@ def chord(places: Vectors) -> complex:
     return complex(pairs[np.abs(pairs).argmax()])
 
 
-def _below(places: Vectors) -> Vectors:
+def _below(places: Sequence[complex]) -> list[complex]:
     """Return the corners of the hull from the first to the last of sorted positions, to the right of that way.
 
-    Quickhull (Eddy 1977) on all edges at once: the furthest position outside each is a corner; what is inside is not.
+    By Andrew's monotone chain (1979): where the way would not turn left is no corner.
     """
-    corners, others = np.array([0, len(places) - 1]), np.arange(1, len(places) - 1)
-    while others.size:
-        edge = np.searchsorted(corners, others) - 1
-        start, end = places[corners[edge]], places[corners[edge + 1]]
-        outside = -((end - start).conjugate() * (places[others] - start)).imag
-        order = np.lexsort((-outside, edge))
-        order = order[outside[order] > 0]
-        first = np.diff(edge[order], prepend=-1) > 0
-        corners = np.sort([*corners, *others[order[first]]])
-        others = np.sort(others[order[~first]])
-    half: Vectors = places[corners]
-    return half
+    corners: list[complex] = []
+    for place in places:
+        while len(corners) > 1 and ((corners[-1] - corners[-2]).conjugate() * (place - corners[-1])).imag <= 0:
+            corners.pop()
+        corners.append(place)
+    return corners

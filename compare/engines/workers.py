@@ -5,12 +5,12 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from multiprocessing import current_process
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar, cast
 
 from scenes import Request, Sampling, Scene, Settings
 
 from . import registry, runner
-from .isolation import Answer, Ended, Limits, Worker
+from .isolation import Ended, Limits, Worker
 from .runner import Run, Runs
 
 SECONDS, MEMORY = 20.0, 2 * 2**30  # of processor time, and bytes, for a run of few samples: a hang ends soon
@@ -23,20 +23,11 @@ TRIES = 3  # processes that may crash on a scene before its engine is not begun 
 T = TypeVar("T")
 
 
-class Job(NamedTuple):
-    """What an engine's process is asked."""
-
-    scene: Scene
-    request: Request
-    settings: Sequence[Settings]
-    timed: bool  # for the times alone
-
-
-def limits(job: Job) -> Limits:
-    """Return what a job may take, which grows with the rows, or steps, and channels that it has."""
-    cycles = job.request.turns if isinstance(job.request, Sampling) else 1
-    rows = sum(max(job.request.count, cycles * (getattr(each, "steps", None) or 0)) for each in job.settings)
-    values = rows * len(job.request.wanted(job.scene))
+def limits(scene: Scene, request: Request, settings: Sequence[Settings]) -> Limits:
+    """Return what runs may take, which grows with the rows, or steps, and channels that they have."""
+    cycles = request.turns if isinstance(request, Sampling) else 1
+    rows = sum(max(request.count, cycles * (getattr(each, "steps", None) or 0)) for each in settings)
+    values = rows * len(request.wanted(scene))
     return Limits(SECONDS + SECONDS_EACH * values, MEMORY + MEMORY_EACH * values)
 
 
@@ -66,12 +57,12 @@ class Workers:
         if registry.ENTRIES[name].missing:
             return runner.run(name, scene, request, settings)
         chosen: Settings = settings or registry.engine(name).DEFAULT
-        (outcome,) = self._runs(name, Job(scene, request, (chosen,), timed=False))
+        (outcome,) = self._runs(name, scene, request, (chosen,), reads=True)
         return outcome
 
     def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
         """Build and solve one after the other in the engine's process, for the times alone; see `runner.timed`."""
-        return self._runs(name, Job(scene, request, settings, timed=True))
+        return self._runs(name, scene, request, settings, reads=False)
 
     def asked(self, name: str, scene: Scene, function: Callable[[], T], limits: Limits = LIMITS) -> T | Ended:
         """Call a function in the engine's process, about a scene on which that has not ended too often."""
@@ -83,34 +74,34 @@ class Workers:
         if len(deaths) >= TRIES or any(death.at_limit for death in deaths):
             return replace(deaths[-1], reason=f"not run again, since {deaths[-1].reason}")
         outcome = self._outcome(name, function, limits)
-        if isinstance(outcome, Answer):
-            return outcome.result
-        deaths.append(outcome)
+        if isinstance(outcome, Ended):
+            deaths.append(outcome)
         return outcome
 
-    def _runs(self, name: str, job: Job) -> list[Run]:
-        outcome = self.asked(name, job.scene, partial(_done, name, job), limits(job))
+    def _runs(
+        self, name: str, scene: Scene, request: Request, settings: Sequence[Settings], *, reads: bool
+    ) -> list[Run]:
+        attempts = [partial(runner.attempt, name, scene, request, each, reads=reads) for each in settings]
+        outcome = self.asked(name, scene, partial(_all, attempts), limits(scene, request, settings))
         if not isinstance(outcome, Ended):
             return outcome
         version = registry.ENTRIES[name].version
-        return [Run(name, each, outcome.status, outcome.reason, "isolation", version) for each in job.settings]
+        return [Run(name, each, outcome.status, outcome.reason, "isolation", version) for each in settings]
 
-    def _outcome(self, name: str, function: Callable[[], T], limits: Limits) -> Answer[T] | Ended:
-        worker = self._workers.get(name) or self.begin(name)
+    def _outcome(self, name: str, function: Callable[[], T], limits: Limits) -> T | Ended:
+        worker, outcome = self._workers.get(name) or self.begin(name), None
+        lives = False
         try:
-            outcome = worker.wait(self._poll) if worker.busy else None  # with the import
+            if worker.busy:  # with the import
+                outcome = worker.wait(self._poll)
             if not isinstance(outcome, Ended):
                 worker.ask(function, limits)
                 outcome = worker.wait(self._poll)
-        except BaseException:
-            self._end(name)
-            raise
-        if isinstance(outcome, Ended):
-            self._end(name)
-        return outcome
-
-    def _end(self, name: str) -> None:
-        self._workers.pop(name).end()
+            lives = not isinstance(outcome, Ended)
+        finally:
+            if not lives:
+                self._workers.pop(name).end()
+        return cast("T | Ended", outcome)
 
 
 def _called(function: Callable[[], T]) -> T:
@@ -121,8 +112,8 @@ def _import(name: str) -> None:
     registry.imported(name).version()
 
 
-def _done(name: str, job: Job) -> list[Run]:
-    return [runner.attempt(name, job.scene, job.request, each, reads=not job.timed) for each in job.settings]
+def _all(functions: Sequence[Callable[[], T]]) -> list[T]:
+    return [function() for function in functions]
 
 
 @contextmanager

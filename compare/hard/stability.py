@@ -23,7 +23,7 @@ from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
 from ..engines import registry, runner
 from ..engines.isolation import Ended
-from ..engines.offer import offer, stand_in
+from ..engines.offer import stand_in
 from ..engines.outside import check_settings
 from ..engines.reasons import described
 from ..engines.reference import Reference
@@ -182,7 +182,7 @@ def _at_steps(engine: str, *numbers: int) -> Settings | str:
         check_settings(settings := module.at_steps(*numbers))
     except Exception as error:
         return described(error)
-    return stand_in(offer(settings)) if registry.ENTRIES[engine].outside else settings
+    return stand_in(settings) if registry.ENTRIES[engine].outside else settings
 
 
 def _cell(

@@ -55,7 +55,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for module in modules.keys() - {"sitecustomize"}:
         sys.modules.pop(module, None)
     outside.imported.cache_clear()
-    outside._outcome.cache_clear()
+    outside._offers.cache_clear()
 
 
 def test_the_example_keeps_to_the_contract(site: Path) -> None:

@@ -135,7 +135,7 @@ def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     for module in MODULES:
         sys.modules.pop(module, None)
     outside.imported.cache_clear()
-    outside._outcome.cache_clear()
+    outside._offers.cache_clear()
 
 
 @pytest.mark.usefixtures("_installed")

@@ -17,7 +17,7 @@ from compare.engines.isolation import Ended, Limits
 from compare.engines.registry import ORACLE
 from compare.engines.runner import Run
 from compare.engines.stopping import Stopped
-from compare.engines.workers import Job, Workers, limits, workers
+from compare.engines.workers import Workers, limits, workers
 from scenes import Positions, Request, Sampling, Scene, Status
 from tests.comparisons import SLOW
 from tests.deaths import ASLEEP, DEATHS, FURTHER, TWELVE, alive, children, doomed, within
@@ -134,7 +134,7 @@ def test_the_clock_is_fine_under_a_limit_of_processor_time() -> None:
     [(SAMPLING, 20.0), (Sampling(360, turns=1000), 1000.0), (Positions((0.0,) * 360_000), 1000.0)],
 )
 def test_limits_grow_with_what_is_asked(asked: Request, least: float, toggle_press: Scene) -> None:
-    found = limits(Job(toggle_press, asked, [CORE], timed=False))
+    found = limits(toggle_press, asked, [CORE])
     assert least <= found.seconds <= 3 * least
     assert found.memory >= 3 * 8 * asked.count * len(asked.wanted(toggle_press))  # a motion on both sides, and one sent
 

@@ -119,10 +119,10 @@ def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[flo
         [packed, {}],
         None,
         {},
-        {"record": [["pathlib", "Path"], {}]},
+        {"pathlib:Path": {}},
         encoded([Member({}, "ok", ""), {}]),
     ]
-    hostile += [{kind: ["os", "system"]} for kind in ("record", "row", "member", "mapping", "array", "settings")]
+    hostile += [{kind: ["os", "system"]} for kind in ("os:system", "tuple", "dict", "array", "settings")]
     for data in hostile:
         kept.add(str(changes[0]), data)
     with pytest.raises(KeyboardInterrupt):
@@ -134,13 +134,13 @@ def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[flo
 @pytest.mark.parametrize(
     "data",
     [
-        {"record": [["subprocess", "Popen"], {"args": "true"}]},
-        {"record": [["compare.engines.isolation", "Worker"], {"function": 1}]},
-        {"row": [["compare.engines.isolation", "os"], []]},
-        {"member": [["scenes", "Settings"], "label"]},
+        {"subprocess:Popen": {"args": "true"}},
+        {"compare.engines.isolation:Worker": {"function": 1}},
+        {"compare.engines.isolation:os": {}},
+        {"scenes:Status": {"value": "label"}},
         {"array": ["O", [1], ""]},
         {"array": ["<f8", [10**9], ""]},
-        {"tuple": [], "set": []},
+        {"tuple": [], "frozenset": []},
         {"nothing": []},
     ],
 )
