@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
-from scenes.arguments import doubles
+from scenes.arguments import finite_numbers
 from scenes.drive import Driven
 from scenes.machines import at_path, machines, numbers_of, refused
 from scenes.motion import Samples
@@ -80,7 +80,7 @@ class FastSolver:
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises."""
-        position = doubles("position", position)
+        position = finite_numbers("position", position)
         instants, driven = driven_at(self.scene, position, time)
         names, rows_at = self._single
         rows = rows_at({}, driven)[:, 0]
@@ -90,7 +90,7 @@ class FastSolver:
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        scene, position = self.scene, doubles("position", position)
+        scene, position = self.scene, finite_numbers("position", position)
         many, known = machines(scene, changes), numbers_of(scene)
         given = {at_path(scene, path, known): np.asarray(values, np.float64) for path, values in changes.items()}
         numbers = {path: values * known[path][1] for path, values in given.items()}

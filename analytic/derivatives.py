@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Scene
-from scenes.arguments import doubles, names
+from scenes.arguments import finite_numbers, names
 from scenes.machines import at_path, numbers_of
 from scenes.motion import Samples
 
@@ -47,7 +47,7 @@ def derivatives(
     known = numbers_of(scene)
     keys = [at_path(scene, path, known) for path in names("numbers", numbers)]
     program = recorded(scene, {*keys}, channels)
-    position = doubles("position", position)
+    position = finite_numbers("position", position)
     _, driven = driven_at(scene, position, time)
     with np.errstate(invalid="ignore", divide="ignore"):  # where a group does not reach, which is refused
         k = kinematics(scene, solve.linkage, driven, rates=False)

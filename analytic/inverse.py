@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Failure, Scene, Status
-from scenes.arguments import doubles
+from scenes.arguments import finite_numbers
 from scenes.motion import Samples
 
 from .dead_points import SAMPLES, Displaced, bisected, dead_points, displacement
@@ -55,7 +55,7 @@ def inverse(
     """
     linkage = followed(scene, decompose(scene))
     asked = {"position": position, "velocity": velocity, "acceleration": acceleration}
-    s, v, a = map(np.atleast_1d, np.broadcast_arrays(*(doubles(name, value) for name, value in asked.items())))
+    s, v, a = map(np.atleast_1d, np.broadcast_arrays(*(finite_numbers(name, value) for name, value in asked.items())))
     displaced = displacement(scene, linkage, scene.output)
     way = np.linspace(*scene.drive.extent, SAMPLES)
     along = displaced(way)[0]

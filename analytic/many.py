@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Motion, Scene, Status
-from scenes.arguments import doubles
+from scenes.arguments import finite_numbers
 from scenes.machines import machines, refused
 from scenes.motion import Samples
 
@@ -138,7 +138,7 @@ class ManySolver:
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
-        position, time = doubles("position", position), time if time is None else doubles("time", time)
+        position, time = finite_numbers("position", position), time if time is None else finite_numbers("time", time)
         shape = (self.count, *(position.shape[-1:] or (1,)))
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):

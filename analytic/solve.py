@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from scenes import Failure, Motion, Request, Sampling, Scene, Status
-from scenes.arguments import doubles, known_names
+from scenes.arguments import finite_numbers, known_names
 from scenes.drive import Driven
 from scenes.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
@@ -53,7 +53,7 @@ def solve(
 
     Raises:
         Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
-        InputError: no scene, no such channel, or positions or instants that are no plain numbers.
+        InputError: no scene, no such channel, or positions or instants that are no finite numbers.
         ValueError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
     """
     return solver(scene, channels)(position, time)
@@ -117,7 +117,7 @@ class Solver:
         """
         scene, linkage = self.scene, self.linkage
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
-        position = doubles("position", position).astype(np.float32 if single else np.float64, copy=False)
+        position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(scene, position, time)
         if position.ndim != 1 or time.ndim != 1:
             raise ValueError(f"position, time: expected the shape (n,) of both, found {position.shape}")
@@ -207,7 +207,7 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[
         ValueError: the drive follows a law, and no instants are given; or there are not as many as positions.
     """
     if time is not None:
-        time = doubles("time", time)
+        time = finite_numbers("time", time)
     if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):
         found = f"{position.shape}" if time is None else f"{position.shape} and {time.shape}"
         raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")

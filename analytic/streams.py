@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, Scene, Status
-from scenes.arguments import doubles, refuse
+from scenes.arguments import finite_numbers, refuse
 from scenes.motion import Samples
 
 from .decomposition import decompose
@@ -123,7 +123,7 @@ def reduce_many(
     if not isinstance(reductions, Sequence):
         refuse("reductions", "several, as [Extremes(...)]", reductions)
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
-    positions = position if isinstance(position, Grid) else doubles("position", position)
+    positions = position if isinstance(position, Grid) else finite_numbers("position", position)
     endings, done = Endings(many.count, many.failed), 0
     _, first = many.parts[0]
     for block in many.blocks(positions, None, endings):

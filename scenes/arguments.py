@@ -63,3 +63,11 @@ def doubles(argument: str, value: object) -> NDArray[np.float64]:
     except (TypeError, ValueError):  # of ragged lists, and what is no number among others
         pass
     refuse(argument, "real numbers", value)
+
+
+def finite_numbers(argument: str, value: object) -> NDArray[np.float64]:
+    """Return finite real numbers as an array of their own, of the same shape, or raise InputError."""
+    numbers = doubles(argument, value)
+    if not np.isfinite(numbers).all():
+        refuse(argument, "finite numbers", value)
+    return numbers

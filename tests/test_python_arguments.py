@@ -97,6 +97,17 @@ def test_masked_arrays_and_what_is_no_number(name: str) -> None:
         assert "expected real numbers, found" in refused(partial(call, other))
 
 
+@pytest.mark.parametrize("name", [name for name in WITH_POSITIONS if "numbers" not in name and "fast" not in name])
+def test_positions_that_are_not_finite(name: str) -> None:
+    for value in (np.nan, np.inf):
+        assert "expected finite numbers, found [" in refused(partial(WITH_POSITIONS[name], [0.5, value]))
+
+
+@pytest.mark.parametrize("call", [analytic.fast_solver(PRESS), analytic.solver(scenes.load("class_iii"))])
+def test_positions_that_are_not_finite_of_other_solvers(call: Callable[[Any], object]) -> None:
+    assert refused(lambda: call([np.nan])) == "position: expected finite numbers, found [nan]"
+
+
 def test_a_masked_array_of_an_engine(plug: Plug, reference: Any) -> None:
     """What is masked is no answer, whatever lies below the mask."""
     right = commanded(reference)
