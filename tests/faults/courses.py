@@ -49,7 +49,7 @@ def _half_turns(clean: Clean) -> Iterator[Fault]:
     middle = clean.sampling.count // 2
     for kind, rows in {"from the middle on": slice(middle, None), "in ten rows": slice(middle, middle + TEN)}.items():
         for body in clean.some(clean.scene.turning, f"half a turn {kind}"):
-            turned = partial(spoilt.shifted, clean.motion, [f"{body}.angle"], np.pi)
+            turned = partial(spoilt.shifted, clean.motion, {f"{body}.angle": np.pi})
             yield Fault("half a turn", kind, np.pi, Kind.offset, body, partial(_in_rows, clean, turned, rows))
 
 

@@ -66,7 +66,7 @@ def frames(clean: Clean) -> Iterator[Fault]:
         for by in (0.1, 3 * clean.promise):
             for stem in clean.some([name.rpartition(".")[0] for name in clean.of(what)], f"{what} by an offset {by}"):
                 name = f"{stem}.{what}"
-                change = partial(spoilt.shifted, clean.motion, [name], by * clean.reference.scale[name])
+                change = partial(spoilt.shifted, clean.motion, {name: by * clean.reference.scale[name]})
                 yield Fault("frame", f"{what} by an offset", by, Kind.offset, stem, change)
     yield from _mirrored_and_relative(clean)
 
@@ -100,7 +100,7 @@ def _mirrored_and_relative(clean: Clean) -> Iterator[Fault]:
     for x, y in [place for place in scene.ground.values() if any(place)][:1]:
         for axis, by in (("x", x), ("y", y)):
             if by:
-                change = partial(spoilt.shifted, motion, clean.of(axis), -by)
+                change = partial(spoilt.shifted, motion, dict.fromkeys(clean.of(axis), -by))
                 yield Fault("frame", f"another origin: {axis}", abs(by), Kind.offset, "all", change)
     turning = [body for body in scene.turning if body != scene.drive.body]
     for one, other in zip(turning, scene.turning, strict=False):

@@ -64,7 +64,7 @@ def times(clean: Clean) -> Iterator[Fault]:
     yield fault("a row repeated with its instant", 1, orders["a row repeated"][0], None, Kind.held)
     yield fault("two rows swapped with their instants", 1, orders["two rows swapped"][0], None, Kind.rows)
     for share in (1e-3, 1e-6):
-        change = partial(spoilt.shifted, motion, ["time"], share * clean.scene.drive.cycle)
+        change = partial(spoilt.shifted, motion, {"time": share * clean.scene.drive.cycle})
         yield Fault("time", "other instants than asked for", share, Kind.lag, "all", change)
 
 

@@ -170,7 +170,7 @@ def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
         allowed = clean.scene.tolerances.get(measured.run.engine, {})
         for channel in of.channels[:: max(len(of.channels) // FAULTS, 1)]:
             for most in {of.promise, allowed.get(GROUPS[quantity(channel)], of.promise)}:
-                motions.append(shifted(of.motion, [channel], CLEAR * most * of.size(channel).max()))
+                motions.append(shifted(of.motion, {channel: CLEAR * most * of.size(channel).max()}))
         spoilt += [replace(measured.run, motion=motion) for motion in motions]
     return clean, tuple(one for one in spoilt if not _passes(clean, one))
 

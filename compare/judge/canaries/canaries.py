@@ -98,7 +98,7 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
 def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
     """Return what lets the drive lag by a little more than it may, and nothing else."""
     drive = copy.scene.drive_channel
-    return partial(spoilt.shifted, names=[drive], by=-float(copy.amounts(CLEAR)[drive].max()))
+    return partial(spoilt.shifted, by={drive: -float(copy.amounts(CLEAR)[drive].max())})
 
 
 def _another_mass(copy: Thinned) -> bool:

@@ -1,6 +1,6 @@
 """Ways to spoil a motion: each returns another one, whose named channels are wrong."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from scenes import Motion
 from scenes.motion import Samples
@@ -11,19 +11,14 @@ def replaced(motion: Motion, samples: Mapping[str, Samples]) -> Motion:
     return Motion({**motion.samples, **samples}, motion.unsupported)
 
 
-def changed(motion: Motion, names: Iterable[str], change: Callable[[Samples], Samples]) -> Motion:
-    """Return the motion with some channels changed, each by itself."""
-    return replaced(motion, {name: change(motion[name]) for name in names})
-
-
 def scaled(motion: Motion, names: Iterable[str], factor: float) -> Motion:
     """Return the motion with some channels times a factor: -1 for the opposite sign, 1000 for mm in place of m."""
-    return changed(motion, names, lambda samples: factor * samples)
+    return replaced(motion, {name: factor * motion[name] for name in names})
 
 
-def shifted(motion: Motion, names: Iterable[str], by: float) -> Motion:
-    """Return the motion with the same added to every sample of some channels."""
-    return changed(motion, names, lambda samples: samples + by)
+def shifted(motion: Motion, by: Mapping[str, Samples | float]) -> Motion:
+    """Return the motion with something added to some channels, the same to every sample or an amount to each."""
+    return replaced(motion, {name: motion[name] + amount for name, amount in by.items()})
 
 
 def swapped(motion: Motion, first: Iterable[str], second: Iterable[str]) -> Motion:
@@ -59,4 +54,4 @@ def without(motion: Motion, names: Collection[str], reason: str = "") -> Motion:
 
 def moved(motion: Motion, right: Motion, wrong: Motion, names: Iterable[str], factor: float = 1.0) -> Motion:
     """Return the motion plus what lies between two others, times a factor, in some channels."""
-    return replaced(motion, {name: motion[name] + factor * (wrong[name] - right[name]) for name in names})
+    return shifted(motion, {name: factor * (wrong[name] - right[name]) for name in names})

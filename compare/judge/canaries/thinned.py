@@ -13,23 +13,26 @@ from scenes.motion import Samples, channels, force_channels, quantity
 from ...engines.press_switches import on_switch
 from ...engines.reference import Reference
 from ...engines.runner import Run, complete
+from ..constraints import largest_length
 from ..errors import GROUPS, shown_groups
 from ..gates import gates, missed
 from ..measure import Measurement, assess
 from ..perturbation import neighbours
 from ..round_off import EPS, Explained
-from ..verdict import judged
+from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
 from .clean import CleanRun
-from .sizes import length, sizes
+from .sizes import apart, length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
 CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself
 EXCESS = 300.0  # times what the settings promise: an ok run has no excuse for so much, not even in its balances
 ROUNDINGS = 100.0  # times how far the motion moves: the drive is off by as little too
 MOST = 1.0  # of a scale or magnitude: angles come round
-BLIND = {"branch"}  # that all channels are off is no other branch
-FAR = 1e6  # times the peak of what the drive does: more than any other power
+BLIND = {"branch", *BALANCES}  # that all channels are off is no other branch, and may cancel in a balance
+FAR = 1e6  # times the largest force: of what a balance is relative to nothing else is left
+MUCH = 0.5  # of that: what a balance finds then
+ARMS = 100.0  # sizes of the linkage: further off no centre of mass is
 
 
 @dataclass(frozen=True)
@@ -67,9 +70,9 @@ class Thinned(CleanRun):
         except Failure:
             others = []
         moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
-        least = EPS * self.explained.condition
+        least, cancelled = EPS * self.explained.condition, self.explained.cancelled
         relative = {c: [length(motion, c) / size for motion in moved] for c, size in self.sizes.items()}
-        return {channel: ROUNDINGS * np.max([least, *found], axis=0) for channel, found in relative.items()}
+        return {c: ROUNDINGS * np.max([least, cancelled.get(c, least), *of], axis=0) for c, of in relative.items()}
 
     @property
     def complete(self) -> bool:
@@ -112,7 +115,8 @@ def refused_if_moved(spoil: Callable[[Motion], Motion]) -> Noticed:
 
     def noticed(copy: Thinned) -> bool:
         moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
-        return all((abs(moved[c] - copy.motion[c]) <= allowed[c]).all() for c in allowed) or refused(spoil)(copy)
+        off = {c: abs(apart(c, moved[c], copy.motion[c])) for c in allowed}
+        return all((off[c] <= allowed[c]).all() for c in allowed) or refused(spoil)(copy)
 
     return noticed
 
@@ -142,25 +146,19 @@ def stops_without_a_motion(copy: Thinned) -> bool:
 def each_check_alone(sign: int) -> Noticed:
     """Return whether checks notice by themselves that all channels are off, that they found no number, or too much.
 
-    A check that is not made notices nothing. Power is one number for all: it has to see what the drive does alone.
+    A check that is not made notices nothing. Balances, in which much cancels, have to notice single forces.
     """
 
     def noticed(copy: Thinned) -> bool:
-        amounts = copy.amounts()
-        found = copy.assessed(
-            spoilt.replaced(copy.motion, {c: copy.motion[c] + sign * amount for c, amount in amounts.items()})
-        )
+        found = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
         assert copy.run.settings is not None
         too_much = EXCESS * max(copy.run.settings.promise, copy.run.settings.drive_promise)
         alone = {name: [check for check in found.checks if check.check == name] for name in checked(copy.scene)}
-        if copy.scene.has_masses:
-            *_, effort = force_channels(copy.scene)
-            driven = spoilt.shifted(copy.motion, [effort], sign * FAR * float(copy.sizes[effort].max()))
-            alone["power"] = [check for check in copy.assessed(driven).checks if check.check == "power"]
         one_by_one = [[replace(own, worst=worst)] for own in found.checks for worst in (float("nan"), too_much)]
         return (
             all(alone.values())
             and stops(copy, found)
+            and (not copy.scene.has_masses or _balances_notice(copy, sign * FAR))
             and all(
                 judged(copy.run, own).status is not Status.ok
                 for own in (*(alone[name] for name in alone.keys() - BLIND), *one_by_one)
@@ -170,10 +168,30 @@ def each_check_alone(sign: int) -> Noticed:
     return noticed
 
 
+def _balances_notice(copy: Thinned, times: float) -> bool:
+    """Return whether each balance finds a force on the driven body far above all, and a couple above its moment.
+
+    For power a driven slider is made fast, too: its own speed may be nothing beside that of other points.
+    """
+    scene, (*others, effort), driven = copy.scene, force_channels(copy.scene), copy.scene.drive.body
+    force = times * max(float(copy.sizes[channel].max()) for channel in (*others, effort))
+    couple = ARMS * force * largest_length(scene)
+    if scene.driven_slide is None:
+        joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
+        both, power = {joint: force, effort: couple}, {effort: couple}
+    else:
+        both, (point, *_) = {effort: force, f"{driven}.guide_moment": couple}, scene.bodies[driven].points
+        way = zip((f"{point}.vx", f"{point}.vy"), scene.driven_slide.along, strict=True)
+        power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}
+    return all(
+        max(one.worst for one in copy.assessed(spoilt.shifted(copy.motion, push)).checks if one.check == name) > MUCH
+        for name, push in {"Newton": both, "Euler": both, "power": power}.items()
+    )
+
+
 def checked(scene: Scene) -> set[str]:
     """Return the names of the checks that a complete motion of a scene undergoes."""
-    forces = {"Newton", "Euler", "power"} if scene.has_masses else set()
-    return {"drive", "closure", "branch", *shown_groups(scene), *forces}
+    return {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
 
 
 def each_channel_is_seen(copy: Thinned) -> bool:
@@ -212,8 +230,7 @@ def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
     """Return the judgement of the run against a reference that is off by some amounts, by channel, shape (n,)."""
 
     def at(position: Samples, time: Samples) -> Motion:
-        true = copy.reference.at(position, time)
-        return spoilt.replaced(true, {channel: true[channel] + amount for channel, amount in amounts.items()})
+        return spoilt.shifted(copy.reference.at(position, time), amounts)
 
     return copy.assessed(copy.motion, replace(copy.reference, at=at))
 

@@ -44,6 +44,8 @@ def test_none_is_let_through(name: str, references: References) -> None:
         ("four_bar", "crank.omega"),
         ("four_bar", "crank.alpha"),
         ("toggle_press", "slider.guide_moment"),
+        ("crank_press", "B.x"),
+        ("crank_press", "rod.angle"),
     ],
 )
 def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, references: References) -> None:
@@ -51,6 +53,33 @@ def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, refer
     found = judgement(
         references(scene), ("analytic", "pymunk"), sampling, lambda name: (offers(name, "balanced"), ""), print
     )
+    assert found.ok
+    assert not canaries(found)
+
+
+def test_what_changes_little_is_still_planted(references: References, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A rod's angle alone, whose sign and whose lag a comparison with a promise of 1000 does not notice."""
+    sampling = Sampling(72, channels=frozenset({"rod.angle"}))
+    offered = offers("analytic", "balanced")
+    found = judgement(references("crank_press"), ("analytic",), sampling, lambda _: (offered, ""), print)
+    a_wider_promise(monkeypatch)
+    assert {"rod.angle of the opposite sign", "all but the drive late by a sample"} <= {
+        line.partition(" with ")[2] for line in canaries(found)
+    }
+
+
+TIP = (40.0, 0.0)  # m: of a crank of 1 m, so that it is some 40 times as fast as the slider that drives it
+SLOW_DRIVE = {
+    "bodies.crank": {"points": {"O": [0, 0], "A": [1, 0], "T": TIP}, "mass": 1, "com": [0.5, 0], "inertia": 0.1},
+    "drive": {"body": "slider", "speed": -1, "start": 3.6, "end": 2.6},
+    "sketch": {"displacement": 3.6, "A": [0.7, 0.7], "B": [3.6, 0], "T": [28, 28]},
+    "output": {"point": "T"},
+}
+
+
+def test_power_is_found_out_of_balance_where_the_drive_is_slow() -> None:
+    slow = reference.found(scene_files.load("slider_crank", SLOW_DRIVE))
+    found = judgement(slow, ("pymunk",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
     assert found.ok
     assert not canaries(found)
 

@@ -148,6 +148,7 @@ def test_where_doubles_are_the_limit_that_is_the_reason_and_not_the_core(name: s
     scene, changes, why = DOUBLES[name]
     result = check(scene_files.load(scene, changes), engines=("analytic",), samples=72)
     assert result.verdicts["analytic"] == ("ok", "")
+    assert result.ok
     assert f"all that doubles leave of {'drive.torque: ' if 'spring' in why else ''}" in result.agreement.sentence
     assert why in result.agreement.sentence
 
