@@ -141,6 +141,8 @@ def _spread(
     function: Callable[[Item], Result], items: Iterable[Item], client: "Client", poll: Callable[[], None]
 ) -> Iterator[tuple[Item, Result | Ended]]:
     """Yield what `spread` does, and `KILLED` for what was on several workers that died."""
+    from dask.distributed import KilledWorker
+
     done = SimpleQueue[Any]()
     running: dict[Any, Item] = {}
     try:
@@ -157,24 +159,18 @@ def _spread(
                 if client.cluster is not None:  # one that dies while it begins is not begun anew by itself
                     client.cluster.scale(len(client.cluster.worker_spec))
                 continue
-            item, outcome = running.pop(future), _outcome(future)
+            item = running.pop(future)
+            try:
+                (outcome,) = pickle.loads(future.result())
+            except KilledWorker:
+                outcome = KILLED
+            except CancelledError:
+                raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
             future.release()  # as its __del__ does, where Python would drop Ctrl-C
             yield item, outcome
     finally:
         with suppress(Exception):  # it has gone
             client.cancel(list(running))
-
-
-def _outcome(future: Any) -> Any:
-    from dask.distributed import KilledWorker
-
-    try:
-        (outcome,) = pickle.loads(future.result())
-    except KilledWorker:
-        return KILLED
-    except CancelledError:
-        raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
-    return outcome
 
 
 # --- on a worker ------------------------------------------------------------------------------------------------------

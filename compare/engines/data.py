@@ -29,9 +29,7 @@ def encoded(value: Any) -> Any:
         TypeError: it is or holds what is no data.
     """
     kind = type(value)
-    if isinstance(value, Enum):
-        return _written(kind, {"value": value.value})
-    if value is None or isinstance(value, int | str):
+    if value is None or (isinstance(value, int | str) and not isinstance(value, Enum)):
         return value
     if isinstance(value, float):
         return float(value)
@@ -46,16 +44,15 @@ def encoded(value: Any) -> Any:
     if isinstance(value, StandIn) or (isinstance(value, Settings) and not _own(kind.__module__)):
         known: Any = stand_in(value)
         return {"settings": [encoded(known.meanings), encoded(vars(known))]}
-    if isinstance(value, tuple):
-        return _written(kind, value._asdict())  # type: ignore[attr-defined]
-    if not is_dataclass(value):
+    if isinstance(value, Enum):
+        made_of = {"value": value.value}
+    elif isinstance(value, tuple):
+        made_of = value._asdict()  # type: ignore[attr-defined]
+    elif is_dataclass(value):
+        made_of = {each.name: getattr(value, each.name) for each in fields(value)}
+    else:
         raise TypeError(f"{kind.__name__} is no data")
-    return _written(kind, {each.name: getattr(value, each.name) for each in fields(value)})
-
-
-def _written(kind: type, arguments: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return a record as its class and what that is called with."""
-    return {f"{kind.__module__}:{kind.__qualname__}": {name: encoded(each) for name, each in arguments.items()}}
+    return {f"{kind.__module__}:{kind.__qualname__}": {name: encoded(each) for name, each in made_of.items()}}
 
 
 def decoded(data: Any) -> Any:

@@ -17,18 +17,15 @@ class Lasting:
         """Begin nothing yet."""
         self._lock = Lock()
         self._begun = ExitStack()
-        self._engines: tuple[str, ...] = ()
         self._runs: Runs | None = None
         self._ending = Timer(IDLE, self._end)
 
     @contextmanager
     def runs(self, engines: tuple[str, ...]) -> Iterator[Runs]:
-        """Yield what runs engines by these names; another thread's task waits until this one is done."""
+        """Yield what runs engines, these by name without delay; another thread's task waits until this one is done."""
         with self._lock:
             self._ending.cancel()
-            if self._runs is None or engines != self._engines:
-                self._begun.close()
-                self._runs, self._engines = self._begun.enter_context(workers(engines, lambda: None)), engines
+            self._runs = self._runs or self._begun.enter_context(workers(engines, lambda: None))
             try:
                 yield self._runs
             finally:

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, distributions
+from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
 from multiprocessing import current_process
 from types import SimpleNamespace
@@ -41,9 +41,8 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
     """
     points = sorted(_points(), key=lambda point: point.name)
     count = Counter([*taken, *(point.name for point in points)])
-    found = {point.name: _entry(point) for point in points if count[point.name] == 1}
-    again = [(point.name, _entry(point)) for point in points if count[point.name] > 1]
-    return found | {f"{name}@{entry.distribution}": entry for name, entry in again}
+    known = ((point.name, _entry(point)) for point in points)
+    return {name if count[name] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
 
 
 def _points() -> list[EntryPoint]:
@@ -63,7 +62,7 @@ def _entry(point: EntryPoint) -> Entry:
     name, module = known.get("Name", "a nameless distribution"), point.value.strip()
     package = module.partition(".")[0]
     needs = [need[0] for each in point.dist.requires or () if ";" not in each and (need := re.match(r"[\w.-]+", each))]
-    lacking = next((need for need in needs if not _installed(need)), "")
+    lacking = next((need for need in needs if not any(Distribution.discover(name=need))), "")
     trouble = ""
     if not re.fullmatch(ENGINE, point.name):
         trouble = "its name is expected to be letters, digits, '_', '.' and '-', 40 at most"
@@ -75,13 +74,6 @@ def _entry(point: EntryPoint) -> Entry:
         trouble = f"{name} lacks its module {package}: pip install {name}"
     version, purpose = f"{name} {known.get('Version', '')}".strip(), known.get("Summary") or f"an engine of {name}"
     return Entry(purpose, module, package, name, f"pip install {name}", outside=version, trouble=one_line(trouble))
-
-
-def _installed(name: str) -> bool:
-    try:
-        return bool(distribution(name))
-    except PackageNotFoundError:
-        return False
 
 
 # --- when an engine is asked for --------------------------------------------------------------------------------------

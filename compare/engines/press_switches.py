@@ -120,11 +120,7 @@ def fitted(
 
 def on_switch(may: Sequence[Acts]) -> NDArray[np.intp]:
     """Return the samples where a force may act and may not."""
-    return (
-        np.flatnonzero(np.any([act.any(axis=0) & ~act.all(axis=0) for act in may], axis=0))
-        if may
-        else np.array([], np.intp)
-    )
+    return np.flatnonzero(np.any([act.any(axis=0) & ~act.all(axis=0) for act in may], axis=0))
 
 
 def fixed(scene: Scene, acting: Acting) -> Iterator[tuple[Scene, NDArray[np.intp]]]:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from multiprocessing import current_process
+from operator import call
 from typing import Any, TypeVar, cast
 
 from scenes import Request, Sampling, Scene, Settings
@@ -43,7 +44,7 @@ class Workers:
 
     def begin(self, name: str) -> Worker[Callable[[], Any], Any]:
         """Begin an engine's process, which imports the engine while nobody waits for it."""
-        worker = self._workers[name] = Worker[Callable[[], Any], Any](_called)
+        worker = self._workers[name] = Worker[Callable[[], Any], Any](call)
         worker.ask(partial(_import, name), LIMITS)
         return worker
 
@@ -104,16 +105,12 @@ class Workers:
         return cast("T | Ended", outcome)
 
 
-def _called(function: Callable[[], T]) -> T:
-    return function()
-
-
 def _import(name: str) -> None:
     registry.imported(name).version()
 
 
 def _all(functions: Sequence[Callable[[], T]]) -> list[T]:
-    return [function() for function in functions]
+    return [*map(call, functions)]
 
 
 @contextmanager

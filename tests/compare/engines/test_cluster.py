@@ -165,7 +165,7 @@ def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pyte
     begun = []
     for engines in (("analytic",), ("analytic",), ("analytic", "pymunk")):
         with lasting.runs(engines) as runs:
-            assert runs.run("analytic", scene, Sampling(24)).status is Status.ok
+            assert {runs.run(engine, scene, Sampling(24)).status for engine in engines} == {Status.ok}
             begun.append(children())
     assert begun[0] == begun[1]
     assert [len(each) for each in begun] == [1, 1, 2]
