@@ -64,14 +64,21 @@ def linkage_check(pytestconfig: pytest.Config) -> "Callable[..., Result]":
         from compare import check
         from scenes import InputError
 
-        option = pytestconfig.option
-        asked = {"engines": option.linkage_engines.split(","), "samples": option.linkage_samples}
         try:
-            return check(scene, **(asked | arguments))
+            asked = _asked(pytestconfig)
+            return check(scene, **({"engines": asked.engines, "samples": asked.samples} | arguments))
         except InputError as error:
             pytest.fail(str(error), pytrace=False)
 
     return check
+
+
+def _asked(config: pytest.Config) -> "Namespace":
+    """Return the engines and samples of the command line, or raise InputError."""
+    from compare.arguments import parser
+
+    option = config.option
+    return parser().parse_args([f"--engines={option.linkage_engines}", f"--samples={option.linkage_samples}"])
 
 
 class SceneFile(pytest.File):
@@ -87,14 +94,11 @@ class SceneFile(pytest.File):
             CollectError: the scene or the options are bad input; the text is one line.
         """
         _check_names()
-        from compare.arguments import parser
         from compare.judge.errors import shown_groups
         from scenes import InputError, load
 
-        option = self.config.option
-        asked = [f"--engines={option.linkage_engines}", f"--samples={option.linkage_samples}"]
         try:
-            self.scene, self.options = load(self.path), parser().parse_args(asked)
+            self.scene, self.options = load(self.path), _asked(self.config)
         except InputError as error:
             raise self.CollectError(str(error).partition("; usage: ")[0]) from None
         self.add_marker("linkage")
