@@ -20,7 +20,7 @@ from ..engines.travel import guide_travel
 from .constraints import largest_length
 from .errors import GROUPS, SHOWN_GROUPS
 from .estimate import Estimate, estimate
-from .round_off import EPS
+from .round_off import EPS, distance
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
@@ -144,7 +144,7 @@ def _balances(
     What rounding explains is zero.
     """
     least: Violations = {}
-    rounding = EPS * estimated.condition
+    rounding = EPS * estimated.condition * distance(state.scene, state.motion)
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
         """Return the power left over, to which all sliders add; the rest, each of one body, is the least of any."""

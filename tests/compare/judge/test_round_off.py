@@ -115,14 +115,18 @@ SHORT = {
     "drive": {"body": "crank", "speed": 1, "start": 1.0, "end": 1.0002},
     "sketch": {"angle": 0.3, "A": [float(x) for x in ALONG], "B": [float(4 * x) for x in ALONG]},
 }
-FAR = {
-    "ground.points": {"O": [1000000, 700000], "P1": [1000404.709, 699782.339]},
-    "bodies.slider.slides.through": [1000000, 700000],
-    "sketch": {
-        **{"angle": 11.5, "P2": [1000480, 699798], "P3": [1000000, 699700]},
-        **{"P4": [1000000, 699210], "P5": [1000000, 698910]},
-    },
-}
+
+
+def away(x: float, y: float) -> scene_files.Changes:
+    """Return changes that put the toggle press somewhere else, mm."""
+    sketch = {"P2": [480, -202], "P3": [0, -300], "P4": [0, -790], "P5": [0, -1090]}
+    return {
+        "ground.points": {"O": [x, y], "P1": [x + 404.709, y - 217.661]},
+        "bodies.slider.slides.through": [x, y],
+        "sketch": {"angle": 11.5, **{point: [x + u, y + v] for point, (u, v) in sketch.items()}},
+    }
+
+
 GUIDE = float(1 - 3 * np.cos(SQUARE))  # m: its height, where the rod is so far from square to it at the end
 STEEP = {
     "bodies.slider.slides.through": [0, GUIDE],
@@ -132,7 +136,8 @@ STEEP = {
 STRONG = {"springs": [{"between": ["ground.A", "crank.B"], "stiffness": 1e9, "length": 0.5}]}
 DOUBLES: dict[str, tuple[str, scene_files.Changes, str]] = {
     "a stroke of a hundredth of a degree": ("slider_crank", {**MASSES, **SHORT}, "lengths"),
-    "a kilometre from the origin": ("toggle_press", FAR, "lengths"),
+    "a kilometre from the origin": ("toggle_press", away(1e6, 7e5), "lengths"),
+    "a hundred kilometres from the origin": ("toggle_press", away(1e8, 7e7), "lengths"),
     "a rod nearly square to its guide": ("slider_crank", {**MASSES, **STEEP}, "lengths"),
     "a spring along the crank": (
         "loaded_four_bar",
