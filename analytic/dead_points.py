@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Scene
+from scenes import InputError, Scene
 from scenes.drive import Driven
 from scenes.motion import Samples
 from scenes.scene import PressForce
@@ -26,7 +26,7 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     """Return the displacement of a slider's point along its guide from `through`, with its derivatives by the drive.
 
     Raises:
-        ValueError: the point is on no body that slides on the ground.
+        InputError: the point is on no body that slides on the ground.
     """
     t, through = guide_of(scene, point)
 
@@ -44,11 +44,11 @@ def guide_of(scene: Scene, point: str) -> tuple[Vectors, complex]:
     """Return the direction, and a point, of the guide on the ground along which a point runs.
 
     Raises:
-        ValueError: the point is on no body that slides on the ground.
+        InputError: the point is on no body that slides on the ground.
     """
     guided = scene.guided(point)
     if guided is None:
-        raise ValueError(f"{point} is on no body that slides on the ground")
+        raise InputError(f"{point} is on no body that slides on the ground")
     _, slide = guided
     return samples(as_complex(slide.along)), as_complex(slide.through)
 

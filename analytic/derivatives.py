@@ -41,7 +41,7 @@ def derivatives(
     Raises:
         Failure: as of `solve`.
         InputError: there is no number at a path, or one that cannot differ.
-        ValueError: as of `solve`.
+        InputError: as of `solve`.
     """
     solve = solver(scene, channels)
     known = numbers_of(scene)

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import Failure, Scene, Status
+from scenes import Failure, InputError, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.motion import Samples
 
@@ -51,7 +51,7 @@ def inverse(
 
     Raises:
         Failure: the linkage does not decompose, or does not assemble all the way.
-        ValueError: the output point does not slide on the ground, or does not move.
+        InputError: the output point does not slide on the ground, or does not move.
     """
     linkage = followed(scene, decompose(scene))
     asked = {"position": position, "velocity": velocity, "acceleration": acceleration}
@@ -62,7 +62,7 @@ def inverse(
     if np.isnan(along).any():
         raise Failure(Status.cannot_assemble, describe(scene, linkage, float(way[np.isnan(along)][0])))
     if not np.ptp(along) > STILL * linkage.arm:
-        raise ValueError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
+        raise InputError(f"{scene.output} stands still wherever the drive is: its motion does not give the drive's")
     return [_stroke(displaced, start, end, s, v, a) for start, end in pairwise(_ends(scene, displaced))]
 
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenes import Failure, Motion, Scene, Status
+from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.machines import machines, refused
 from scenes.motion import Samples
@@ -85,7 +85,7 @@ def solve_many(
     Raises:
         Failure: the linkage has bodies that are held twice over.
         InputError: there is no number at a path, or one that cannot differ, or two paths lead to the same one.
-        ValueError: the numbers are not as many for each path; positions or instants are of another shape; or as of
+        InputError: the numbers are not as many for each path; positions or instants are of another shape; or as of
             `solve`.
     """
     return many_solver(scene, changes, channels)(position, time)
@@ -142,7 +142,7 @@ class ManySolver:
         shape = (self.count, *(position.shape[-1:] or (1,)))
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
-                raise ValueError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
+                raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
         _, first = self.parts[0]
         answer = Answer(first, shape, np.float64)
         endings = Endings(self.count, self.failed)

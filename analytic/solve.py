@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from scenes import Failure, Motion, Request, Sampling, Scene, Status
+from scenes import Failure, InputError, Motion, Request, Sampling, Scene, Status
 from scenes.arguments import finite_numbers, known_names
 from scenes.drive import Driven
 from scenes.motion import Samples, quantity
@@ -54,7 +54,7 @@ def solve(
     Raises:
         Failure: as of `solver`, and `cannot_assemble` at the first position where the bodies do not reach.
         InputError: no scene, no such channel, or positions or instants that are no finite numbers.
-        ValueError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
+        InputError: the drive follows a law, and no instants are given; or positions or instants are of another shape.
     """
     return solver(scene, channels)(position, time)
 
@@ -120,7 +120,7 @@ class Solver:
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(scene, position, time)
         if position.ndim != 1 or time.ndim != 1:
-            raise ValueError(f"position, time: expected the shape (n,) of both, found {position.shape}")
+            raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
         motion_at = motion_at or partial(kinematics, rates=self.rates)
         answer = Answer(self, position.shape, position.dtype)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
@@ -204,18 +204,18 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[
     """Return the instants, s, and what the drive asks for at them and at its positions, both of one shape.
 
     Raises:
-        ValueError: the drive follows a law, and no instants are given; or there are not as many as positions.
+        InputError: the drive follows a law, and no instants are given; or there are not as many as positions.
     """
     if time is not None:
         time = finite_numbers("time", time)
     if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):
         found = f"{position.shape}" if time is None else f"{position.shape} and {time.shape}"
-        raise ValueError(f"position, time: expected the shape (n,) of both, found {found}")
+        raise InputError(f"position, time: expected the shape (n,) of both, found {found}")
     if isinstance(scene.drive, ConstantSpeed):
         instants = (position - scene.drive.start) / scene.drive.speed if time is None else time
         return instants, Driven(position, np.array(scene.drive.speed), np.array(0.0))
     if time is None:
-        raise ValueError("a drive that follows a law needs the instants")
+        raise InputError("a drive that follows a law needs the instants")
     return time, scene.drive.at(time)._replace(position=position)
 
 

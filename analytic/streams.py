@@ -116,14 +116,13 @@ def reduce_many(
     Raises:
         Failure: as of `solve_many`; `unsupported` for a linkage with a larger group.
         InputError: as of `solve_many`.
-        ValueError: as of `solve_many`.
     """
     if any(isinstance(group, Group) for group in decompose(scene).groups):  # some machines of which are solved anew
         raise Failure(Status.unsupported, "a linkage with a group that is solved by Newton's method has no streams")
-    if not isinstance(reductions, Sequence):
+    if not isinstance(reductions, Sequence) or not all(hasattr(reduction, "channel") for reduction in reductions):
         refuse("reductions", "several, as [Extremes(...)]", reductions)
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
-    positions = position if isinstance(position, Grid) else finite_numbers("position", position)
+    positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
     endings, done = Endings(many.count, many.failed), 0
     _, first = many.parts[0]
     for block in many.blocks(positions, None, endings):

@@ -36,7 +36,7 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
     Raises:
         InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch; or two paths
             lead to the same one.
-        ValueError: the numbers are not as many for each path.
+        InputError: the numbers are not as many for each path.
     """
     check_changes(changes)
     known = numbers_of(scene_of(scene))
@@ -44,7 +44,7 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
     if len(arrays) < len(changes):
         raise InputError(f"{scene.file}: expected each number once, and two of the paths lead to the same one")
     if len({values.shape for values in arrays.values()}) > 1 or any(values.ndim != 1 for values in arrays.values()):
-        raise ValueError("changes: expected one number a machine for each path, shape (m,)")
+        raise InputError("changes: expected one number a machine for each path, shape (m,)")
 
     def change(path: str, value: Any, to_si: Callable[[Any], Any]) -> Any:
         return to_si(arrays[path][:, None]) if path in arrays else value

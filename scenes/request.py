@@ -6,6 +6,7 @@ from typing import TypeAlias
 import numpy as np
 
 from .drive import ConstantSpeed
+from .errors import InputError
 from .motion import Samples, channels, force_channels
 from .scene import Scene
 
@@ -75,10 +76,10 @@ class Positions(_Channels):
         """Return the instants, shape (n,), s.
 
         Raises:
-            ValueError: the drive follows a motion law.
+            InputError: the drive follows a motion law.
         """
         if not isinstance(scene.drive, ConstantSpeed):
-            raise ValueError("positions alone are of a drive at constant speed")
+            raise InputError("positions alone are of a drive at constant speed")
         return (self.commanded(scene) - scene.drive.start) / scene.drive.speed
 
     def commanded(self, scene: Scene) -> Samples:  # noqa: ARG002 - they are the request itself

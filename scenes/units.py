@@ -89,7 +89,8 @@ def _factor(unit: str, si: str) -> float:
         return _FACTORS[unit, si]
     registry = _registry()
     try:
-        return float(registry.Quantity(1.0, registry.parse_units(unit)).to(si).magnitude)
+        parsed = registry.parse_units(unit)  # to pint 1 Hz is 1 rad/s, to others a turn a second
+        return nan if "hertz" in str(parsed) else float(registry.Quantity(1.0, parsed).to(si).magnitude)
     except Exception:  # pint raises its own, ValueError, AssertionError or OverflowError, by kind of nonsense
         return nan
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scenes import Scene
+from scenes.errors import nearest
 
 if TYPE_CHECKING:
     from ..judge.judgement import Judgement
@@ -43,10 +44,14 @@ def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, m
         more: what else is missed.
     """
     from ..ci import github
+    from ..engines import registry
     from ..judge.gates import Miss
 
     if judged and not any(judgement.held for judgement in judged.values()):
         print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")
+    run = {m.run.engine for judgement in judged.values() for m in judgement.measurements}
+    for name in sorted(scene.tolerances.keys() - registry.ENTRIES.keys() - run):
+        print(f"{scene.name}  not held: tolerances.{name}: no engine of that name{nearest(name, registry.ENTRIES)}")
     misses = {name: judgement.misses for name, judgement in judged.items()}
     misses.setdefault(scene.name, []).extend(Miss("", "", text) for text in more)
     for name, found in misses.items():

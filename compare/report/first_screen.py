@@ -119,7 +119,7 @@ def _place(over: Axis, channel: str, position: float) -> Place | None:
     """Return a place on the axis, given in SI: `171°`, `3.2 mm`."""
     if isnan(position):
         return None
-    at = f"{position * over.factor:.4g}".replace("-", "−")
+    at = f"{round(position * over.factor, 10) + 0.0:.4g}".replace("-", "−")
     return Place(channel, position, f"{at}°" if over.unit == "deg" else f"{at} {over.unit}")
 
 

@@ -20,7 +20,7 @@ from .masses import fictitious_masses
 from .misfit import misfit
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
-LARGEST_PART = 1 / 72  # of the drive's range in one continuation step
+LARGEST_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it
 LARGEST_CLOSING = 0.1  # of the sketch's gaps in one continuation step
 SMALLEST_STEP = 1e-6  # of a whole path; a linkage that needs smaller ones is singular
 NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to another one
@@ -169,7 +169,7 @@ def way(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Ite
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.scene.drive.extent
     unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
-    step = min(LARGEST_TURN * unit, LARGEST_PART * (high - low))
+    step = min(LARGEST_TURN * unit, LARGEST_PART * max(high - low, abs(there - here)))
     closed = np.zeros(q.size)
     return _follow(linkage, q, lambda s: (here + s * (there - here), closed), step / max(abs(there - here), step))
 

@@ -11,7 +11,7 @@ from analytic.dead_points import displacement
 from analytic.decomposition import decompose
 from analytic.inverse import Stroke
 from analytic.kinematics import followed
-from scenes import Failure, Scene, Status
+from scenes import Failure, InputError, Scene, Status
 from tests import scene_files
 
 
@@ -57,7 +57,7 @@ def test_out_of_reach_is_not_a_number(toggle_press: Scene) -> None:
 
 def test_a_point_that_does_not_slide() -> None:
     scene = scene_files.load("slider_crank", {"output": {"point": "A"}})
-    with pytest.raises(ValueError, match="A is on no body that slides"):
+    with pytest.raises(InputError, match="A is on no body that slides"):
         analytic.inverse(scene, 1.0)
 
 
@@ -74,7 +74,7 @@ IDLE = {
 @pytest.mark.parametrize("ends", [{}, {"drive.start": 0.5, "drive.end": 1.5}])
 def test_a_slider_that_never_moves(ends: scene_files.Changes) -> None:
     """A bar from the ground to a slider of its own: neither tells where the crank is."""
-    with pytest.raises(ValueError, match="S stands still wherever the drive is"):
+    with pytest.raises(InputError, match="S stands still wherever the drive is"):
         analytic.inverse(scene_files.load("slider_crank", IDLE | ends), 1.4)
 
 

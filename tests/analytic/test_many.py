@@ -151,7 +151,7 @@ def test_paths_of_no_number(path: str, near: str) -> None:
 
 
 def test_numbers_for_every_machine() -> None:
-    with pytest.raises(ValueError, match="one number a machine"):
+    with pytest.raises(InputError, match="one number a machine"):
         analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [1.0, 2], "drive.speed": [3.0]}, [0.0])
 
 
@@ -206,13 +206,13 @@ def test_two_paths_of_one_number_are_refused() -> None:
 )
 def test_positions_and_instants_of_another_shape(position: ArrayLike, time: ArrayLike | None) -> None:
     scene = scenes.load("toggle_press")
-    with pytest.raises(ValueError, match="expected the shape"):
+    with pytest.raises(InputError, match="expected the shape"):
         analytic.solve_many(scene, {"bodies.rod.mass": [60.0, 61]}, position, time)
-    with pytest.raises(ValueError, match="expected the shape"):
+    with pytest.raises(InputError, match="expected the shape"):
         analytic.solve(scene, position, time)
     if np.ndim(position) < 2:
         for route in (analytic.fast_solver(scene), lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at)):
-            with pytest.raises(ValueError, match="expected the shape"):
+            with pytest.raises(InputError, match="expected the shape"):
                 route(position, time)
 
 

@@ -11,7 +11,7 @@ import scenes
 from analytic.dead_points import dead_points, displacement, guide_of, stroke_end
 from analytic.decomposition import decompose
 from analytic.kinematics import followed
-from scenes import Scene
+from scenes import InputError, Scene
 from scenes.scene import PressForce
 from tests import scene_files
 
@@ -167,5 +167,5 @@ def test_the_guide_is_that_on_the_ground() -> None:
     along = hypot(1, 0.5)
     carried, _, _ = displacement(scene, followed(scene, decompose(scene)), "E")(angle)
     assert carried == pytest.approx((motion["B.x"] - 5) * along, abs=1e-14)
-    with pytest.raises(ValueError, match="A is on no body that slides on the ground"):
+    with pytest.raises(InputError, match="A is on no body that slides on the ground"):
         displacement(scene, followed(scene, decompose(scene)), "A")

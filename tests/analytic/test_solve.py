@@ -13,7 +13,7 @@ from analytic.dyads import rrr_reach
 from compare.engines.reference import found as uncertified
 from compare.engines.travel import travels
 from compare.judge.checks import checks
-from scenes import Sampling, Scene
+from scenes import InputError, Sampling, Scene
 from scenes.motion import channels
 from tests import scene_files
 from tests.agreement import off_50_digits
@@ -175,7 +175,7 @@ def test_kinematic_scene_has_no_forces() -> None:
 def test_a_law_needs_the_instants() -> None:
     """A position does not tell how fast a law passes it; at a constant speed it does, whatever the instants."""
     scene = scene_files.load("turning_law")
-    with pytest.raises(ValueError, match="a drive that follows a law needs the instants"):
+    with pytest.raises(InputError, match="a drive that follows a law needs the instants"):
         analytic.solve(scene, [0.5])
     steady = scene_files.load("slider_crank")
     late, told = analytic.solve(steady, [0.5], [99.0]), analytic.solve(steady, [0.5])

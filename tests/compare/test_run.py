@@ -213,6 +213,16 @@ def test_check_names_what_is_missed(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.usefixtures("few_settings")
+def test_tolerances_of_no_engine_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing is held to them: a slip in the name must not look like a gate that is met."""
+    held = {"exudin": {"position": 1e-9}, "analytic": {"position": 1e-9}}
+    file = scene_files.write(tmp_path, "four_bar", {"name": "slip", "tolerances": held})
+    assert main([str(file), "--engines", "analytic", "--samples", "24", "--out", str(tmp_path), "--check"]) == 0
+    line = "not held: tolerances.exudin: no engine of that name; did you mean 'exudyn'?"
+    assert line in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("few_settings")
 def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -88,6 +88,7 @@ SLIPS = {
     "overflow": ('length = "mm"', 'length = "Ym"', ["bodies.rocker.lengths.O-P3", "to 1e-09 Ym, found 300"]),
     "odd name": ("[bodies.rod]", '[bodies."the rod"]', ["bodies.the rod", "not a name"]),
     "another format": ("format = 1", "format = 2", ["format", "1", "2"]),
+    "turns a second": ('speed = "rpm"', 'speed = "Hz"', ["units.speed: 'Hz' is not a known unit of speed", "rpm"]),
     "a speed of nothing": ('speed = "rpm"', 'speed = "kg"', ["units.speed: 'kg' is not a known unit of speed", "rpm"]),
     "tolerance of another drive": ("torque = 1e-6", "force = 1e-6", ["tolerances.exudyn.force: expected 'torque'"]),
     "variation of no number": (

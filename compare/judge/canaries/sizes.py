@@ -28,8 +28,9 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     reach = {point: 2 * float(np.abs(path - path.mean()).max()) for point, path in paths.items()}  # T to 2 T
     found = {}
     for channel in kinematic_channels(scene):
-        point, order = channel.partition(".")[0], ORDERS.get(quantity(channel), 0)
-        unit = max(reach[point], LEAST * max(reach.values())) if point in reach else 1.0
+        kind, name = quantity(channel), channel.partition(".")[0]  # a body may have the name of a point
+        order, point = ORDERS.get(kind, 0), kind[-1] in "xy"
+        unit = max(reach[name], LEAST * max(reach.values())) if point else 1.0
         scale = unit * (scene.drive.peak_rate / travel) ** order
         found[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
     peaks = {channel: float(length(cycle, channel).max()) for channel in force_channels(scene) if channel in cycle}

@@ -91,8 +91,8 @@ class Drawing:
                 origin, x_axis = self.state.frame(body.slide.on)
                 yield from (origin + x_axis * end for end in self.way(body))
         for arrow in self.arrows:
-            size = np.maximum(np.abs(arrow.force), 1e-300)
-            way = arrow.force * (per_newton * np.minimum(1.0, peak / size)).astype(np.complex128)
+            size = np.maximum(np.abs(arrow.force), peak or 1.0)
+            way = arrow.force * (per_newton * peak / size).astype(np.complex128)
             yield self.places[arrow.point] - way if arrow.load else self.places[arrow.point] + way
 
     @property

@@ -1,16 +1,20 @@
 """The canaries: none is let through by the comparison as it is, and each wrong comparison lets some through."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+import scenes
 from compare.engines import reference
 from compare.judge import checks, errors, estimate, measure, verdict
 from compare.judge import gates as gates_module
 from compare.judge.canaries import thinned
 from compare.judge.canaries.canaries import canaries
+from compare.judge.canaries.sizes import sizes
 from compare.judge.escalation import offers
 from compare.judge.gates import Gate, gates
 from compare.judge.judgement import Judgement, judgement
@@ -55,6 +59,16 @@ def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, refer
     )
     assert found.ok
     assert not canaries(found)
+
+
+def test_a_body_may_have_the_name_of_a_point(tmp_path: Path) -> None:
+    """Its angle is relative to a radian, not to the travel of the point."""
+    file = tmp_path / "named.toml"
+    file.write_text(re.sub(r"\bA\b", "crank", scene_files.text("four_bar")), encoding="utf-8")
+    found = reference.found(scenes.load(file))
+    of = sizes(found.scene, found.cycle, found.cycle, found.scale)
+    assert of["crank.x"].max() < 1.0
+    assert (of["crank.angle"] == 1.0).all()
 
 
 def test_what_changes_little_is_still_planted(references: References, monkeypatch: pytest.MonkeyPatch) -> None:

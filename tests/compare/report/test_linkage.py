@@ -49,6 +49,14 @@ def kind(root: Element, name: str) -> Element:
     return next(element for element in root.iter() if name in (element.get("class") or "").split())
 
 
+def test_forces_from_nothing_to_very_large_are_drawn_without_a_warning(references: References) -> None:
+    motion = commanded(references("four_bar"))
+    forces = {c: motion[c] * np.where(np.arange(len(motion[c])), 1e20, 0.0) for c in motion.samples if c[-2:-1] == "f"}
+    with np.errstate(all="raise"):
+        drawing, _ = drawn(references("four_bar").scene, Motion({**motion.samples, **forces}))
+    assert np.isfinite(drawing.box).all()
+
+
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)
 def test_every_point_is_in_the_picture_at_every_pose(references: References, name: str) -> None:
     reference = references(name)

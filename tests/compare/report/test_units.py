@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from compare.engines.axis import axis
 from compare.engines.reference import found
 from compare.judge.peaks.peaks import peaks
 from compare.report import first_screen
@@ -61,3 +62,10 @@ def test_what_is_zero_is_written_so() -> None:
     assert moment.text == "0"
     assert "Work a turn" not in [number.name for number in first_screen.peaks(*numbers)]
     assert not any(np.isnan(number.value) for number in first_screen.peaks(*numbers))
+
+
+@pytest.mark.parametrize("name", ["four_bar", "double_toggle_clamp"])
+def test_a_place_that_is_zero_within_round_off_is_zero(name: str) -> None:
+    place = first_screen._place(axis(scene_files.load(name)), "B.vx", -1.4e-14)
+    assert place is not None
+    assert place.text.split("°")[0].split(" ")[0] == "0"

@@ -213,6 +213,13 @@ def test_a_continuation_that_takes_too_long_names_where_it_leads(monkeypatch: py
     assert "not enough for the way to crank angle" in failure.reason
 
 
+def test_the_way_from_the_sketch_takes_no_steps_of_a_short_range(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A seventy-second of the way, not of the range: 1e-4 deg of it would be 10 million steps away."""
+    monkeypatch.setattr("sim_models.pymunk.start.SECONDS", 1.0)
+    drive = {"drive.speed": 60, "drive.start": 0, "drive.end": 1e-4}
+    assert np.isfinite(start(LinkageConstraints(scene_files.load("four_bar", drive), ballasted_masses))).all()
+
+
 def test_the_run_up_is_no_longer_than_a_cycle() -> None:
     """In a millisecond pymunk corrects 0.6 % of a joint's error: what then is left of it, no run-up takes away."""
     press = scenes.load("toggle_press")
