@@ -140,7 +140,7 @@ class Worker(Generic[Item, Result]):
         """Return which limit it is beyond."""
         if monotonic() >= self._look:
             self._look = monotonic() + LOOK
-            processes = descendants(self._process.pid or 0) if LINUX else []  # the first is what answers
+            processes = descendants(self._process.pid or 0) if LINUX else []  # one of them answers
             if len(processes) > 1 and sum(map(memory, processes)) > self._limits.memory:
                 reason = f"it and what it began needed more memory {_than(self._limits)}"
                 return Ended(Status.crashed, reason, at_limit=True)
@@ -223,7 +223,8 @@ def _serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Re
     """Answer until the parent has gone."""
     _prepare(parent, connection.fileno())
     connection.send_bytes(ForkingPickler.dumps(os.getpid()))
-    size = _address_space()
+    # bytes of address space that it begins with
+    size = int(Path("/proc/self/statm").read_text("ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE") if LINUX else 0
     while True:
         try:
             limits, item = pickle.loads(connection.recv_bytes())
@@ -268,13 +269,6 @@ def _end_with_parent() -> None:
     assert parent is not None
     wait([parent.sentinel])
     os._exit(1)
-
-
-def _address_space() -> int:
-    """Return the bytes of address space that the process has, where that is known."""
-    if not LINUX:
-        return 0
-    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _limit(memory: int) -> None:

@@ -6,7 +6,7 @@ Several runs may add to the file at the same time. Where nothing can be kept, no
 
 import json
 from collections.abc import Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from errno import EEXIST
 from functools import cache
 from hashlib import sha256
@@ -29,36 +29,29 @@ class Kept:
         self._file = file
         self._stamp = f"{version()} {environment()['system']} {key} ".encode()
         self.trouble = ""  # why results are not kept
-        try:
+        with self._trouble():
             if file.exists() and not file.is_file():
                 raise OSError(EEXIST, "it is not a file")
-        except OSError as error:
-            self._give_up(error)
 
     def read(self) -> Iterator[tuple[str, Any]]:
         """Yield every name with its result, of one that is there twice both."""
         if self.trouble or not self._file.exists():
             return
-        try:
-            with self._file.open("rb") as file:
-                while line := file.readline(MOST):
-                    digest, _, text = line.rstrip(b"\n").partition(b" ")
-                    if digest == self._digest(text):
-                        yield from [json.loads(text)]
-        except OSError as error:
-            self._give_up(error)
+        with self._trouble(), self._file.open("rb") as file:
+            while line := file.readline(MOST):
+                digest, _, text = line.rstrip(b"\n").partition(b" ")
+                if digest == self._digest(text):
+                    yield from [json.loads(text)]
 
     def add(self, name: str, result: object) -> None:
         """Keep a result, of what JSON has."""
         if self.trouble:
             return
         text = json.dumps([name, result]).encode()
-        try:
+        with self._trouble():
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with self._file.open("ab", buffering=0) as file:  # on a new line: the last may have been cut short
                 file.write(b"\n" + self._digest(text) + b" " + text)
-        except OSError as error:
-            self._give_up(error)
 
     def forget(self) -> None:
         """Drop the file: a command that came to its end starts anew the next time."""
@@ -68,8 +61,12 @@ class Kept:
     def _digest(self, text: bytes) -> bytes:
         return sha256(self._stamp + text).hexdigest().encode()
 
-    def _give_up(self, error: OSError) -> None:
-        self.trouble = f"nothing is kept for another run in {self._file}: {error.strerror}"
+    @contextmanager
+    def _trouble(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self.trouble = f"nothing is kept for another run in {self._file}: {error.strerror}"
 
 
 @cache

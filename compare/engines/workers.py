@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from multiprocessing import current_process
 from operator import call
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar
 
 from scenes import Request, Sampling, Scene, Settings
 
@@ -90,19 +90,17 @@ class Workers:
         return [Run(name, each, outcome.status, outcome.reason, "isolation", version) for each in settings]
 
     def _outcome(self, name: str, function: Callable[[], T], limits: Limits) -> T | Ended:
-        worker, outcome = self._workers.get(name) or self.begin(name), None
-        lives = False
+        worker = self._workers.get(name) or self.begin(name)
         try:
             if worker.busy:  # with the import
-                outcome = worker.wait(self._poll)
-            if not isinstance(outcome, Ended):
+                worker.wait(self._poll)
+            if not isinstance(worker.outcome, Ended):
                 worker.ask(function, limits)
-                outcome = worker.wait(self._poll)
-            lives = not isinstance(outcome, Ended)
+                worker.wait(self._poll)
         finally:
-            if not lives:
+            if worker.busy or isinstance(worker.outcome, Ended):
                 self._workers.pop(name).end()
-        return cast("T | Ended", outcome)
+        return worker.outcome
 
 
 def _import(name: str) -> None:
