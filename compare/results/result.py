@@ -151,7 +151,8 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
         raise InputError(f"columns: expected one channel more than the time and {scene.drive_channel} at least")
     drive = scene.drive.at(found["time"]).position
     cycles = (found["time"][-1] - found["time"][0]) / scene.drive.cycle
-    notes = [f"{name} has {rows} rows, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"]
+    over = f"row{'s' * (rows != 1)}, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"
+    notes = [f"{name} has {rows} {over}"]
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
     if scene.drive_channel in found:

@@ -105,6 +105,8 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     columns = Writer().columns(press, times, names)
     found = read_result(press, f"theirs={write(tmp_path, Writer().texts(columns), '')}")
     assert found.notes[0] == "theirs has 3 rows, over 0.1 cycles of the drive, from crank angle 36.0000 deg on"
+    alone = read_result(press, f"one={write(tmp_path, Writer().texts(Writer().columns(press, times[:1], names)), '')}")
+    assert alone.notes[0].startswith("one has 1 row, over 0 cycles")
     assert coarse(assess_result(references("toggle_press"), found)) == []
     (line,) = coarse(assessed(references, press, tmp_path, columns, time=".2f"))
     assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
