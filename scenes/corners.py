@@ -5,9 +5,9 @@ however many, are on a bar between the outermost two. Which of these a body is f
 centre and inertia each model works out by itself.
 
 The inertia of a plate does not tend to that of a bar as the plate gets flatter: with a third corner in the middle it is
-half of it. So there is a limit between the two, a height of 1e-4 of the longest side. That is a third of the
-straightness of ISO 2768-2 in its finest class (0.3 mm on a metre), so that no drawing tells such points from a line,
-and ten thousand times what doubles leave of a height that three lengths give.
+half of it. So there is a limit between the two, a height of 1e-3 of the longest side. General tolerances of places (ISO
+2768-1, medium: 0.3 mm on 120 to 400 mm) leave the pins of a straight lever below it, so that machines drawn from a
+lever's tolerances are bars as well; nobody cuts a plate so flat, and doubles leave far less of a height.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ from .limits import POINTS
 Places: TypeAlias = Mapping[str, tuple[Any, Any]]  # m; numbers, or arrays of one shape
 Lengths: TypeAlias = Mapping[frozenset[str], Any]  # m, of pairs of points; likewise
 
-LINE = 1e-4  # of the longest side: at most so high is a triangle whose corners are on one line
+LINE = 1e-3  # of the longest side: at most so high is a triangle whose corners are on one line
 CLOSED = 1e-12  # of two lengths: what their sum is off a third one by rounding, where the points are on one line
 
 

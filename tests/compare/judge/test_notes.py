@@ -54,7 +54,7 @@ def test_the_extent_of_a_law_is_found_between_any_rows() -> None:
         scene_files.load("lever", {"drive": {"body": "lever", "law": rows}})
 
 
-@pytest.mark.parametrize(("height", "named"), [(0.05, False), (0.2, True), (49.0, True), (51.0, False)])
+@pytest.mark.parametrize(("height", "named"), [(0.5, False), (2.0, True), (49.0, True), (51.0, False)])
 def test_a_plate_that_is_nearly_a_bar_is_named(height: float, named: bool) -> None:
     reasons = judged({"bodies.lever.points.B": [500, height], "sketch.B": [500, height]})
     assert [reason.startswith("lever, of three points nearly on one line") for reason in reasons] == [True] * named
