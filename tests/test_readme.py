@@ -105,6 +105,15 @@ def test_length() -> None:
     assert README.count("\n") < MOST_LINES
 
 
+@pytest.mark.parametrize(("mark", "end"), [("Run the main job", "-m compare.run"), ("Run the tests", "-m pytest")])
+def test_ci_finds_the_commands_that_it_runs(mark: str, end: str) -> None:
+    """As `.ci/run` reads them: the first indented line after the one that has the mark."""
+    assert mark in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    command = next(line for line in README[README.index(mark) :].splitlines() if line.startswith("    "))
+    assert command.startswith("    python3 -m venv .venv && .venv/bin/pip install -q -e '.[")
+    assert command.endswith(f" && .venv/bin/python {end}")
+
+
 @SLOW
 def test_ratios_of_times(fresh: Judgement) -> None:
     speed = speed_table(fresh.reference, ("exudyn", "pymunk"), Budget(3, 0.0), lambda _: None)
