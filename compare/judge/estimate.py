@@ -36,7 +36,6 @@ def estimate(
 
     `travel` is that of each point, m, see `travels`; `ends` as projected.
 
-
     On the switch of a press force all channels count on the side where they fit best.
     """
     projection = projected(scene, motion, ends)
