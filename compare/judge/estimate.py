@@ -41,9 +41,10 @@ def estimate(
     projection = projected(scene, motion, ends)
     scale = scales(scene, projection.closed, travel)
     units = scale | _force_units(scene)
-    rounding = EPS * np.maximum(_turns(scene, motion), distance(scene, motion)), projection.condition
+    turns, far = _turns(scene, motion), distance(scene, motion)
+    eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
     fitting = Motion({**projection.closed.samples, **projection.forces})
-    errors = _unexplained(motion, fitting, scale, units, *rounding)
+    errors = _unexplained(motion, fitting, scale, units, eps, projection.condition)
     return Estimate(errors, projection.branch, projection.condition, projection.closed)
 
 
@@ -65,16 +66,19 @@ def _unexplained(
     true: Motion,
     scale: Mapping[str, float],
     units: Mapping[str, float],
-    eps: Samples,
+    eps: Sequence[Samples],
     condition: Samples,
 ) -> dict[str, Samples]:
-    """Return the relative errors, zero where rounding explains them: by the largest value of their kind, in `units`."""
+    """Return the relative errors, zero where rounding explains them: by the largest value of their kind, in `units`.
+
+    `eps` is how far numbers are rounded, by kind.
+    """
     found = relative_errors(motion, true, scale)
     kinds = {channel: KINDS[GROUPS[quantity(channel)]] for channel in found}
     for kind, power in enumerate(POWERS):
         own = [channel for channel in found if kinds[channel] == kind]
         values = (np.abs(true[channel]) / units[channel] for channel in own)
-        rounding = eps * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
+        rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
         for channel in own:
             explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
             found[channel] = np.where((found[channel] <= explained) | np.isinf(condition), 0.0, found[channel])
