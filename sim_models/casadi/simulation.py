@@ -11,7 +11,7 @@ from scenes import Failure, Motion, Request, Sampling, Scene, Status
 from scenes.engine import equal_steps
 from scenes.motion import Samples, quantity
 
-from ..coordinates.poses import Configuration
+from ..coordinates.poses import ClosedPose
 from ..coordinates.start import SCENES, Start, begun
 from .channels import channels
 from .linkage import table
@@ -44,7 +44,7 @@ class CasadiSimulation:
         self._times, self._positions = request.times(scene), request.commanded(scene)
         self._driven = scene.drive.at(self._times)
         self._sampled = self._compiled()
-        self._poses: list[Configuration] = []
+        self._poses: list[ClosedPose] = []
         self._rows = np.empty((0, 0))
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
@@ -87,7 +87,7 @@ class CasadiSimulation:
         except RuntimeError:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
 
-    def _integrated(self, steps: int) -> list[Configuration]:
+    def _integrated(self, steps: int) -> list[ClosedPose]:
         """Return the poses at the samples, by Runge and Kutta's method."""
         sampling, follower, unit = equal_steps(self._request), self._follower, self._system.drive_unit
         each = -(-steps // sampling.samples)  # from a sample to the next

@@ -12,7 +12,7 @@ from scenes import Scene
 from scenes.motion import Samples
 
 from ..coordinates.bodies import FramedBody
-from ..coordinates.poses import CONVERGED, FITTING, Configuration, Reached
+from ..coordinates.poses import CONVERGED, FITTING, ClosedPose, Reached
 from ..coordinates.system import Frame, System
 from .linkage import Linkage
 
@@ -84,14 +84,14 @@ class CasadiSystem:
         quality = casadi.vertcat(corrections[0], corrections[-1], casadi.norm_inf(way))
         return Compiled(Function("step", [x, g], [reached, jacobian(reached), quality]))
 
-    def step(self, _: System, pose: Configuration, goal: Samples) -> Reached:
+    def step(self, _: System, pose: ClosedPose, goal: Samples) -> Reached:
         """Return what a step comes to, see `coordinates.poses.newton_step`, by one compiled function."""
         try:
             x, J, (first, last, way) = self._compiled(pose.x, goal)
         except RuntimeError:
             return Reached(None, 0)
         good = first <= FITTING * way + CONVERGED and last <= CONVERGED
-        return Reached(Configuration(x, J.reshape(self.rows, -1, order="F")) if good else None, CORRECTIONS)
+        return Reached(ClosedPose(x, J.reshape(self.rows, -1, order="F")) if good else None, CORRECTIONS)
 
     def gaps(self, x: Samples) -> Samples:
         """Return C(x), shape (m,)."""

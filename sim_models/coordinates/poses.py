@@ -31,7 +31,7 @@ SECONDS = 120.0  # of processor time, for the build and for each cycle
 ROUNDING = float(np.finfo(float).eps) / 2
 
 
-class Configuration(NamedTuple):
+class ClosedPose(NamedTuple):
     """Coordinates where C(x) = g, shape (n,), and the Jacobian there, shape (n, n)."""
 
     x: Samples
@@ -46,7 +46,7 @@ class Configuration(NamedTuple):
 class Stuck(Exception):  # noqa: N818 - a way that ends is no error
     """No step leads on from this pose."""
 
-    def __init__(self, pose: Configuration) -> None:
+    def __init__(self, pose: ClosedPose) -> None:
         super().__init__()
         self.pose = pose
 
@@ -54,11 +54,11 @@ class Stuck(Exception):  # noqa: N818 - a way that ends is no error
 class Reached(NamedTuple):
     """What a step came to."""
 
-    pose: Configuration | None  # None where it is too long
+    pose: ClosedPose | None  # None where it is too long
     iterations: int  # of Newton's method
 
 
-Step: TypeAlias = Callable[[System, Configuration, Samples], Reached]  # to the pose where C(x) is the last of these
+Step: TypeAlias = Callable[[System, ClosedPose, Samples], Reached]  # to the pose where C(x) is the last of these
 
 
 class PathFollower:
@@ -74,11 +74,11 @@ class PathFollower:
         self.budget = ProcessorBudget(SECONDS * turns, "the way of the linkage")
         self.counters = dict.fromkeys(self.counters, 0)
 
-    def pose(self, x: Samples) -> Configuration:
+    def pose(self, x: Samples) -> ClosedPose:
         """Return the pose at coordinates."""
-        return Configuration(x, self.system.jacobian(x))
+        return ClosedPose(x, self.system.jacobian(x))
 
-    def through(self, pose: Configuration, here: float, positions: Iterable[float]) -> Iterator[Configuration]:
+    def through(self, pose: ClosedPose, here: float, positions: Iterable[float]) -> Iterator[ClosedPose]:
         """Yield the poses at positions of the drive, from that at `here`, one after the other.
 
         Raises:
@@ -107,7 +107,7 @@ class PathFollower:
         turn = self.scene.driven_slide is None
         return float(LARGEST if turn else LARGEST / (2 * np.pi) * np.ptp(self.scene.drive.extent))
 
-    def tangent(self, pose: Configuration) -> tuple[Samples, Samples]:
+    def tangent(self, pose: ClosedPose) -> tuple[Samples, Samples]:
         """Return dx/ds and d2x/ds2, s the drive's position, rad or m.
 
         Raises:
@@ -119,7 +119,7 @@ class PathFollower:
         except np.linalg.LinAlgError:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
 
-    def residuals(self, poses: Sequence[Configuration], positions: Samples, promise: float) -> dict[str, float]:
+    def residuals(self, poses: Sequence[ClosedPose], positions: Samples, promise: float) -> dict[str, float]:
         """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has.
 
         A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
@@ -145,7 +145,7 @@ class PathFollower:
             raise Failure(Status.not_converged, reason)
         return {"constraints": float(gaps.max()), "rounding": rounding}
 
-    def follow(self, pose: Configuration, goal: Samples) -> Configuration:
+    def follow(self, pose: ClosedPose, goal: Samples) -> ClosedPose:
         """Return the pose where C(x) is the goal, by as many steps of halved length as it takes.
 
         Raises:
@@ -171,7 +171,7 @@ class PathFollower:
 
     # --- why not ------------------------------------------------------------------------------------------------------
 
-    def _locked(self, pose: Configuration, goal: float) -> Failure:
+    def _locked(self, pose: ClosedPose, goal: float) -> Failure:
         """Return why no pose follows on the way of the drive to a goal."""
         here = float(self.system.gaps(pose.x)[-1]) * self.system.drive_unit
         past = self.scene.where(here)
@@ -181,18 +181,18 @@ class PathFollower:
         reason = f"two ways to assemble the linkage meet past {past}, and nothing decides between them"
         return Failure(Status.not_converged, reason)
 
-    def assembles(self, pose: Configuration, position: float) -> bool:
+    def assembles(self, pose: ClosedPose, position: float) -> bool:
         """Return whether there is a pose nearby, by least squares."""
         goal = self.goal(position)
         closest = least_squares(lambda x: self.system.gaps(x) - goal, pose.x, self.system.jacobian, method="lm")
         return bool(np.abs(closest.fun).max() <= OPEN)
 
-    def repeated(self, pose: Configuration, position: float) -> int:
+    def repeated(self, pose: ClosedPose, position: float) -> int:
         """Return how many constraints repeat others where the bodies fit together, zero where they do not."""
         count = len(pose.x) - int(np.linalg.matrix_rank(pose.J))
         return count if count and self.assembles(pose, position) else 0
 
-    def misfit(self, pose: Configuration, position: float) -> str:
+    def misfit(self, pose: ClosedPose, position: float) -> str:
         """Return which joint stays open near a pose when all others close, for a message; or nothing."""
         goal, size = self.goal(position), self.system.size
         if not self.system.joints:
@@ -203,7 +203,7 @@ class PathFollower:
         return f"; with all else closed {joint} stays open by {apart} at {where}" if gap else ""
 
 
-def newton_step(system: System, pose: Configuration, goal: Samples) -> Reached:
+def newton_step(system: System, pose: ClosedPose, goal: Samples) -> Reached:
     """Return what a step from a pose to C(x) = goal comes to."""
     iterations = 0
     try:
@@ -220,7 +220,7 @@ def newton_step(system: System, pose: Configuration, goal: Samples) -> Reached:
             if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
                 break
             largest = CONTRACTION * length
-        return Reached(Configuration(x, system.jacobian(x)) if length <= CONVERGED else None, iterations)
+        return Reached(ClosedPose(x, system.jacobian(x)) if length <= CONVERGED else None, iterations)
     except np.linalg.LinAlgError:
         return Reached(None, iterations)
 

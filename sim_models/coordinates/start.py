@@ -9,7 +9,7 @@ from scenes import Failure, Scene, Status
 from scenes.motion import Samples
 from scenes.scene import GROUND
 
-from .poses import Configuration, PathFollower, Step, Stuck
+from .poses import ClosedPose, PathFollower, Step, Stuck
 from .stroke import stroke_ends
 from .system import Frame, System
 
@@ -22,7 +22,7 @@ class Start(NamedTuple):
     """What all runs of a scene begin with."""
 
     poses: PathFollower
-    pose: Configuration  # at the drive's start
+    pose: ClosedPose  # at the drive's start
     ends: Samples  # of the press forces' strokes, m, by load
 
 
@@ -38,7 +38,7 @@ def begun(system: System, step: Step | None = None) -> Start:
     return Start(poses, pose, stroke_ends(poses, pose))
 
 
-def start(poses: PathFollower) -> Configuration:
+def start(poses: PathFollower) -> ClosedPose:
     """Return the pose at the drive's start.
 
     Raises:
@@ -92,7 +92,7 @@ def _drawn(scene: Scene) -> float:
     return near + remainder(scene.sketch.drive - near, tau)
 
 
-def _apart(poses: PathFollower, pose: Configuration, position: float) -> Failure:
+def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
     """Return why the sketch's gaps cannot be closed."""
     where, count = poses.scene.where(position), poses.repeated(pose, position)
     if count:

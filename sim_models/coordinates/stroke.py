@@ -8,12 +8,12 @@ from scipy.optimize import minimize_scalar
 from scenes.motion import Samples
 from scenes.scene import PressForce
 
-from .poses import Configuration, PathFollower
+from .poses import ClosedPose, PathFollower
 
 ACCURACY = 1e-9  # of the drive's position, rad or of its travel; the displacement stands still there
 
 
-def stroke_ends(poses: PathFollower, start: Configuration) -> Samples:
+def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
     loads = poses.scene.loads
     presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
@@ -21,11 +21,11 @@ def stroke_ends(poses: PathFollower, start: Configuration) -> Samples:
     return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
 
 
-def _end(poses: PathFollower, start: Configuration, load: PressForce) -> float:
+def _end(poses: PathFollower, start: ClosedPose, load: PressForce) -> float:
     """Return the furthest displacement in the closing direction: at the best of many positions, or between two."""
     begin, step = poses.scene.drive.start, poses.largest_step / 4
 
-    def closed(pose: Configuration) -> float:
+    def closed(pose: ClosedPose) -> float:
         return load.closing * poses.system.displacement(pose.x, load.body)
 
     known = {begin: (closed(start), start)}

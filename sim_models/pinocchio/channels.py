@@ -4,7 +4,7 @@ import numpy as np
 
 from scenes.motion import Samples
 
-from ..coordinates.poses import Configuration
+from ..coordinates.poses import ClosedPose
 from .closures import Closures
 from .loads import applied, held, inverse_dynamics
 from .tree import Bodies
@@ -32,7 +32,7 @@ def kinematics(closures: Closures, q: Samples, bodies: Bodies) -> dict[str, floa
 
 
 def forces(
-    closures: Closures, pose: Configuration, bodies: Bodies, rates: tuple[Samples, Samples], ends: Samples
+    closures: Closures, pose: ClosedPose, bodies: Bodies, rates: tuple[Samples, Samples], ends: Samples
 ) -> dict[str, float]:
     """Return the force channels: of closed loops by their multipliers, of the tree's joints by the recursion.
 

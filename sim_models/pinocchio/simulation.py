@@ -9,7 +9,7 @@ from scenes import Motion, Request, Sampling, Scene
 from scenes.engine import equal_steps
 from scenes.motion import Samples
 
-from ..coordinates.poses import Configuration
+from ..coordinates.poses import ClosedPose
 from ..coordinates.start import SCENES, Start, begun
 from . import channels
 from .closures import Closures
@@ -39,7 +39,7 @@ class PinocchioSimulation:
         self._closures, (self._follower, self._start, self._ends) = _begun(scene)
         self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
         self._times, self._positions = request.times(scene), request.commanded(scene)
-        self._poses: list[Configuration] = []
+        self._poses: list[ClosedPose] = []
         self._rows: list[list[float]] = []
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
@@ -77,7 +77,7 @@ class PinocchioSimulation:
             self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
         return motion
 
-    def _motion(self) -> Iterator[tuple[Configuration, Samples, Samples]]:
+    def _motion(self) -> Iterator[tuple[ClosedPose, Samples, Samples]]:
         """Yield pose and the rates and accelerations of its coordinates at every sample."""
         follower, driven = self._follower, self._scene.drive.at(self._times)
         if isinstance(self._settings, Baumgarte):

@@ -10,15 +10,15 @@ import numpy as np
 from scenes import Failure, Sampling, Status
 from scenes.motion import Samples
 
-from ..coordinates.poses import Configuration, PathFollower
+from ..coordinates.poses import ClosedPose, PathFollower
 
 LOST = 0.1  # gap over the linkage's size, from where nothing pulls the loops together again
 PULL = 5.0  # k, over the drive's rate of turning, 2 pi a cycle: stable with Heun's method from 16 steps a cycle on
 
 
 def stepped(
-    poses: PathFollower, start: Configuration, sampling: Sampling, steps: int
-) -> Iterator[tuple[Configuration, Samples, Samples]]:
+    poses: PathFollower, start: ClosedPose, sampling: Sampling, steps: int
+) -> Iterator[tuple[ClosedPose, Samples, Samples]]:
     """Yield pose and the rates and accelerations of its coordinates at every sample, by Heun's method.
 
     Raises:
@@ -31,7 +31,7 @@ def stepped(
     driven = np.transpose(drive.at(h * np.arange(count + 1)))
     k = PULL * 2 * np.pi / drive.cycle
 
-    def acceleration(pose: Configuration, v: Samples, at: Samples, k: float) -> Samples:
+    def acceleration(pose: ClosedPose, v: Samples, at: Samples, k: float) -> Samples:
         goal, rate, change = (poses.goal(value) for value in at)
         drift = 2 * k * (pose.J @ v - rate) + k**2 * (system.gaps(pose.x) - goal)
         with np.errstate(over="ignore", invalid="ignore"):  # a run that leaves its branch may run away
