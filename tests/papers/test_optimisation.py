@@ -215,6 +215,7 @@ def test_ctrl_c_ends_the_searches(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_search_that_dies_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("papers.clamp.optimisation.study._point", lambda _: os.abort())
+    monkeypatch.setattr("papers.clamp.optimisation.study.LIMITS", Limits(workers=1))  # of two, either may die first
     with pytest.raises(RuntimeError, match=f"{MAIN}, R_S = 1.00: its process ended by SIGABRT"):
         study(Effort(2, 0), (1.0,), lambda _: None)
     assert children() == []
