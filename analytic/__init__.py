@@ -1,13 +1,13 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
-from .change_points import check_way
-from .compiled import fast_solver
-from .decomposition import route
-from .derivatives import derivatives
-from .inverse import inverse
-from .many import Machines, many_solver, solve_many
+from .core.decomposition import route
+from .recorded.derivatives import derivative_solver, derivatives
+from .recorded.fast import fast_solver
+from .recorded.many import Machines, many_solver, solve_many
+from .recorded.streams import Extremes, Grid, Histogram, Integral, reduce_many
 from .solve import solve, solver
-from .streams import Extremes, Grid, Histogram, Integral, reduce_many
+from .way.change_points import check_way
+from .way.slider import inverse
 
 __all__ = [
     "Extremes",
@@ -16,6 +16,7 @@ __all__ = [
     "Integral",
     "Machines",
     "check_way",
+    "derivative_solver",
     "derivatives",
     "fast_solver",
     "inverse",

@@ -1,20 +1,22 @@
 """The scene's channels, each with how it is taken from the kinematics and the reactions."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from typing import TypeAlias
 
 import numpy as np
 
 from scenes import Scene
-from scenes.motion import Samples
+from scenes.arguments import known_names
+from scenes.model.motion import Samples
 from scenes.scene import Pin
 
-from .decomposition import Dyad, inner_joint
-from .dyads import Vectors, dot
-from .group_equations import Group
-from .kinetostatics import Reactions
-from .nearest_length import to_lock
-from .placing import Kinematics
+from .core.decomposition import Dyad, inner_joint
+from .core.dyads import Vectors, dot
+from .core.group_equations import Group
+from .core.kinetostatics import Reactions
+from .core.placing import Kinematics
+from .way.nearest_length import to_lock
 
 FromBoth: TypeAlias = Callable[[Kinematics, Reactions], Vectors | Samples]
 Channels: TypeAlias = tuple[tuple[str, ...], FromBoth]  # names, and what they are taken from
@@ -39,6 +41,21 @@ def scalar_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[Ch
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
     for group in groups:
         yield from _of_group(group)
+
+
+def known_channels(
+    scene: Scene, groups: Sequence[Dyad | Group], channels: AbstractSet[str] | None
+) -> frozenset[str] | None:
+    """The channels asked for, besides the time and the drive's position; None for all.
+
+    Raises:
+        InputError: there is no such channel.
+    """
+    if channels is None:
+        return None
+    every = (*vector_channels(scene), *scalar_channels(scene, groups))
+    known = ("time", scene.drive_channel, *(name for names, _ in every for name in names))
+    return known_names("channels", channels, known)
 
 
 def _of_point(p: str) -> Iterator[Channels]:

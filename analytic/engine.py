@@ -9,10 +9,10 @@ import numpy as np
 
 from scenes import Motion, Request, Sampling, Scene, Settings
 
-from .change_points import check_way
-from .kinematics import kinematics
+from .core.kinematics import kinematics
+from .core.variants import differenced, half_angle_position
 from .solve import MotionAt, Solver, solver
-from .variants import differenced, half_angle_position
+from .way.change_points import check_way
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,7 @@ class AnalyticSimulation:
     def __init__(self, solver: Solver, request: Request, settings: AnalyticSettings) -> None:
         known = frozenset(solver.known)
         self._solver = replace(solver, request=Sampling(channels=known))  # no engine's clock counts what is its own
-        own = frozenset(name for (name,) in solver.scalars if name not in known)
-        self._own = replace(solver, request=Sampling(channels=own)) if own else None
+        self._own = replace(solver, request=Sampling(channels=frozenset(solver.own))) if solver.own else None
         self._request, self._settings = request, settings
         self._motion: Motion | None = None
 

@@ -3,12 +3,12 @@
 import numpy as np
 
 from scenes import Scene
-from scenes.motion import Samples
-from scenes.open_joint import open_joint
+from scenes.model.motion import Samples
+from scenes.model.open_joint import open_joint
 
-from .decomposition import Dyad, guides_cross
-from .group_equations import Group, GroupEquations, Pose
-from .newton_group import own_jacobian
+from .core.decomposition import Dyad, guides_cross
+from .core.group_equations import FramePoses, Group, GroupEquations
+from .core.newton_group import own_jacobian
 
 
 def of_dyad(scene: Scene, dyad: Dyad, to_lock: float) -> str:
@@ -17,14 +17,14 @@ def of_dyad(scene: Scene, dyad: Dyad, to_lock: float) -> str:
     return "" if guides_cross(dyad) else f": {one} and {two} end {scene.length(abs(to_lock))} apart"
 
 
-def of_group(scene: Scene, group: Group, equations: GroupEquations, q: Samples, placed: Pose) -> str:
+def of_group(scene: Scene, group: Group, equations: GroupEquations, q: Samples, placed: FramePoses) -> str:
     """Return which joint of a larger group stays open, near coordinates q, shape (1, m), or nothing."""
     pins = len(group.pins)
     joints = {f"the guide of {slide.slider}": [2 * pins + row] for row, slide in enumerate(group.slides)}
     joints |= {pin.point: [row, pins + row] for row, pin in enumerate(group.pins)}
     units = np.tile([equations.size, equations.size, 1.0], equations.bodies)
 
-    def pose(q: Samples) -> Pose:
+    def pose(q: Samples) -> FramePoses:
         return equations.pose(q[np.newaxis], placed)
 
     joint, gap = open_joint(

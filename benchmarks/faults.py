@@ -2,15 +2,15 @@
 
 import sys
 
-from compare.command_line import Parser, command, shown_progress, starting
+from compare.cli.command import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections.abc import Sequence
     from dataclasses import asdict
     from pathlib import Path
 
-    from compare.report.files import json_text
-    from compare.report.placing import check_writable, placed
+    from compare.report.output.placing import check_writable, placed
+    from compare.report.plain import json_text
     from scenes import load
     from tests.faults.page import page
     from tests.faults.rates import SHARES, let_through, rates

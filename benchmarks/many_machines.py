@@ -16,13 +16,11 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 import numpy as np
-import pandas as pd
 
 import analytic
 import scenes
 from scenes import Scene
-from scenes.machines import numbers_of
-from scenes.motion import channels
+from scenes.model.motion import channels
 from tests.chain import chain
 
 ROUNDS = 5
@@ -52,7 +50,8 @@ def main() -> None:
     parser.add_argument("--publish", action="store_true")
     options = parser.parse_args()
     rows = [*positions_of_many(), *every_channel(), *few_positions(), *streams(), *derivatives()]
-    table = pd.DataFrame(rows, columns=["what", "measured", "in units of", "ratio"]).to_markdown(index=False)
+    lines = [("what", "measured", "in units of", "ratio"), ("---", "---", "---", "---:"), *rows]
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
     print(table)
     if options.publish:
         sections = ["# Many machines", "Made by `python -m benchmarks.many_machines --publish`.", table]
@@ -76,7 +75,7 @@ def seconds(jobs: Mapping[str, Callable[[], object]]) -> dict[str, float]:
 def spread(scene: Scene, count: int) -> dict[str, np.ndarray]:
     """Return lengths and points of machines that are a ten-thousandth off."""
     draw = np.random.default_rng(0)
-    wanted = {path: value / unit for path, (value, unit) in numbers_of(scene).items() if "length" in path}
+    wanted = {path: n.value / scene.size(n) for path, n in scene.numbers.items() if "length" in path}
     return {path: value * (1 + 1e-4 * draw.uniform(-1, 1, count)) for path, value in wanted.items()}
 
 
@@ -89,16 +88,14 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
     wanted = {f"{point}.{q}" for point in scene.moving_points for q in "xy"}
     angles, changes = np.linspace(0, 2 * pi, 200), spread(scene, 64)
     one, many = analytic.solver(scene, wanted), analytic.many_solver(scene, changes, wanted)
-    fast, line = analytic.fast_solver(scene, wanted), analytic.fast_solver(scene, wanted)
-    fast.many(changes, angles)
-    without_compiler(lambda: line.many(changes, angles))
+    fast = analytic.fast_solver(scene, wanted, compiled=True).many_solver(changes)
+    fast(angles)
     took = seconds(
         {
             "long": lambda: one(np.linspace(0, 2 * pi, 72_000)),
             "many": lambda: analytic.solve_many(scene, changes, angles, channels=wanted),
             "prepared": lambda: many(angles),
-            "line": lambda: line.many(changes, angles),
-            "compiled": lambda: fast.many(changes, angles),
+            "compiled": lambda: fast(angles),
         }
     )
     unit, name = took["long"] / 72_000 * 200, "200 positions of one long run"
@@ -107,8 +104,7 @@ def positions_of_many() -> list[tuple[str, str, str, str]]:
         for key, what in (
             ("many", "solve_many"),
             ("prepared", "prepared"),
-            ("line", "NumPy in a straight line"),
-            ("compiled", "machine code"),
+            ("compiled", "prepared, machine code"),
         )
     ]
 
@@ -118,7 +114,7 @@ def every_channel() -> list[tuple[str, str, str, str]]:
     scene, angles = scenes.load("toggle_press"), np.linspace(0, 2 * pi, 360)
     wanted = set(channels(scene))
     changes, size = spread(scene, 4096), 4096 * 360
-    one, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted)
+    one, fast = analytic.solver(scene, wanted), analytic.fast_solver(scene, wanted, compiled=True)
     fast.many(changes, angles)
     took = seconds(
         {
@@ -140,10 +136,9 @@ def few_positions() -> list[tuple[str, str, str, str]]:
     scene, again = scenes.load("toggle_press"), 200
     solvers: dict[str, Callable[[np.ndarray], object]] = {
         "the core": analytic.solver(scene),
-        "machine code": analytic.fast_solver(scene),
+        "machine code": analytic.fast_solver(scene, compiled=True),
+        "NumPy in a straight line": analytic.fast_solver(scene, compiled=False),
     }
-    solvers["NumPy in a straight line"] = line = analytic.fast_solver(scene)
-    without_compiler(lambda: line(np.zeros(1)))
     rows = []
     for count in (1, 72):
         angles = np.linspace(0, 6, count)
@@ -155,13 +150,6 @@ def few_positions() -> list[tuple[str, str, str, str]]:
         some = "one position" if count == 1 else f"{count} positions"
         rows += [(f"{some}, {name}", *share(time, core, "the core")) for name, time in took.items()]
     return rows
-
-
-def without_compiler(job: Callable[[], object]) -> None:
-    """Do what a fast solver does first, which makes it one of NumPy calls."""
-    with_compiler, analytic.compiled.COMPILES = analytic.compiled.COMPILES, False
-    job()
-    analytic.compiled.COMPILES = with_compiler
 
 
 def repeated(solve: Callable[[np.ndarray], object], angles: np.ndarray, times: int) -> None:
@@ -184,7 +172,7 @@ def streams() -> list[tuple[str, str, str, str]]:
 def derivatives() -> list[tuple[str, str, str, str]]:
     """Time the derivatives of all channels of the toggle press by all its numbers."""
     scene, angles = scenes.load("toggle_press"), np.linspace(0, 6, 8000)
-    paths = [path for path in numbers_of(scene) if not path.startswith("drive.")]
+    paths = [path for path in scene.numbers if not path.startswith("drive.")]
     one = analytic.solver(scene)
     took = seconds(
         {

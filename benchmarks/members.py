@@ -19,11 +19,10 @@ import numpy as np
 import psutil
 
 import analytic
-from compare.engines import runner
 from compare.engines.registry import DEFAULT_ENGINES, ORACLE
-from compare.engines.runner import run
-from compare.family.family import solved_member
+from compare.engines.runner import HERE, run
 from compare.judge.floor import FLOOR_SAMPLES
+from compare.measure.many.family import Asked, solved_member
 from scenes import Sampling, load
 
 ROUNDS = 5  # the least of them counts
@@ -64,12 +63,13 @@ def stages(scene_name: str, change: Mapping[str, float]) -> None:
     for engine in DEFAULT_ENGINES[1:]:
         costs[f"{engine}, 360 samples"] = least(partial(run, engine, scene, sampling))
     costs[f"arbitrary precision, {FLOOR_SAMPLES} samples"] = least(lambda: run(ORACLE, scene, Sampling(FLOOR_SAMPLES)))
-    whole = least(lambda: solved_member(scene, change, DEFAULT_ENGINES, sampling, lambda _: None, runner))
+    asked = Asked(scene_name, DEFAULT_ENGINES, sampling)
+    whole = least(lambda: solved_member(asked, change, scene, HERE, lambda _: None))
     costs["all of a member, judged"] = whole
     print("| of a member | processor time |\n| --- | ---: |")
     for stage, seconds in costs.items():
         print(f"| {stage} | {1e3 * seconds:.2f} ms |")
-    packed = ForkingPickler.dumps(solved_member(scene, change, DEFAULT_ENGINES, sampling, lambda _: None, runner))
+    packed = ForkingPickler.dumps(solved_member(asked, change, scene, HERE, lambda _: None))
     print(f"\n{len(packed) / 1e6:.2f} MB a member with all motions")
 
 

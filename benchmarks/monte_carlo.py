@@ -13,8 +13,8 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from compare.engines.reference import found
 from compare.judge.peaks.peaks import peaks
+from compare.mechanics.reference import uncertified
 from scenes import Sampling, load
 
 LINEAR = 1e-3  # of the variance that the linear model may leave unexplained: 3 % of a standard deviation
@@ -52,7 +52,7 @@ def _alone(scene: str, result: Any) -> float:
     """Return the largest difference of a machine in the file from a run of its own, relative to the number's size."""
     sizes, worst = {number["name"]: number["size"] for number in result["numbers"]}, 0.0
     for machine in result["picked"]:
-        own = {peak.name: peak.value for peak in peaks(found(load(scene, machine["changes"])), Sampling(72), [])}
+        own = {peak.name: peak.value for peak in peaks(uncertified(load(scene, machine["changes"])), Sampling(72), [])}
         worst = max([worst, *(abs(own[name] - value) / sizes[name] for name, value in machine["numbers"].items())])
     return worst
 

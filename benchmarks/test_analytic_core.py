@@ -15,7 +15,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 import analytic
 import scenes
 from scenes import Scene
-from scenes.motion import channels
+from scenes.model.motion import channels
 from tests.chain import chain
 
 ANGLES = np.linspace(0, 2 * np.pi, 360_000)

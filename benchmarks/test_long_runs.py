@@ -8,9 +8,10 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Reference, relative_errors
 from compare.judge.floor import establish
 from compare.judge.measure import Measurement, measure
+from compare.mechanics.reference import Reference
+from compare.mechanics.scales import relative_errors
 from scenes import Sampling
 
 TURNS = (1, 100, 1000, 10_000)

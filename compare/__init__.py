@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from scenes import Scene
 
-    from .report.notebook import Result, Varied
+    from .report.notebook import CheckResult, Varied
 
 __all__ = ["check", "vary"]
 
@@ -20,7 +20,7 @@ def check(
     samples: int = 360,
     turns: int = 1,
     accuracy: str | float = "balanced",
-) -> "Result":
+) -> "CheckResult":
     """Judge a scene as `python -m compare.run --check` does, as one call: no file is written and no clock runs.
 
     Args:
@@ -42,14 +42,14 @@ def check(
     """
     from scenes import Scene, load  # late, as all imports here: the commands report what stops those
 
-    from .arguments import from_python, sampling
-    from .report.notebook import Result
+    from .cli.arguments import from_python, sampling
+    from .report.notebook import CheckResult
     from .study import judged
 
     scene = scene_or_name if isinstance(scene_or_name, Scene) else load(scene_or_name)
     options = from_python(engines, samples=samples, turns=turns, accuracy=accuracy)
     asked_for = sampling(scene, options.samples, options.turns)
-    return Result.of(judged(scene, options.engines, asked_for, options.accuracy))
+    return CheckResult.of(judged(scene, options.engines, asked_for, options.accuracy))
 
 
 def vary(
@@ -74,10 +74,10 @@ def vary(
     from scenes import load, numbers_in
     from scenes.arguments import names
 
-    from .arguments import from_python, sampling
-    from .family.family import members
-    from .family.grid import grid
-    from .family.grid import variation as read
+    from .cli.arguments import from_python, sampling
+    from .measure.many.family import Asked, members
+    from .measure.many.grid import grid
+    from .measure.many.grid import variation as read
     from .report.notebook import Varied
 
     scene = load(name_or_path)
@@ -85,6 +85,5 @@ def vary(
     varied = [read(text) for text in names("variation", (variation, *more))]
     numbers_in(scene.file, [each.path for each in varied])
     request, changes = sampling(scene, options.samples, 1), grid(varied)
-    return Varied(
-        scene, varied, options.engines, [*members(scene.file, changes, options.engines, request, lambda _: None)]
-    )
+    asked = Asked(scene.file, options.engines, request)
+    return Varied(scene, varied, options.engines, [*members(asked, changes, lambda _: None)])

@@ -2,7 +2,7 @@
 
 import sys
 
-from .command_line import command, shown_progress, starting
+from .cli.command import command, shown_progress, starting
 
 with starting(__name__):
     import argparse
@@ -10,34 +10,24 @@ with starting(__name__):
     from contextlib import nullcontext
     from typing import Any
 
-    from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
+    from scenes import InputError, Scene, load, numbers_in
 
-    from .arguments import parser, sampling
+    from .cli import family, monte_carlo, report
+    from .cli.arguments import parser, sampling
+    from .cli.commands import command_among, do
+    from .cli.cost import announce
     from .engines import registry
-    from .family.grid import grid
-    from .jobs import family, monte_carlo, report
-    from .prediction import announce
+    from .measure.many.grid import grid
 
 
 @command
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a missed tolerance, 2 for bad input."""
-    options = parser().parse_args(arguments)
-    if options.list:
-        return _list()
-    if options.new:
-        print("wrote", " and ".join(map(str, write_starter(options.new))))
+    name, words = command_among(sys.argv[1:] if arguments is None else arguments)
+    if name:
+        do(name, words)
         return 0
-    return _run(options)
-
-
-def _list() -> int:
-    width = max(map(len, (*shipped(), *registry.ENTRIES)))
-    for name in shipped():
-        print(f"scene   {name:{width}}  {load(name).title}")
-    for name, entry in registry.ENTRIES.items():
-        print(f"engine  {name:{width}}  {entry.purpose} ({entry.missing or entry.version})")
-    return 0
+    return _run(parser().parse_args(words))
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -50,11 +40,6 @@ def _run(options: argparse.Namespace) -> int:
             scenes.append(load(name))
     requests = [sampling(scene, options.samples, options.turns, options.channels) for scene in scenes]
     _check(options, scenes)
-    if options.result_mapping:
-        from .results.proposal import proposed  # late, as below
-
-        print(proposed(scenes[0], options.result_mapping), end="")
-        return 0
     if options.baseline:
         from .ci import baseline  # late, as below
 
@@ -66,9 +51,9 @@ def _run(options: argparse.Namespace) -> int:
     for scene, request in zip(scenes, requests, strict=True):
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
-    from .report import files  # late: slow to import, and bad input should be named at once
-    from .report.origin import check_origin
-    from .report.placing import check_writable
+    from .report.output import files  # late: slow to import, and bad input should be named at once
+    from .report.output.origin import check_origin
+    from .report.output.placing import check_writable
 
     run, own = (family.run, files.FAMILY) if options.vary else (report.run, files.REPORT)
     if options.monte_carlo:
@@ -83,7 +68,7 @@ def _run(options: argparse.Namespace) -> int:
             with annotated(scene.file):
                 missed.append(run(scene, request, options, show))
     if options.full:
-        from .hard.cases import forget
+        from .measure.hard.cases import forget
 
         forget(options.out)
     return 1 if any(missed) else 0
@@ -123,7 +108,7 @@ def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
     if options.workers or options.scheduler:
         if not options.vary:
             raise InputError("arguments: --workers, --scheduler: expected with --vary, since they take its members")
-        from .engines.cluster import check_installed
+        from .engines.processes.cluster import check_installed
 
         check_installed()
 

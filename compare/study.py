@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
+from .engines.processes.workers import workers
 from .engines.registry import ORACLE, REFERENCE
 from .engines.settings import Accuracy, settings_of, tiers
-from .engines.workers import workers
+from .judge.agreement import Judgement
 from .judge.errors import group_floors
-from .judge.escalation import offers, promising
 from .judge.floor import establish
-from .judge.judgement import Judgement, Offers, judgement
-from .judge.measure import Measurement
-from .speed import work_precision
-from .speed.row import SpeedRow
-from .speed.speed_table import speed_table
-from .speed.timing import NO_CLOCK, Budget
+from .judge.judgement import Offers, judgement
+from .judge.measure import Measurement, offers, promising
+from .measure.speed import work_precision
+from .measure.speed.row import SpeedRow
+from .measure.speed.speed_table import speed_table
+from .measure.speed.timing import NO_CLOCK, Budget
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -64,11 +64,11 @@ def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: A
         speed: Sequence[SpeedRow] = ()
         if not isinstance(accuracy, str):
             speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
-        found = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
-    from .judge.canaries.canaries import canaries  # late: no report needs it
+        judged = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
+        from .judge.canaries.canaries import canaries  # late: no report needs it
 
-    found.let_through.extend(canaries(found))
-    return found
+        judged.let_through.extend(canaries(judged))
+    return judged
 
 
 def study(
@@ -100,12 +100,13 @@ def study(
     _prepared(scene, able)
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
-        if isinstance(accuracy, str):  # the main runs first, so that a stop leaves them
-            judged = judgement(reference, engines, sampling, _offers(accuracy, ()), report, runs, results)
-            speed = speed_table(reference, able, budget, report, sampling.channels, runs)
-        else:
-            speed = speed_table(reference, able, budget, report, sampling.channels, runs)
-            judged = judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
+
+        def judged_by(speed: Sequence[SpeedRow]) -> Judgement:
+            return judgement(reference, engines, sampling, _offers(accuracy, speed), report, runs, results)
+
+        first = judged_by(()) if isinstance(accuracy, str) else None  # so that a stop leaves the main runs
+        speed = speed_table(reference, able, budget, report, sampling.channels, runs)
+        judged = first or judged_by(speed)
     names = [*engines, *(result.run.engine for result in results)]
     judged.reasons.extend(_left_out(names, judged.measurements, able, speed, budget))
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
@@ -125,18 +126,18 @@ def _able(engines: Sequence[str]) -> list[str]:
 
 
 def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:
-    """Return what to try of an engine: by the name of its settings, or by the errors and times of a speed table."""
+    """What to try of an engine: by the name of its settings, or by the errors and times of a speed table."""
 
     def by_name(engine: str) -> tuple[Sequence[Settings], str]:
         offered = offers(engine, str(accuracy))
         return offered, noted(engine, offered[0])
 
     def by_error(engine: str) -> tuple[Sequence[Settings], str]:
-        found, level = work_precision.within(engine, float(accuracy), speed), float(accuracy)
+        cheapest, level = work_precision.within(engine, float(accuracy), speed), float(accuracy)
         others = [*tiers(engine).values()][::-1]
-        if found:
-            why = f"{engine}: {found[0].label} is the cheapest measured to be within {level:g} in every group"
-            return promising(level, (*found, *others)), why
+        if cheapest:
+            why = f"{engine}: {cheapest[0].label} is the cheapest measured to be within {level:g} in every group"
+            return promising(level, (*cheapest, *others)), why
         why = f"{engine}: no setting was measured to be within {level:g} in every group; run at its most accurate one"
         return promising(level, others), "; ".join(filter(None, (why, noted(engine, others[0]))))
 

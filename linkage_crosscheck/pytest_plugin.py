@@ -17,8 +17,8 @@ import pytest
 if TYPE_CHECKING:
     from argparse import Namespace
 
-    from compare.judge.judgement import Judgement
-    from compare.report.notebook import Result
+    from compare.judge.agreement import Judgement
+    from compare.report.notebook import CheckResult
     from scenes import Scene
 
 ENGINES, SAMPLES = "analytic,exudyn,pymunk", "360"
@@ -56,10 +56,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> "SceneFile
 
 
 @pytest.fixture(scope="session")
-def linkage_check(pytestconfig: pytest.Config) -> "Callable[..., Result]":
+def linkage_check(pytestconfig: pytest.Config) -> "Callable[..., CheckResult]":
     """Return `compare.check`, with the engines and samples of the command line; bad input fails a test in one line."""
 
-    def check(scene: "Scene | str | Path", **arguments: Any) -> "Result":
+    def check(scene: "Scene | str | Path", **arguments: Any) -> "CheckResult":
         _check_names()
         from compare import check
         from scenes import InputError
@@ -75,7 +75,7 @@ def linkage_check(pytestconfig: pytest.Config) -> "Callable[..., Result]":
 
 def _asked(config: pytest.Config) -> "Namespace":
     """Return the engines and samples of the command line, or raise InputError."""
-    from compare.arguments import parser
+    from compare.cli.arguments import parser
 
     option = config.option
     return parser().parse_args([f"--engines={option.linkage_engines}", f"--samples={option.linkage_samples}"])
@@ -110,7 +110,7 @@ class SceneFile(pytest.File):
     @cached_property
     def judgement(self) -> "Judgement | str":
         """The scene as judged, or in one line why it cannot be."""
-        from compare.arguments import sampling
+        from compare.cli.arguments import sampling
         from compare.study import judged
         from scenes import InputError
 
@@ -170,5 +170,5 @@ def _check_names() -> None:
     for name in ("analytic", "compare", "scenes", "sim_models"):
         spec = find_spec(name)
         if spec is None or spec.origin is None or Path(spec.origin).parents[1] != home:
-            found = spec and spec.origin
-            pytest.fail(f"linkage-crosscheck: '{name}' is expected to be its own, found {found}", pytrace=False)
+            other = spec and spec.origin
+            pytest.fail(f"linkage-crosscheck: '{name}' is expected to be its own, found {other}", pytrace=False)

@@ -2,7 +2,7 @@
 
 import sys
 
-from compare.command_line import Parser, command, shown_progress, starting
+from compare.cli.command import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections import Counter
@@ -11,9 +11,9 @@ with starting(__name__):
     from pathlib import Path
 
     from compare.judge.floor import establish
-    from compare.report.files import json_text
-    from compare.report.placing import check_writable, placed
-    from compare.report.tables import floors
+    from compare.report.output.placing import check_writable, placed
+    from compare.report.plain import json_text
+    from compare.report.tables.study import floors
     from scenes import load
 
     from .claims import Claim
@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def audit(progress: Callable[[str], None]) -> tuple[dict[str, list[Claim]], list[str]]:
-    """Return every claim by its source, with its verdict, and what a reader has to know."""
+    """Every claim by its source, with its verdict, and what a reader has to know."""
     progress("certifying the motions")
     notes = list(floors(establish(load(name)).floor for name in (*toggle_press.SCENES, *SCENES.values())))
     progress(f"the {toggle_press.SOURCE}")

@@ -19,7 +19,7 @@ from typing import Generic, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
 OPEN = (True, False)  # a claim in words that gives nothing to check
@@ -71,7 +71,7 @@ class Equation(Generic[V]):
 def judge(
     equation: Equation[V], variables: V, scale: Mapping[str, tuple[float, str]], tolerance: float = EXACT
 ) -> Claim:
-    """Return the row of an equation.
+    """The row of an equation.
 
     Args:
         equation: its forms.
@@ -112,7 +112,7 @@ def number(
     scale: float | None = None,
     note: str = "",
 ) -> Claim:
-    """Return the row of a printed number.
+    """The row of a printed number.
 
     Args:
         claim: what it is, with its unit.
@@ -153,7 +153,7 @@ def limit(
     corrected: tuple[str, float] = ("", inf),
     note: str = "",
 ) -> Claim:
-    """Return the row of a printed inequality that printed values should satisfy.
+    """The row of a printed inequality that printed values should satisfy.
 
     Args:
         claim: what it is about.
@@ -178,7 +178,7 @@ def limit(
 
 
 def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, note: str = "") -> Claim:
-    """Return the row of a claim in words, true or not for each reading that the source leaves open."""
+    """The row of a claim in words, true or not for each reading that the source leaves open."""
     answers = set(true)
     one = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
     verdict = one if len(answers) == 1 else Verdict.UNDERDETERMINED
@@ -186,7 +186,7 @@ def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, no
 
 
 def largest(residual: Difference) -> float:
-    """Return the largest magnitude; infinity where a value is not finite."""
+    """The largest magnitude; infinity where a value is not finite."""
     size = np.abs(residual)
     return float(size.max()) if np.isfinite(size).all() else inf
 
@@ -197,7 +197,7 @@ def half_unit(printed: str) -> float:
 
 
 def span(values: Iterable[float]) -> Range:
-    """Return the least and the largest of some values."""
+    """The least and the largest of some values."""
     known = list(values)
     return min(known), max(known)
 

@@ -2,18 +2,18 @@
 
 import sys
 
-from compare.command_line import Parser, command, shown_progress, starting
+from compare.cli.command import Parser, command, shown_progress, starting
 
 with starting(__name__):
     from collections.abc import Mapping, Sequence
     from time import perf_counter
 
-    from compare.report.placing import check_writable
+    from compare.report.output.placing import check_writable
 
     from .clamp.formulas import Design
     from .clamp.optimisation import tables
     from .clamp.optimisation.recheck import ENGINES, rechecks
-    from .clamp.optimisation.report import FILES, Outcome, write
+    from .clamp.optimisation.report import FILES, DesignStudy, write
     from .clamp.optimisation.study import AHEAD, AS_PRINTED, MAIN, MET, RATIOS, SIX, THREE, Effort, Point, study
 
 
@@ -31,8 +31,8 @@ def main(arguments: list[str] | None = None) -> int:
         chosen = chosen_from(points)
         curve = {point.at: point.optimum.design for point in tables.of(points, MAIN)}
         checked = {**chosen, "curve_at_1_10": curve["R_S = 1.10"]}
-        found = list(rechecks(checked, ENGINES, lambda doing: show(f"checking {doing}")))
-        page = write(Outcome(points, found, chosen, seconds), options.out) / "design.html"
+        checks = list(rechecks(checked, ENGINES, lambda doing: show(f"checking {doing}")))
+        page = write(DesignStudy(points, checks, chosen, seconds), options.out) / "design.html"
     improved = tables.improved(points)
     for sentence in tables.findings(points):
         print(sentence)
@@ -43,13 +43,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def chosen_from(points: Sequence[Point]) -> Mapping[str, Design]:
-    """Return the designs put forward: ahead of scheme 4 under the strictest conditions that allow one, at each aim."""
+    """The designs put forward: ahead of scheme 4 under the strictest conditions that allow one, at each aim."""
     wanted = {
         "ahead_in_three": f"{THREE}; {AS_PRINTED}; sizes for both",
         "ahead_in_six": f"{SIX}; {MET}; sizes for scheme 4",
     }
-    found = {point.at: point.optimum.design for point in tables.of(points, AHEAD)}
-    return {name: found[at] for name, at in wanted.items() if at in found}
+    designs = {point.at: point.optimum.design for point in tables.of(points, AHEAD)}
+    return {name: designs[at] for name, at in wanted.items() if at in designs}
 
 
 if __name__ == "__main__":

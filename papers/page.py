@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import pandas as pd
 from markupsafe import Markup, escape
 
-from compare.report.figure import Figure
-from compare.report.html import render
+from compare.report.figures.figure import Figure
+from compare.report.pages.html import render
 
 from .claims import Claim, Verdict
 
@@ -19,7 +19,7 @@ GREEK = {"alpha": "α", "gamma": "γ", "epsilon": "ε", "theta": "θ", "omega": 
 def page(
     claims: Mapping[str, Sequence[Claim]], pictures: Iterable[tuple[str, str, Figure]], notes: Sequence[str]
 ) -> str:
-    """Return the audit's page, given the claims by their source, pictures with titles and notes, and notes on all."""
+    """The audit's page, given the claims by their source, pictures with titles and notes, and notes on all."""
     return render(
         "audit.html",
         "papers",
@@ -33,7 +33,7 @@ def page(
 
 
 def overview(claims: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:
-    """Return how many claims of each source came out how."""
+    """How many claims of each source came out how."""
     counts = {source: Counter(claim.verdict for claim in rows) for source, rows in claims.items()}
     return pd.DataFrame(
         {"source": source} | {str(verdict): count[verdict] for verdict in Verdict} for source, count in counts.items()
@@ -41,7 +41,7 @@ def overview(claims: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:
 
 
 def _formula(written: str) -> Markup:
-    """Return a formula as HTML: letters in Greek, what follows _ and e^ below and above the line."""
+    """A formula as HTML: letters in Greek, what follows _ and e^ below and above the line."""
     greek = re.sub("|".join(GREEK), lambda name: GREEK[name[0]], str(escape(written)))
     below = re.sub(r"_(\w+)", r"<sub>\1</sub>", greek)
     return Markup(re.sub(r"e\^(iθ[₁-₅]?)", r"e<sup>\1</sup>", below))  # escaped above

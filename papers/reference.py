@@ -5,6 +5,6 @@ from scenes import Motion, Sampling, Scene
 
 
 def solved(scene: Scene, samples: int) -> Motion:
-    """Return the motion of a scene over one cycle of its drive, with so many samples and its end."""
+    """The motion of a scene over one cycle of its drive, with so many samples and its end."""
     sampling = Sampling(samples)
     return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))

@@ -23,14 +23,14 @@
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
 """
 
-from .budget import ProcessorBudget
-from .engine import Engine, Failure, Settings, Simulation, Status
 from .errors import InputError
-from .motion import Motion
-from .reader import LIBRARY, load, numbers_in, shipped
-from .request import Instants, Positions, Request, Rows, Sampling
+from .file.reader import LIBRARY, load, numbers_in, shipped
+from .file.starter import write_starter
+from .model.budget import ProcessorBudget
+from .model.engine import Engine, Failure, Settings, Simulation, Status
+from .model.motion import Motion
+from .model.request import Instants, Positions, Request, Rows, Sampling
 from .scene import Scene
-from .starter import write_starter
 
 __all__ = [
     "LIBRARY",

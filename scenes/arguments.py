@@ -16,7 +16,7 @@ def refuse(argument: str, expected: str, value: object) -> NoReturn:
 
 
 def scene_of(value: object) -> Scene:
-    """Return the argument `scene`, or raise InputError."""
+    """The argument `scene`, or raise InputError."""
     if not isinstance(value, Scene):
         refuse("scene", "a Scene, as scenes.load(...) returns it", value)
     return value
@@ -29,7 +29,7 @@ def check_changes(value: object) -> None:
 
 
 def names(argument: str, value: object) -> tuple[str, ...]:
-    """Return several names, or raise InputError; one text is not several."""
+    """Several names, or raise InputError; one text is not several."""
     several = tuple(value) if isinstance(value, Iterable) and not isinstance(value, str | bytes) else (None,)
     if not all(isinstance(name, str) for name in several):
         refuse(argument, f"several names{f', as {one_line(repr([value]), 60)}' * isinstance(value, str)}", value)
@@ -37,7 +37,7 @@ def names(argument: str, value: object) -> tuple[str, ...]:
 
 
 def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset[str]:
-    """Return several names, or raise InputError, which names the one nearest to one that is unknown."""
+    """Several names, or raise InputError, which names the one nearest to one that is unknown."""
     several, valid = names(argument, value), frozenset(known)
     for name in several:
         if name not in valid:
@@ -46,14 +46,14 @@ def known_names(argument: str, value: object, known: Iterable[str]) -> frozenset
 
 
 def unmasked(argument: str, value: object) -> NDArray[Any]:
-    """Return an array of any kind, or raise InputError for one with a mask, which no model knows of."""
+    """An array of any kind, or raise InputError for one with a mask, which no model knows of."""
     if isinstance(value, np.ndarray) and hasattr(value, "mask"):  # numpy.ma, which it is of, takes long to import
         raise InputError(f"{argument}: expected plain numbers, found a masked array; its .filled(...) gives some")
     return np.asarray(value)
 
 
 def doubles(argument: str, value: object) -> NDArray[np.float64]:
-    """Return real numbers as an array of their own, of the same shape, or raise InputError."""
+    """Real numbers as an array of their own, of the same shape, or raise InputError."""
     try:
         given = unmasked(argument, value)
         if given.dtype.kind == "O":
@@ -66,7 +66,7 @@ def doubles(argument: str, value: object) -> NDArray[np.float64]:
 
 
 def finite_numbers(argument: str, value: object) -> NDArray[np.float64]:
-    """Return finite real numbers as an array of their own, of the same shape, or raise InputError."""
+    """Finite real numbers as an array of their own, of the same shape, or raise InputError."""
     numbers = doubles(argument, value)
     if not np.isfinite(numbers).all():
         refuse(argument, "finite numbers", value)

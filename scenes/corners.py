@@ -27,7 +27,7 @@ CLOSED = 1e-12  # of two lengths: what their sum is off a third one by rounding,
 
 
 def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None) -> tuple[str, ...]:
-    """Return the points that span a uniform body: all, or of three and more on one line the outermost two.
+    """The points that span a uniform body: all, or of three and more on one line the outermost two.
 
     Args:
         points: of the body, in the order of the file.
@@ -57,7 +57,7 @@ def heights(
 
 
 def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[float, float]]:
-    """Return where points are whose lengths close on one line alone: on x, which goes from the first to the second.
+    """Where points are whose lengths close on one line alone: on x, which goes from the first to the second.
 
     Args:
         points: of the body, in the order of the file.
@@ -83,7 +83,7 @@ def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[floa
 
 
 def _length(local: Places | None, lengths: Lengths | None, p: str, q: str) -> Any:
-    """Return the distance of two points, m; infinite where it is not known."""
+    """The distance of two points, m; infinite where it is not known."""
     if local is None:
         return 0.0 if p == q else (lengths or {}).get(frozenset((p, q)), inf)
     (x, y), (u, v) = local[p], local[q]

@@ -1,6 +1,7 @@
 """Bad input from the user: one line that names the place, the expectation and the nearest valid name."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 
 LONGEST = 1000  # characters of a message: all the keys of a table, and a path, fit in
@@ -13,8 +14,17 @@ class InputError(Exception):
         super().__init__(one_line(text, LONGEST))
 
 
+@contextmanager
+def at_place(place: str) -> Iterator[None]:
+    """Put where it was before every message from within."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
+
+
 def one_line(text: str, most: int = 300) -> str:
-    """Return a text as one line for a terminal, a page or a file, whoever wrote it.
+    """A text as one line for a terminal, a page or a file, whoever wrote it.
 
     Args:
         text: any text; it may hold lines, control characters, turned writing directions and halves of surrogate pairs.
@@ -29,14 +39,14 @@ def one_line(text: str, most: int = 300) -> str:
 
 
 def path_in_file(parts: Iterable[object]) -> str:
-    """Return the path in a file as messages name it: `bodies.rod.mass`."""
+    """The path in a file as messages name it: `bodies.rod.mass`."""
     return one_line(".".join(map(str, parts)), 200)
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `; did you mean 'x'?` for the closest of the `known` names, or the whole list when none is close."""
+def nearest(name: str, known: Iterable[str], *, or_all: bool = True) -> str:
+    """`; did you mean 'x'?` for the closest of the `known` names, or the whole list when none is close."""
     choices = sorted(set(known))
     close = get_close_matches(name, choices, n=1, cutoff=0.6)
     if close:
         return f"; did you mean '{close[0]}'?"
-    return f"; one of {', '.join(choices)}" if choices else ""
+    return f"; one of {', '.join(choices)}" if choices and or_all else ""

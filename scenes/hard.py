@@ -1,41 +1,61 @@
 """Hard cases: ladders in one parameter of a scene, with what is to be expected on each rung, and why.
 
-A ladder file names the paths of a scene file that change, and the value that all of them take on each rung:
-
-    format = 1
-    title = "Rod close to its locking pose"
-    scene = "toggle_press"                     # a shipped scene, or a scene file beside the ladder
-    parameter = "length of the rod"
-    paths = ["bodies.rod.lengths.P4-P5"]       # or ["turns"], the cycles of the drive
-    steps = { "1e-1" = 330, "1e-2" = 303 }     # label = value, in the units of the scene file
-    status = { "1e-2" = "cannot_assemble" }    # of the rungs that no model can solve; "invalid" where there is no scene
-    expected = "What should happen."
-    why = "Where the difficulty comes from."
-    digits = true                              # where the digits that the reference loses are to be counted
-    long = true                                # only where the ladder takes minutes
-
+A ladder is a file, see `LadderFile`: it names paths of a scene file, and the value that all of them take on each rung.
 No ladder is for a wrong start velocity: a scene has none to set, each model finds its own from the drive.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import ValidationError
+from pydantic import Field, PlainValidator
+from pydantic_core import PydanticCustomError
 
-from .changes import Value, as_text, change
-from .engine import Status
-from .errors import InputError, nearest
-from .format import LadderFile, explain
-from .reader import LIBRARY, load, tables_of
+from .errors import InputError, at_place, nearest
+from .fields import FileTable
+from .file.changes import Value, as_text, change
+from .file.format import Format, validated
+from .file.reader import LIBRARY, load, tables_of
+from .file.toml import read_toml
+from .model.engine import Status
 from .scene import Scene
-from .toml_file import read_toml
 
 HARD = LIBRARY / "hard"
 TURNS = "turns"
 INVALID = "invalid"  # the status of a rung that the reader has to refuse, beside those of an engine
+
+
+def _number_or_text(value: object) -> Value:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise PydanticCustomError("number_or_text", "expected a number or a text")
+    if not isinstance(value, str) and not isfinite(value):
+        raise PydanticCustomError("number_or_text", "expected a finite number")
+    return value
+
+
+class LadderFile(FileTable):
+    """A whole ladder file: one scene, with another value at some of its paths on every rung."""
+
+    format: Format = Field(description="The version of this format.")
+    title: str = Field(description="What gets harder.")
+    scene: str = Field(description="The file of the scene, beside this one, or the name of a shipped one.")
+    parameter: str = Field(description="What the steps are values of.")
+    paths: list[str] = Field(
+        min_length=1, description="Where in the scene the values go, as `bodies.rod.mass`; `turns` are the drive's."
+    )
+    steps: dict[str, Annotated[float | str, PlainValidator(_number_or_text)]] = Field(
+        min_length=1, description="The rungs: name and value, in the units of the scene file."
+    )
+    expected: str = Field(description="What is to be expected on the way.")
+    why: str = Field(description="Where the difficulty comes from.")
+    status: dict[str, str] = Field(
+        {}, description="By rung, the reference's status where that is not ok; `invalid` where there is no scene."
+    )
+    digits: bool = Field(False, description="Whether digits that the reference loses are counted on it.")
+    long: bool = Field(False, description="Whether it takes minutes, and is left to the long runs.")
 
 
 @dataclass(frozen=True)
@@ -50,7 +70,7 @@ class Rung:
     changes: Mapping[str, Value]  # by path
 
     def scene(self) -> Scene:
-        """Return the scene with this rung's value in it.
+        """Read the scene with this rung's value in it.
 
         Raises:
             InputError: there is no such scene, as there is none where `status` is `INVALID`.
@@ -63,16 +83,12 @@ class Ladder:
     """One scene with one parameter that gets harder, or easier, from rung to rung."""
 
     name: str
-    title: str
-    parameter: str
-    expected: str  # what should happen
-    why: str  # where the difficulty comes from
-    digits: bool  # whether the digits that the reference loses are counted
+    file: LadderFile
     rungs: tuple[Rung, ...]
 
 
 def catalogue(*, long: bool = False) -> tuple[str, ...]:
-    """Return the names of the shipped ladders: of the `long` ones, which take minutes, or of the others."""
+    """The names of the shipped ladders: of the `long` ones, which take minutes, or of the others."""
     return tuple(name for name, path in _shipped().items() if _file(path).long == long)
 
 
@@ -88,11 +104,8 @@ def ladder(name_or_path: str | Path) -> Ladder:
     """
     path = _shipped().get(str(name_or_path), Path(name_or_path))
     file = _file(name_or_path)
-    try:
-        rungs = _rungs(file, path)
-    except InputError as error:
-        raise InputError(f"{name_or_path}: {error}") from None
-    return Ladder(path.stem, file.title, file.parameter, file.expected, file.why, file.digits, rungs)
+    with at_place(str(name_or_path)):
+        return Ladder(path.stem, file, tuple(_rungs(file, path)))
 
 
 def _shipped() -> dict[str, Path]:
@@ -101,45 +114,28 @@ def _shipped() -> dict[str, Path]:
 
 def _file(name_or_path: str | Path) -> LadderFile:
     tables = read_toml(name_or_path, _shipped(), "ladder")
-    try:
-        return LadderFile.model_validate(tables)
-    except ValidationError as error:
-        raise InputError(f"{name_or_path}: {explain(error, LadderFile)}") from None
+    with at_place(str(name_or_path)):
+        return validated(LadderFile, tables)
 
 
-def _rungs(file: LadderFile, path: Path) -> tuple[Rung, ...]:
+def _rungs(file: LadderFile, path: Path) -> Iterator[Rung]:
     scene_file = path.parent / file.scene if file.scene.endswith(".toml") else file.scene
-    with _at("scene"):
+    with at_place("scene"):
         tables = tables_of(scene_file)
+    known = (*Status.__members__, INVALID)
     for label, status in file.status.items():
-        with _at(f"status.{label}"):
-            _check_status(label, status, file)
-    rungs = []
+        with at_place(f"status.{label}"):
+            if label not in file.steps:
+                raise InputError(f"no such step{nearest(label, file.steps)}")
+            if status not in known:
+                raise InputError(f"'{status}' is no status{nearest(status, known)}")
     for label, value in file.steps.items():
         counts = file.paths == [TURNS]
         changes = {} if counts else dict.fromkeys(file.paths, value)
-        with _at(f"steps.{label}"):
+        with at_place(f"steps.{label}"):
             turns = _turns(value) if counts else 1
             change(deepcopy(tables), changes)
-        rungs.append(Rung(label, value, turns, file.status.get(label, Status.ok.name), scene_file, changes))
-    return tuple(rungs)
-
-
-@contextmanager
-def _at(place: str) -> Iterator[None]:
-    """Put the place in the ladder file before every message from within."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{place}: {error}") from None
-
-
-def _check_status(label: str, status: str, file: LadderFile) -> None:
-    if label not in file.steps:
-        raise InputError(f"no such step{nearest(label, file.steps)}")
-    known = (*Status.__members__, INVALID)
-    if status not in known:
-        raise InputError(f"'{status}' is no status{nearest(status, known)}")
+        yield Rung(label, value, turns, file.status.get(label, Status.ok.name), scene_file, changes)
 
 
 def _turns(value: Value) -> int:

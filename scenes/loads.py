@@ -4,15 +4,20 @@ What a load depends on, a slider's displacement and velocity or a spring's lengt
 A slider's displacement is that of its body's first point along its guide from `through`.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, Strict
 
-Vector: TypeAlias = tuple[float, float]
+from . import limits
+from .bodies import GROUND, Body, Slide
+from .errors import InputError
+from .fields import BodyPoint, Coordinate, FileTable, ForceVector, Known, Length, Newtons, RestLength, Stiffness
 
 
 @dataclass(frozen=True)
@@ -21,7 +26,7 @@ class Force:
 
     body: str
     at: str
-    force: Vector  # N, ground frame
+    force: ForceVector  # N, ground frame
 
 
 @dataclass(frozen=True)
@@ -34,15 +39,26 @@ class PressForce:
 
     body: str  # slides on the ground
     at: str
-    force: Vector  # N, ground frame
-    last: float  # m
+    force: ForceVector  # N, ground frame
+    last: Length  # m
     closing: int  # the sign of the displacement's rate while the slider closes
 
     def acts(self, displacement: Any, velocity: Any, end: float) -> NDArray[np.bool_]:
-        """Return where the force acts: displacements, m, velocities, m/s, of one shape; the stroke ends at `end`, m."""
+        """Where the force acts: displacements, m, velocities, m/s, of one shape; the stroke ends at `end`, m."""
         before_end = (end - displacement) * self.closing
         acts: NDArray[np.bool_] = (before_end <= self.last) & (velocity * self.closing > 0)
         return acts
+
+
+def push(force: tuple[Any, Any], slide: Slide) -> Any:
+    """The part of a force along a guide."""
+    return force[0] * slide.along[0] + force[1] * slide.along[1]
+
+
+def closing_sense(force: tuple[Any, Any], slide: Slide) -> Any:
+    """The sign of the rate of a slider's displacement while it closes against a force; of many machines an array."""
+    against = push(force, slide) > 0
+    return np.where(against, -1, 1) if np.ndim(against) else -1 if against else 1
 
 
 @dataclass(frozen=True)
@@ -51,11 +67,11 @@ class ForceTable:
 
     body: str  # slides on the ground
     at: str
-    displacements: tuple[float, ...]  # m, increasing
-    forces: tuple[float, ...]  # N, along `along`
+    displacements: tuple[Coordinate, ...] = field(metadata={"path": "table.*.0"})  # m, increasing
+    forces: tuple[Newtons, ...] = field(metadata={"path": "table.*.1"})  # N, along `along`
 
     def along(self, displacement: Any) -> Any:
-        """Return the forces along the guide, N, at displacements of any shape, m."""
+        """The forces along the guide, N, at displacements of any shape, m."""
         if not self._of_many:
             return np.interp(displacement, self.displacements, self.forces)
         force = self.forces[0]
@@ -65,7 +81,7 @@ class ForceTable:
 
     @cached_property
     def _of_many(self) -> bool:
-        """Whether the entries are those of many machines, as of `scenes.machines`."""
+        """Whether the entries are those of many machines, as of `scenes.file.machines`."""
         return any(np.ndim(number) for number in (*self.displacements, *self.forces))
 
 
@@ -75,8 +91,58 @@ class Spring:
 
     first: tuple[str, str]  # body, point
     second: tuple[str, str]
-    stiffness: float  # N/m
-    length: float  # m, without force
+    stiffness: Stiffness  # N/m
+    length: RestLength  # m, without force
 
 
 Load: TypeAlias = Force | PressForce | ForceTable
+TableRow = Annotated[tuple[Coordinate, Newtons], Strict(False)]
+
+
+class LoadTable(FileTable):
+    """A force on a point of a body: constant, only in the last part of the closing stroke, or a table against it."""
+
+    body: Known = Field(description="The body on which it acts.")
+    at: Known = Field(description="The point of the body at which it acts.")
+    force: ForceVector | None = Field(None, description="The force: [x, y].")
+    last: Length | None = Field(None, description="Only in this last part of the stroke that closes against the force.")
+    table: Annotated[list[TableRow], Field(min_length=2, max_length=limits.ROWS)] | None = Field(
+        None, description="Instead of `force`: [displacement of the slider, force along its guide]."
+    )
+
+    def load(self, place: str, bodies: Mapping[str, Body]) -> Load:
+        """The load, its numbers as they are; one on a body that there is not is a constant force.
+
+        Raises:
+            InputError: the keys do not go together, or the body is no slider where one is asked for.
+        """
+        if (self.force is None) == (self.table is None):
+            raise InputError(f"{place}: expected either 'force' or 'table'")
+        slide = bodies[self.body].slide if self.body in bodies else None
+        if self.body not in bodies or (self.force is not None and self.last is None):
+            return Force(self.body, self.at, self.force or (0.0, 0.0))
+        if slide is None or slide.on != GROUND:
+            key = "table" if self.last is None else "last"
+            raise InputError(f"{place}.{key}: expected a body that slides on the ground, found '{self.body}'")
+        if self.table is not None:
+            if self.last is not None:
+                raise InputError(f"{place}.last: expected a 'force' with it, not a 'table'")
+            return ForceTable(self.body, self.at, *zip(*self.table, strict=True))
+        assert self.force is not None
+        assert self.last is not None
+        return PressForce(self.body, self.at, self.force, self.last, closing_sense(self.force, slide))
+
+
+class SpringTable(FileTable):
+    """A linear spring between two points."""
+
+    between: Annotated[tuple[BodyPoint, BodyPoint], Strict(False)] = Field(
+        description='Each as "body.point", or "ground.S".'
+    )
+    stiffness: Stiffness = Field(description="Force by length.")
+    length: RestLength = Field(description="Its length without force.")
+
+    def spring(self) -> Spring:
+        """The spring, its numbers as they are."""
+        first, second = ((body, point) for body, _, point in (text.partition(".") for text in self.between))
+        return Spring(first, second, self.stiffness, self.length)

@@ -6,13 +6,18 @@ by two models is one the comparison cannot see.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import pi
+from math import pi, sqrt
+from typing import Any, Literal
 
+import numpy as np
+
+from .bodies import GROUND, Body, Slide
 from .drive import ConstantSpeed, Drive, MotionLaw
-from .loads import Force, ForceTable, Load, PressForce, Spring, Vector
-from .variations import Variation
+from .fields import Gravity, Place, Position, Vector
+from .loads import Force, ForceTable, Load, PressForce, Spring, closing_sense
+from .numbers import Number, put, walk
 
 __all__ = [
     "GROUND",
@@ -33,65 +38,48 @@ __all__ = [
     "Vector",
 ]
 
-GROUND = "ground"
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
-@dataclass(frozen=True)
-class Slide:
-    """A straight guide in the frame of the body `on`, which may be the ground.
+def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Mapping[str, tuple[str, float]]:
+    """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none.
 
-    The sliding body's first point moves along the line, and its frame stays parallel to that of `on`.
+    Args:
+        units: of length, mass, force, angle and speed.
+        slides: whether a slider is driven.
     """
-
-    on: str
-    through: Vector  # a point of the line, m
-    along: Vector  # unit vector
-    drawn: float = 1.0  # how long `along` is in the file
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid body, its points given either in its own frame (`local`) or by their distances (`lengths`).
-
-    The frame of a body given by lengths has its origin at the first point and x towards the second; every further
-    point is given by its distances from two earlier ones, and lies on the side of their line where the sketch shows it.
-    Unless both `com` and `inertia` are given, it is uniform between its corners: one is a point mass, two are the ends
-    of a bar, three the corners of a triangular plate; see `scenes.corners`.
-    """
-
-    name: str
-    points: tuple[str, ...]
-    local: Mapping[str, Vector] | None  # m, body frame
-    lengths: Mapping[frozenset[str], float] | None  # m, by pair of points
-    corners: tuple[str, ...]  # which points span it, where it is uniform
-    mass: float | None  # kg; None in a kinematic scene
-    com: Vector | None  # m, body frame
-    inertia: float | None  # kg m^2, about the centre of mass
-    slide: Slide | None
-
-    def bases(self, point: str) -> tuple[str, ...]:
-        """Return the earlier points from which a point of a body given by lengths has a distance: two, or fewer."""
-        return self._bases.get(point, ())
-
-    @cached_property
-    def _bases(self) -> Mapping[str, tuple[str, ...]]:
-        order = {point: number for number, point in enumerate(self.points)}
-        pairs = sorted(sorted(map(order.__getitem__, pair)) for pair in self.lengths or ())
-        found: dict[str, tuple[str, ...]] = {}
-        for earlier, *later in pairs:
-            for number in later:
-                point = self.points[number]
-                found[point] = (*found.get(point, ()), self.points[earlier])
-        return found
+    (length, m), (mass, kg), (force, newton) = (units[name] for name in ("length", "mass", "force"))
+    return {
+        **units,
+        "position": units["length" if slides else "angle"],
+        "inertia": (f"{mass}*{length}^2", kg * m**2),
+        "stiffness": (f"{force}/{length}", newton / m),
+        "time": ("s", 1.0),
+        "gravity": ("m/s^2", 1.0),
+        "direction": ("", 1.0),
+    }
 
 
 @dataclass(frozen=True)
 class Sketch:
     """Rough positions of the moving points at one position of the drive; they pick the branch and nothing else."""
 
-    drive: float  # rad of a crank, m of a driven slider
-    points: Mapping[str, Vector]  # m
+    drive: Position = field(metadata={"path": "angle"})  # rad of a crank, m of a driven slider
+    points: Mapping[str, Place] = field(metadata={"path": "*"})  # m
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One number of the scene file that is not always made as drawn, in the units of the file."""
+
+    path: str
+    plus_minus: float
+    distribution: Literal["normal", "uniform"] = "normal"
+
+    @property
+    def deviation(self) -> float:
+        """The standard deviation, in the unit of the number: `plus_minus` is three of a normal distribution."""
+        return self.plus_minus / (3 if self.distribution == "normal" else sqrt(3))
 
 
 @dataclass(frozen=True)
@@ -112,12 +100,12 @@ class Scene:
     title: str
     source: str
     file: str  # where it was read from, for messages
-    ground: Mapping[str, Vector]  # m
+    ground: Mapping[str, Place] = field(metadata={"path": "ground.points"})  # m
     bodies: Mapping[str, Body]  # the moving bodies, in file order
     drive: Drive
     loads: tuple[Load, ...]
     springs: tuple[Spring, ...]
-    gravity: Vector | None  # m/s^2
+    gravity: tuple[Gravity, Gravity] | None  # m/s^2
     sketch: Sketch
     output: str  # the point that the report is about
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
@@ -125,7 +113,7 @@ class Scene:
     variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
 
     def __hash__(self) -> int:
-        """Return the hash of its name: what an engine finds once a scene is known by the scene."""
+        """The hash of its name: what an engine finds once a scene is known by the scene."""
         return hash((self.name, self.file))
 
     @property
@@ -173,7 +161,7 @@ class Scene:
         return self.bodies[self.drive.body].slide
 
     def guided(self, point: str) -> tuple[str, Slide] | None:
-        """Return the body at a point that slides on the ground, and its guide; None where none does."""
+        """The body at a point that slides on the ground, and its guide; None where none does."""
         for name in self.owners[point]:
             slide = None if name == GROUND else self.bodies[name].slide
             if slide is not None and slide.on == GROUND:
@@ -185,33 +173,66 @@ class Scene:
         """The channel of the drive's position: `crank_angle`, or `drive.displacement` of a driven slider."""
         return "crank_angle" if self.driven_slide is None else "drive.displacement"
 
+    @cached_property
+    def all_units(self) -> Mapping[str, tuple[str, float]]:
+        """The unit of each dimension in the file: its name, and what it is in SI; a direction has none."""
+        return units_of_all(self.units, slides=self.driven_slide is not None)
+
+    @cached_property
+    def numbers(self) -> Mapping[str, Number]:
+        """By path in the file, the numbers that machines of one topology may differ by: not of laws or the sketch."""
+        fixed = {("drive", "times"), ("drive", "positions")}
+        return {number.path: number for number in walk(self) if number.at[0] != "sketch" and number.at[:2] not in fixed}
+
+    def size(self, number: Number) -> float:
+        """What the file's unit of a number is in SI; of a guide's direction, which has a length of its own there."""
+        if number.quantity.dimension != "direction":
+            return self.all_units[number.quantity.dimension][1]
+        slide = self.bodies[str(number.at[1])].slide
+        assert slide is not None
+        return 1 / slide.drawn
+
+    def with_numbers(self, values: Mapping[str, Any]) -> "Scene":
+        """The scene with other numbers, SI, by their paths in the file; of many machines arrays of shape (m, 1).
+
+        Nothing is checked, and no body becomes a bar or a plate by them. Of a guide's direction the numbers are in
+        shares of its length in the file.
+        """
+        other: Scene = put(self, {self.numbers[path].at: value for path, value in values.items()})
+        loads = list(other.loads)
+        for number, load in enumerate(loads):
+            if isinstance(load, PressForce) and (slide := other.bodies[load.body].slide):
+                closing = closing_sense(load.force, slide)
+                loads[number] = replace(load, closing=closing) if np.ndim(closing) else load
+        return replace(other, loads=tuple(loads))
+
     @property
     def length_unit(self) -> tuple[str, float]:
         """The unit of length of the file: its name, and what it is in m."""
         return self.units["length"]
 
     def length(self, metres: float, digits: int = 4) -> str:
-        """Return a length in the unit of the file, as messages name it: `12.41 mm`."""
+        """A length in the unit of the file, as messages name it: `12.41 mm`."""
         return self.amount("length", metres, digits)
 
     def amount(self, quantity: str, value: float, digits: int = 4) -> str:
-        """Return a length, mass, force, angle or speed, SI, in the unit of the file, as messages name it."""
-        unit, size = self.units[quantity]
+        """A length, mass, force, angle or speed, SI, in the unit of the file, as messages name it."""
+        unit, size = self.all_units[quantity]
         return f"{value / size:.{digits}g} {unit}"
 
     def position(self, position: float) -> str:
-        """Return a position of the drive, rad or m, in the unit of the file: `30.0000 deg`, `560 mm`."""
+        """A position of the drive, rad or m, in the unit of the file: `30.0000 deg`, `560 mm`."""
         if self.driven_slide is not None:
             return self.length(position, 6)
         unit, size = self.units["angle"]
         return f"{position / size:z.{4 if size <= pi / 180 else 6}f} {unit}"
 
     def between(self, ends: tuple[float, float]) -> str:
-        """Return a range of positions of the drive, rad or m, in the unit of the file."""
+        """A range of positions of the drive, rad or m, in the unit of the file."""
         return " to ".join(map(self.position, ends))
 
     def where(self, position: float) -> str:
-        """Return what messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""
+        """What messages call a position of the drive, rad or m: `crank angle 30.0000 deg`, `table at 560 mm`."""
         name = "crank angle" if self.driven_slide is None else f"{self.drive.body} at"
         return f"{name} {self.position(position)}"
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from scenes import Scene
-from scenes.motion import channels
+from scenes.model.motion import channels
 from scenes.scene import GROUND, Force, ForceTable, Load, PressForce
 
 from .absolute_bodies import TURNED, Floats, local_points, mass_properties, sketched

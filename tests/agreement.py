@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 import analytic
 from compare.engines import registry
-from compare.engines.reference import Reference, relative_errors
+from compare.mechanics.reference import Reference
+from compare.mechanics.scales import relative_errors
 from scenes import Motion, Request, Scene
-from scenes.motion import Samples, channels, quantity
+from scenes.model.motion import Samples, channels, quantity
 
 Channels = Mapping[str, Samples]
 

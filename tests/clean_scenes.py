@@ -4,7 +4,6 @@ The linkages of `linkage_scenes`, as many of every kind of dyad, and class III w
 drawing read in inches and pounds is another size, and another weight against its loads, than in millimetres and tonnes.
 """
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import combinations
 from math import degrees, pi
@@ -17,8 +16,9 @@ from hypothesis import strategies as st
 
 import scenes
 from scenes import Scene
-from scenes.reader import numbers_in, tables_of
-from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce, Vector
+from scenes.file.reader import numbers_in, tables_of
+from scenes.numbers import put, walk
+from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, PressForce
 
 from . import scene_files
 from .linkage_scenes import linkages
@@ -46,101 +46,89 @@ SIZES = st.builds(Sizes, *map(st.sampled_from, (LENGTHS, MASSES, FORCES, ANGLES)
 
 
 def clean_scenes(folder: Path, count: int) -> list[Scene]:
-    """Return scenes that were written to a folder and read from there."""
-    found = []
+    """Scenes that were written to a folder and read from there."""
+    clean = []
     for number in range(count):
         if number % EVERY == EVERY - 1:
-            found.append(_class_iii(number // EVERY))
+            clean.append(_class_iii(number // EVERY))
             continue
         scene, sizes = _drawn(number)
         file = folder / f"clean_{number:03d}.toml"
         file.write_text(scene_files.toml(tables(replace(scene, name=file.stem), sizes)), encoding="utf-8")
-        found.append(scenes.load(file))
-    return found
+        clean.append(scenes.load(file))
+    return clean
 
 
 def _drawn(number: int) -> tuple[Scene, Sizes]:
-    """Return one drawing, the same one every time."""
-    found: list[tuple[Scene, Sizes]] = []
+    """One drawing, the same one every time."""
+    drawings: list[tuple[Scene, Sizes]] = []
 
     @seed(number)
     @settings(max_examples=2, phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck))
     @given(linkages(KINDS[number % len(KINDS)]), SIZES)
     def draw(scene: Scene, sizes: Sizes) -> None:
-        found.append((scene, sizes))
+        drawings.append((scene, sizes))
 
     draw()
-    return found[-1]  # the first one is the plainest, whatever the seed
+    return drawings[-1]  # the first one is the plainest, whatever the seed
 
 
 def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
-    """Return the tables of the file of a drawn scene, in other units and as many of them."""
+    """The tables of the file of a drawn scene, in other units and as many of them."""
     (length, L), (mass, M), (force, F), (angle, A) = sizes
     slides = scene.driven_slide is not None
     speed, per_second = (f"{length}/s", L) if slides else (("rpm", 30 / pi) if angle == "deg" else ("rad/s", 1.0))
-
-    def points(of: Mapping[str, Vector]) -> dict[str, Vector]:
-        return {point: _times(L, xy) for point, xy in of.items()}
-
-    def body(of: Body) -> Iterator[tuple[str, Any]]:
-        if of.local is not None:
-            yield "points", points(of.local)
-        pairs = ((p, q) for p, q in combinations(of.points, 2) if of.lengths and frozenset((p, q)) in of.lengths)
-        if of.lengths is not None:
-            yield "lengths", {f"{p}-{q}": L * of.lengths[frozenset((p, q))] for p, q in pairs}
-        if of.mass is not None:
-            yield "mass", M * of.mass
-        if of.com is not None and of.inertia is not None:
-            yield from (("com", _times(L, of.com)), ("inertia", M * L**2 * of.inertia))
-        if of.slide is not None:
-            yield "slides", {"on": of.slide.on, "through": _times(L, of.slide.through), "along": of.slide.along}
-
-    def drive() -> Iterator[tuple[str, Any]]:
-        unit, of = L if slides else A, scene.drive
-        yield "body", of.body
-        if isinstance(of, ConstantSpeed):
-            yield from (("speed", per_second * of.speed), ("start", unit * of.start))
-            if of.end is not None:
-                yield "end", unit * of.end
-        else:
-            yield "law", [(t, unit * x) for t, x in zip(of.times, of.positions, strict=True)]
-            yield "periodic", of.periodic
-
-    def load(of: Force | PressForce | ForceTable) -> dict[str, Any]:
-        at = {"body": of.body, "at": of.at}
-        if isinstance(of, ForceTable):
-            return at | {"table": [(L * x, F * f) for x, f in zip(of.displacements, of.forces, strict=True)]}
-        return at | {"force": _times(F, of.force)} | ({"last": L * of.last} if isinstance(of, PressForce) else {})
-
-    return {
+    many = {"length": L, "mass": M, "force": F, "inertia": M * L**2, "stiffness": F / L, "speed": per_second}
+    many |= {"position": L if slides else A} | dict.fromkeys(("time", "gravity", "direction"), 1.0)
+    scene = put(scene, {number.at: many[number.quantity.dimension] * number.value for number in walk(scene)})
+    written = {
         "format": 1,
         "name": scene.name,
         "units": {"length": length, "mass": mass, "force": force, "angle": angle, "speed": speed},
-        **({} if scene.gravity is None else {"gravity": scene.gravity}),
-        "ground": {"points": points(scene.ground) or {"G": (0, 0)}},  # a file has one at least
-        "bodies": {name: dict(body(of)) for name, of in scene.bodies.items()},
-        "drive": dict(drive()),
-        "loads": [load(of) for of in scene.loads],
+        "gravity": scene.gravity,
+        "ground": {"points": dict(scene.ground) or {"G": (0, 0)}},  # a file has one at least
+        "bodies": {name: _body(body) for name, body in scene.bodies.items()},
+        "drive": _drive(scene.drive),
+        "loads": [_load(load) for load in scene.loads],
         "springs": [
-            {
-                "between": [".".join(of.first), ".".join(of.second)],
-                "stiffness": F / L * of.stiffness,
-                "length": L * of.length,
-            }
+            {"between": [".".join(of.first), ".".join(of.second)], "stiffness": of.stiffness, "length": of.length}
             for of in scene.springs
         ],
-        "sketch": {"displacement" if slides else "angle": (L if slides else A) * scene.sketch.drive}
-        | points(scene.sketch.points),
+        "sketch": {"displacement" if slides else "angle": scene.sketch.drive, **scene.sketch.points},
         "output": {"point": scene.output},
     }
+    return _without_none(written)
 
 
-def _times(factor: float, xy: Vector) -> Vector:
-    return factor * xy[0], factor * xy[1]
+def _without_none(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if value is not None}
+
+
+def _body(body: Body) -> dict[str, Any]:
+    pairs = [pair for pair in combinations(body.points, 2) if body.lengths and frozenset(pair) in body.lengths]
+    table: dict[str, Any] = {"points": body.local, "mass": body.mass, "com": body.com, "inertia": body.inertia}
+    if body.lengths is not None:
+        table["lengths"] = {"-".join(pair): body.lengths[frozenset(pair)] for pair in pairs}
+    if body.slide is not None:
+        table["slides"] = {"on": body.slide.on, "through": body.slide.through, "along": body.slide.along}
+    return _without_none(table)
+
+
+def _drive(drive: Drive) -> dict[str, Any]:
+    if isinstance(drive, ConstantSpeed):
+        return _without_none(vars(drive))
+    return {"body": drive.body, "law": [*zip(drive.times, drive.positions, strict=True)], "periodic": drive.periodic}
+
+
+def _load(load: Load) -> dict[str, Any]:
+    at = {"body": load.body, "at": load.at}
+    if isinstance(load, ForceTable):
+        return at | {"table": [*zip(load.displacements, load.forces, strict=True)]}
+    return at | {"force": load.force} | ({"last": load.last} if isinstance(load, PressForce) else {})
 
 
 def _class_iii(number: int) -> Scene:
-    """Return a scene of class III whose lengths are each a little off those of its file."""
+    """A scene of class III whose lengths are each a little off those of its file."""
     file, chance = scene_files.path(CLASS_III[number % len(CLASS_III)]), np.random.default_rng(number)
     bodies = tables_of(file)["bodies"]
     paths = [f"bodies.{body}.lengths.{pair}" for body, of in bodies.items() for pair in of.get("lengths", ())]

@@ -10,14 +10,16 @@ import numpy as np
 import pytest
 
 from compare.engines import registry
-from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.engines.settings import settings_of
-from compare.judge.errors import ChannelError, shown_groups
-from compare.speed.timing import Again, Budget, Times, take_turns
+from compare.judge.checks import checks
+from compare.judge.errors import ChannelError, compare, error_table, shown_groups
+from compare.measure.speed.timing import Again, Budget, Times, take_turns
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import Reference
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
 SAMPLING = Sampling(72)
@@ -43,11 +45,11 @@ def only_few_settings() -> Iterator[None]:
         return take_turns(first, again, Budget(1, 0.0), *others)
 
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("speed.speed_table", "study"):
+        for module in ("measure.speed.speed_table", "study"):
             patch.setattr(f"compare.{module}.settings_of", first)
         patch.setattr("compare.judge.floor.FLOOR_SAMPLES", 12)
-        patch.setattr("compare.speed.timing.LEAST_ROUNDS", 1)
-        patch.setattr("compare.speed.speed_table.take_turns", once)
+        patch.setattr("compare.measure.speed.timing.LEAST_ROUNDS", 1)
+        patch.setattr("compare.measure.speed.speed_table.take_turns", once)
         yield
 
 
@@ -64,7 +66,17 @@ def commanded(reference: Reference, sampling: Sampling = SAMPLING) -> Motion:
 
 def of_scene(reference: Reference, scene: Scene) -> Reference:
     """Return the reference of a scene that differs in its loads, with the same scales."""
-    return replace(reference, scene=scene, at=registry.reference(scene))
+    return replace(reference, mechanics=Mechanics(scene), at=registry.reference(scene))
+
+
+def violations(reference: Reference, motion: Motion) -> dict[tuple[str, str], float]:
+    """What the checks of a motion's own output find at worst, by check and what it is of."""
+    return {(c.check, c.of): c.worst for c in checks(reference.mechanics, motion, reference.travel)}
+
+
+def rows_of(reference: Reference, motion: Motion, sampling: Sampling = SAMPLING) -> list[ChannelError]:
+    """The errors of a motion, a row a channel."""
+    return error_table("x", compare(reference, sampling, motion), reference)
 
 
 class Stub:

@@ -11,10 +11,10 @@ from hypothesis import settings
 from hypothesis.configuration import set_hypothesis_home_dir
 
 import scenes
-from compare.arguments import matching
+from compare.cli.arguments import matching
 from compare.engines import registry
-from compare.engines.reference import Reference, found
 from compare.judge.floor import establish
+from compare.mechanics.reference import Reference, uncertified
 from compare.study import Study
 from scenes import Motion, Scene
 
@@ -57,7 +57,7 @@ def motion(reference: Reference) -> Motion:
 @pytest.fixture(scope="session")
 def references() -> References:
     """Return a function that solves the reference of a mechanism, without its floor, and only once."""
-    return cache(lambda name: found(scene_files.load(name)))
+    return cache(lambda name: uncertified(scene_files.load(name)))
 
 
 @pytest.fixture(scope="session")

@@ -11,14 +11,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from itertools import count
 from multiprocessing import active_children, resource_tracker
-from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+import psutil
 import pytest
 
 from compare.engines import registry
-from scenes import Failure, Motion, Request, Scene, Settings, Status
+from scenes import Failure, Motion, Status
 
 MEMORY = 2**30  # bytes, the limit in tests
 
@@ -84,7 +84,8 @@ def begun(seconds: int, **options: Any) -> "subprocess.Popen[bytes]":
     return subprocess.Popen(["sleep", str(seconds)], **options)
 
 
-TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
+Deaths: TypeAlias = Mapping[str, tuple[Callable[[], object], Status, str]]  # by name: how, its status, and why
+TWELVE: Deaths = {
     "abort": (os.abort, Status.crashed, "its process ended by SIGABRT"),
     "segmentation fault": (lambda: ctypes.string_at(0), Status.crashed, "its process ended by SIGSEGV"),
     "exit": (lambda: os._exit(3), Status.crashed, "its process ended by exit status 3"),
@@ -98,7 +99,7 @@ TWELVE: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "surrogates": (lambda: _raise(RuntimeError("of \ud800")), Status.crashed, "RuntimeError: of \\ud800"),
     "a megabyte": (lambda: _raise(RuntimeError("much " * 200_000)), Status.crashed, "…"),
 }
-FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
+FURTHER: Deaths = {
     "much talk": (_talk, Status.crashed, "its process ended by exit status 5"),
     "KeyboardInterrupt": (lambda: _raise(KeyboardInterrupt()), Status.crashed, "KeyboardInterrupt: no message"),
     "an exception without text": (lambda: _raise(Mute()), Status.crashed, "Mute: no message"),
@@ -110,7 +111,7 @@ FURTHER: Mapping[str, tuple[Callable[[], object], Status, str]] = {
     "no motion": (lambda: None, Status.crashed, "TypeError: expected scenes.Motion, found NoneType"),
     "samples of functions": (lambda: Motion({"time": lambda: 0}), Status.crashed, "Can't pickle"),  # type: ignore[dict-item]
 }
-ASLEEP: Mapping[str, tuple[Callable[[], object], Status, str]] = {  # which only the time on the wall ends
+ASLEEP: Deaths = {  # which only the time on the wall ends
     "asleep": (lambda: time.sleep(600), Status.timed_out, "no answer within"),
     "half an answer": (_half_an_answer, Status.timed_out, "no answer within"),
     "asleep in C": (lambda: ctypes.PyDLL(None).sleep(600), Status.timed_out, "no answer within"),  # with Python's lock
@@ -133,16 +134,15 @@ class Doomed:
     def _reached(self, stage: str) -> Any:
         return DEATHS[self._death][0]() if stage == self._stage else None
 
-    def build(self, scene: Scene, settings: Settings, request: Request) -> "Doomed":  # noqa: ARG002
+    def build(self, *_: object) -> "Doomed":
         self._reached("build")
         return self
 
     def solve(self) -> None:
         self._reached("solve")
 
-    def read(self) -> Motion:
-        motion: Motion = self._reached("read")
-        return motion
+    def read(self) -> Any:
+        return self._reached("read")
 
 
 @contextmanager
@@ -155,10 +155,10 @@ def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(registry, "engine", engine)
-        patch.setattr("compare.engines.workers.SECONDS", 0.5)
-        patch.setattr("compare.engines.workers.SECONDS_EACH", 2e-5)
-        patch.setattr("compare.engines.isolation.WAIT", 2.0 if {*deaths.values()} & {*ASLEEP} else 1e3)
-        patch.setattr("compare.engines.workers.MEMORY", MEMORY)
+        patch.setattr("compare.engines.runner.SECONDS", 0.5)
+        patch.setattr("compare.engines.runner.SECONDS_EACH", 2e-5)
+        patch.setattr("compare.engines.processes.isolation.WAIT", 2.0 if {*deaths.values()} & {*ASLEEP} else 1e3)
+        patch.setattr("compare.engines.runner.MEMORY", MEMORY)
         yield
     assert active_children() == []
     assert children() == []
@@ -167,13 +167,14 @@ def doomed(deaths: Mapping[str, str], stage: str = "solve") -> Iterator[None]:
 def children() -> list[int]:
     """Return the processes of this one that go on, but for multiprocessing's own, which begins with the first pool."""
     tracker = resource_tracker._resource_tracker._pid  # type: ignore[attr-defined]
-    stats = ((int(file.parent.name), _stat(file)) for file in Path("/proc").glob("[0-9]*/stat"))
-    return [number for number, (state, parent) in stats if parent == os.getpid() and state != "Z" and number != tracker]
+    return [child.pid for child in psutil.Process().children() if child.pid != tracker and alive(child.pid)]
 
 
 def alive(number: int) -> bool:
     """Return whether there is such a process, of whatever parent."""
-    return _stat(Path(f"/proc/{number}/stat"))[0] not in ("", "Z")
+    with suppress(psutil.NoSuchProcess):
+        return bool(psutil.Process(number).status() != psutil.STATUS_ZOMBIE)
+    return False
 
 
 def within(seconds: float, true: Callable[[], bool]) -> bool:
@@ -182,12 +183,3 @@ def within(seconds: float, true: Callable[[], bool]) -> bool:
     while not true() and time.monotonic() < end:
         time.sleep(0.02)
     return true()
-
-
-def _stat(file: Path) -> tuple[str, int]:
-    """Return the state and the parent of a process, none where it has gone."""
-    try:
-        state, parent = file.read_text(encoding="utf-8").rpartition(")")[2].split()[:2]
-    except OSError:
-        return "", 0
-    return state, int(parent)

@@ -8,7 +8,7 @@ import numpy as np
 
 import analytic
 from scenes import Scene
-from scenes.motion import Samples, force_channels, quantity
+from scenes.model.motion import Samples, force_channels, quantity
 
 Texts = Mapping[str, list[str]]  # by column
 

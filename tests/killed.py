@@ -9,7 +9,11 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from signal import SIGKILL
-from time import perf_counter, sleep
+from time import sleep
+
+import psutil
+
+from tests.deaths import alive, within
 
 CHANGING = ("speed.csv", "summary.json", "report.html", "family.html", "stability.csv", "hard.csv")  # they have times
 PATIENCE = 10.0  # s, for the processes of a killed run to end
@@ -53,9 +57,8 @@ def killed(job: Sequence[str], place: Path, after: float) -> Killed:
     finished = process.poll() is not None
     process.kill()
     process.wait()
-    deadline = perf_counter() + PATIENCE
-    while (others := list(of_session(process.pid))) and perf_counter() < deadline:
-        sleep(0.1)
+    within(PATIENCE, lambda: not [*of_session(process.pid)])
+    others = [*of_session(process.pid)]
     for other in others:
         with suppress(ProcessLookupError):
             os.kill(other, SIGKILL)
@@ -65,31 +68,27 @@ def killed(job: Sequence[str], place: Path, after: float) -> Killed:
 
 def of_session(leader: int) -> Iterator[int]:
     """Yield the processes of a session, but those that have ended and nobody waited for."""
-    for process in Path("/proc").iterdir():
-        if process.name.isdecimal():
-            with suppress(OSError):
-                state, _, _, session = (process / "stat").read_text().rpartition(")")[2].split()[:4]
-                if int(session) == leader and state != "Z":
-                    yield int(process.name)
+    for process in psutil.pids():
+        with suppress(OSError):
+            if os.getsid(process) == leader and alive(process):
+                yield process
 
 
 def spent(process: int) -> float:
     """Return the processor time of a process and of those that it waited for, s; zero of one that has ended."""
-    try:
-        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+    with suppress(psutil.NoSuchProcess):
+        return float(sum(psutil.Process(process).cpu_times()[:4]))
+    return 0.0
 
 
 def compared(older: Mapping[str, str], place: Path) -> str:
     """Return whether a folder holds the older result or a whole new one; their motions and errors are the same."""
     if not place.is_dir():
         return "gone"
-    found = digests(place)
-    if found == older:
+    now = digests(place)
+    if now == older:
         return "older"
-    differ = [name for name in {*found, *older} if name not in CHANGING and found.get(name) != older.get(name)]
+    differ = [name for name in {*now, *older} if name not in CHANGING and now.get(name) != older.get(name)]
     cut = [page.name for page in place.glob("*.html") if not page.read_text(encoding="utf-8").endswith("</html>\n")]
-    mixed = [name for name in found if name in CHANGING and found[name] == older.get(name)]
-    return "new" if found.keys() == older.keys() and not (differ or cut or mixed) else f"{differ=} {cut=} {mixed=}"
+    mixed = [name for name in now if name in CHANGING and now[name] == older.get(name)]
+    return "new" if now.keys() == older.keys() and not (differ or cut or mixed) else f"{differ=} {cut=} {mixed=}"

@@ -10,7 +10,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from scenes import Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import (
     GROUND,
     Body,
@@ -46,7 +46,7 @@ def linkages(first: str = "") -> st.SearchStrategy[Scene]:
 
 
 def _scene(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
-    """Return the scene with its bodies in any order, masses, loads, springs and weights; and positions of its drive."""
+    """The scene with its bodies in any order, masses, loads, springs and weights; and positions of its drive."""
     at = {point: complex(z[0]) for point, z in drawing.path.items()}
     order = {name: draw(st.permutations(points)) for name, points in drawing.points.items()}
     x_axes, by_lengths = _x_axes(draw, drawing, order, at)
@@ -89,7 +89,7 @@ def _rough(z: complex) -> Vector:
 def _x_axes(
     draw: st.DrawFn, drawing: Drawing, order: Mapping[str, list[str]], at: Mapping[str, complex]
 ) -> tuple[dict[str, complex], set[str]]:
-    """Return the x axis of each frame at first, the same of bodies that slide on each other; and which are by lengths.
+    """The x axis of each frame at first, the same of bodies that slide on each other; and which are by lengths.
 
     One body at most of those that slide on each other is: its axis lies along its points.
     """
@@ -143,7 +143,7 @@ def _body(draw: st.DrawFn, name: str, local: Mapping[str, complex], slide: Slide
 
 
 def _positions(drawing: Drawing, x_axis: complex, first: str, slide: Slide | None) -> Samples:
-    """Return the drive's positions over all steps."""
+    """The drive's positions over all steps."""
     if slide is None:
         turned: Samples = np.angle(x_axis) + STEPS
         return turned
@@ -152,7 +152,7 @@ def _positions(drawing: Drawing, x_axis: complex, first: str, slide: Slide | Non
 
 
 def _drive(draw: st.DrawFn, positions: Samples, *, slides: bool) -> Drive:
-    """Return a constant speed or a law; a slider keeps within the positions."""
+    """A constant speed or a law; a slider keeps within the positions."""
     least, most = float(positions.min()), float(positions.max())
     if draw(st.booleans()):
         speed = draw(signs) * draw(numbers(0.5, 20))

@@ -27,7 +27,7 @@ Change = Callable[[Random, str], str]
 
 
 def mutated(random: Random) -> bytes:
-    """Return the content of a file after one to three changes of any kind, now and then with odd bytes."""
+    """The content of a file after one to three changes of any kind, now and then with odd bytes."""
     content = _changed(random, CHANGES).encode("utf-8", "surrogatepass")
     if random.random() < 0.1:
         start = random.randint(0, len(content))
@@ -36,7 +36,7 @@ def mutated(random: Random) -> bytes:
 
 
 def slightly_mutated(random: Random) -> bytes:
-    """Return the content of a file after one to three changes that may well leave a scene."""
+    """The content of a file after one to three changes that may well leave a scene."""
     return _changed(random, (_other_number, _other_number, _other_number, _other_name, _other_lines)).encode()
 
 
@@ -48,7 +48,7 @@ def _changed(random: Random, changes: Sequence[Change]) -> str:
 
 
 def _place(random: Random, text: str, pattern: re.Pattern[str]) -> tuple[int, int]:
-    """Return where one match of a pattern starts and ends."""
+    """Where one match of a pattern starts and ends."""
     return random.choice([match.span() for match in pattern.finditer(text)] or [(0, 0)])
 
 

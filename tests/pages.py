@@ -16,13 +16,13 @@ WITHIN = ("data:", "blob:")  # of an address in the page itself: a picture of a 
 
 
 def unpacked(text: str) -> list[str]:
-    """Return the library and all figures of a page, as JSON."""
+    """The library and all figures of a page, as JSON."""
     packed = dict(re.findall(r'<script type="application/gzip" id="(\w+)">([^<]*)</script>', text))
     figures, library = (gzip.decompress(b64decode(packed[name])).decode() for name in ("figures", "plotly"))
-    found = json.loads(figures)
-    for figure in found["figures"]:
-        figure["layout"]["template"] = found["template"]
-    return [library, *(json.dumps(figure, separators=(",", ":")) for figure in found["figures"])]
+    drawn = json.loads(figures)
+    for figure in drawn["figures"]:
+        figure["layout"]["template"] = drawn["template"]
+    return [library, *(json.dumps(figure, separators=(",", ":")) for figure in drawn["figures"])]
 
 
 def check_figures(text: str) -> None:
@@ -36,7 +36,7 @@ def check_figures(text: str) -> None:
 
 
 def without_scripts(text: str) -> str:
-    """Return a page without its scripts, and what is packed in them."""
+    """A page without its scripts, and what is packed in them."""
     return re.sub(r"<script.*?</script>", "", text, flags=re.DOTALL)
 
 

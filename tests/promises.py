@@ -9,8 +9,7 @@ from unittest.mock import patch
 import analytic
 import compare
 from compare import study
-from compare.engines import runner
-from compare.engines.runner import Run
+from compare.engines.runner import HERE, Run
 from compare.engines.settings import TIERS, Accuracy
 from compare.judge import judgement
 from scenes import Sampling, Scene
@@ -118,10 +117,10 @@ def features(scene: Scene) -> Iterator[str]:
 def _shared() -> Iterator[None]:
     """Let the judgements of one scene share its reference, what round-off explains, the speed table and equal runs."""
     places = (
-        *((runner, "run"), (judgement, "explain")),
+        *((HERE, "run"), (judgement, "explain")),
         *((study, "establish"), (study, "speed_table"), (study, "workers")),
     )
-    real = {name: getattr(module, name) for module, name in places}
+    real = {name: getattr(place, name) for place, name in places}
     kept: dict[Hashable, Any] = {}
 
     def once(name: str, key: Hashable, *arguments: Any) -> Any:
@@ -138,7 +137,7 @@ def _shared() -> Iterator[None]:
         "explain": lambda reference, sampling: once("explain", sampling, reference, sampling),
         "establish": lambda *of: once("establish", None, *of),
         "speed_table": lambda *of: once("speed_table", None, *of),
-        "workers": lambda *_: nullcontext(runner),
+        "workers": lambda *_: nullcontext(HERE),
     }
     with ExitStack() as stack:
         for module, name in places:

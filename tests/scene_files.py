@@ -21,7 +21,7 @@ NONE: Changes = {}
 
 
 def path(name: str) -> Path:
-    """Return the file of a scene."""
+    """The file of a scene."""
     own = FOLDER / f"{name}.toml"
     return own if own.exists() else scenes.shipped()[name]
 
@@ -31,7 +31,7 @@ def text(name: str) -> str:
 
 
 def load(name: str, changes: Changes = NONE) -> Scene:
-    """Return a scene with some numbers, texts, tables or lists changed, added or gone."""
+    """A scene with some numbers, texts, tables or lists changed, added or gone."""
     if not changes:
         return scenes.load(path(name))
     with TemporaryDirectory() as folder:
@@ -39,13 +39,13 @@ def load(name: str, changes: Changes = NONE) -> Scene:
 
 
 def in_order(name: str, order: Sequence[int], changes: Changes = NONE) -> Scene:
-    """Return a scene whose bodies come in another order in the file."""
+    """A scene whose bodies come in another order in the file."""
     bodies = list(_tables(name)["bodies"].items())
     return load(name, {**changes, "bodies": dict(bodies[number] for number in order)})
 
 
 def without_masses(name: str) -> Changes:
-    """Return what makes a scene a kinematic one."""
+    """What makes a scene a kinematic one."""
     tables, weights = _tables(name), ("mass", "com", "inertia")
     bodies = {n: {k: v for k, v in body.items() if k not in weights} for n, body in tables["bodies"].items()}
     return {"bodies": bodies} | {name: None for name in ("loads", "springs", "variations") if name in tables}
@@ -73,7 +73,7 @@ def _tables(name: str) -> dict[str, Any]:
 
 
 def toml(tables: Mapping[str, Any]) -> str:
-    """Return the text of a scene file."""
+    """The text of a scene file."""
     return "\n".join(f'"{key}" = {_value(value)}' for key, value in tables.items())
 
 

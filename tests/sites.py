@@ -1,7 +1,13 @@
 """Folders as distributions with engines are installed in, for tests of engines from outside."""
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
+
+from compare.engines import outside, registry
 
 GOOD = "from analytic.engine import DEFAULT, build\n"  # a module of an engine, with the least that it needs
 
@@ -23,3 +29,16 @@ def install(
     (info / "entry_points.txt").write_text(f"[{group}]\n{lines}", encoding="utf-8")
     for module, text in (modules or {}).items():
         (site / f"{module}.py").write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def known(site: Path, modules: Iterable[str]) -> Iterator[None]:
+    """Have engines looked for in a folder too, and forget what was imported from there afterwards."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(site))
+        patch.setattr(registry, "ENTRIES", registry.Entries(registry.OWN))
+        yield
+    for module in modules:
+        sys.modules.pop(module, None)
+    outside.imported.cache_clear()
+    outside._offers.cache_clear()

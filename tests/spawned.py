@@ -5,11 +5,13 @@ They import this module too. The last item never ends: the number of its process
 
 from multiprocessing import get_context
 
-from compare.engines import isolation
-from compare.engines.isolation import Ended, Limits, Worker
+from compare.engines.processes import inside, isolation
+from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.isolation import Worker
 from tests.deaths import DEATHS, children
 
-isolation.LINUX, isolation.CONTEXT = False, get_context("spawn")
+vars(inside)["LINUX"] = vars(isolation)["LINUX"] = False
+isolation.CONTEXT = get_context("spawn")
 
 
 def do(what: str) -> str:

@@ -16,44 +16,47 @@ import sim_models.pinocchio.engine
 import sim_models.pymunk.engine
 from compare.engines import registry
 from scenes import Engine
-from scenes.engine import Module
+from scenes.model.engine import Module
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("analytic", "compare", "linkage_crosscheck", "papers", "scenes", "sim_models")
 
 
 FORBIDDEN = {
-    ("sim_models.exudyn.poses", "analytic.dyads"): "from analytic.dyads import dot",
+    ("sim_models.exudyn.poses", "analytic.core.dyads"): "from analytic.core.dyads import dot",
     ("sim_models.exudyn.poses", "sim_models.pymunk.constraints"): "from ..pymunk import constraints",
     ("sim_models.pymunk.engine", "compare.engines.registry"): "import compare.engines.registry",
-    ("analytic.dyads", "sim_models.pymunk.engine"): "import sim_models.pymunk.engine",
-    ("scenes.motion", "analytic"): "import analytic",
+    ("analytic.core.dyads", "sim_models.pymunk.engine"): "import sim_models.pymunk.engine",
+    ("analytic.core.dyads", "analytic.way.slider"): "from ..way import slider",
+    ("analytic.core.dyads", "analytic.recorded.program"): "from ..recorded import program",
+    ("scenes.model.motion", "analytic"): "import analytic",
     ("scenes.scene", "compare.run"): "import compare.run",
     ("compare.engines.registry", "sim_models.pymunk.settings"): "import sim_models.pymunk.settings",
     ("compare.run", "papers.page"): "import papers.page",
     ("compare.judge.checks", "analytic.solve"): "from analytic import solve",
     ("compare.engines.runner", "compare.judge.gates"): "from ..judge import gates",
-    ("compare.judge.checks", "compare.speed.timing"): "from ..speed import timing",
-    ("compare.judge.checks", "compare.hard.case"): "from ..hard import case",
-    ("compare.judge.checks", "compare.family.grid"): "from ..family import grid",
-    ("compare.speed.timing", "compare.hard.case"): "from ..hard import case",
-    ("compare.hard.case", "compare.family.grid"): "from ..family import grid",
-    ("compare.family.grid", "compare.speed.timing"): "from ..speed import timing",
-    ("compare.monte_carlo.draws", "compare.family.grid"): "from ..family import grid",
+    ("compare.judge.checks", "compare.measure.speed.timing"): "from ..measure.speed import timing",
+    ("compare.judge.checks", "compare.measure.hard.case"): "from ..measure.hard import case",
+    ("compare.judge.checks", "compare.measure.many.grid"): "from ..measure.many import grid",
+    ("compare.measure.speed.timing", "compare.measure.hard.case"): "from ..hard import case",
+    ("compare.measure.hard.case", "compare.measure.many.grid"): "from ..many import grid",
+    ("compare.measure.many.grid", "compare.measure.speed.timing"): "from ..speed import timing",
+    ("compare.engines.runner", "compare.mechanics.reference"): "from ..mechanics import reference",
+    ("compare.mechanics.reference", "compare.judge.checks"): "from ..judge import checks",
     ("compare.judge.checks", "compare.judge.canaries.canaries"): "from .canaries import canaries",
     ("compare.judge.checks", "compare.contract.asked"): "from ..contract import asked",
-    ("compare.judge.canaries.canaries", "compare.speed.timing"): "from ...speed import timing",
-    ("compare.hard.case", "compare.judge.canaries.canaries"): "from ..judge.canaries import canaries",
-    ("compare.speed.timing", "compare.study"): "from .. import study",
-    ("compare.family.grid", "compare.report.html"): "from ..report import html",
-    ("compare.study", "compare.report.html"): "from .report import html",
-    ("compare.report.html", "compare.run"): "from .. import run",
-    ("compare.report.units", "compare.jobs.printing"): "from ..jobs import printing",
-    ("compare.report.units", "compare.ci.github"): "from ..ci import github",
-    ("compare.ci.github", "compare.jobs.printing"): "from ..jobs import printing",
-    ("compare.jobs.printing", "compare.run"): "from .. import run",
+    ("compare.judge.canaries.canaries", "compare.measure.speed.timing"): "from ...measure.speed import timing",
+    ("compare.measure.hard.case", "compare.judge.canaries.canaries"): "from ...judge.canaries import canaries",
+    ("compare.measure.speed.timing", "compare.study"): "from ... import study",
+    ("compare.measure.many.grid", "compare.report.pages.html"): "from ...report.pages import html",
+    ("compare.study", "compare.report.pages.html"): "from .report.pages import html",
+    ("compare.report.pages.html", "compare.run"): "from ... import run",
+    ("compare.report.numbers", "compare.cli.printing"): "from ..cli import printing",
+    ("compare.report.numbers", "compare.ci.github"): "from ..ci import github",
+    ("compare.ci.github", "compare.cli.printing"): "from ..cli import printing",
+    ("compare.cli.printing", "compare.run"): "from .. import run",
     ("compare.run", "linkage_crosscheck.pytest_plugin"): "import linkage_crosscheck.pytest_plugin",
-    ("compare.report.page", "papers.page"): "import papers.page",
+    ("compare.report.pages.report", "papers.page"): "import papers.page",
 }  # importing and imported module -> line
 
 

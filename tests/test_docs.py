@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.reference import PAGE, page
+from benchmarks.publishing.reference import PAGE, page
 from compare.run import main
 from tests.comparisons import SLOW
 
@@ -45,7 +45,7 @@ def ended(command: str) -> int:
 
 
 def test_the_reference_is_as_the_code() -> None:
-    assert PAGE.read_text("utf-8") == page(), "python -m benchmarks.reference"
+    assert PAGE.read_text("utf-8") == page(), "python -m benchmarks.publishing.reference"
 
 
 @SLOW

@@ -10,11 +10,11 @@ import pytest
 import compare
 from compare.engines.registry import DEFAULT_ENGINES, REFERENCE
 from compare.engines.settings import settings_of
+from compare.judge.agreement import Judgement
 from compare.judge.errors import group_floors, shown_groups
-from compare.judge.judgement import Judgement
-from compare.speed.speed_table import speed_table
-from compare.speed.timing import Budget
-from compare.speed.work_precision import choices
+from compare.measure.speed.speed_table import speed_table
+from compare.measure.speed.timing import Budget
+from compare.measure.speed.work_precision import choices
 from scenes import write_starter
 from tests.comparisons import SLOW
 

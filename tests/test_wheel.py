@@ -155,7 +155,7 @@ def test_an_install_of_the_checkout_keeps_its_types(checkout: Path, tmp_path: Pa
     ]
     told = run([*mypy, "--python-executable", python, "mine.py"], own)
     revealed = [line.split('"')[1] for line in told.splitlines() if "Revealed" in line]
-    assert revealed == ["scenes.scene.Scene", "scenes.motion.Motion", "bool"]
+    assert revealed == ["scenes.scene.Scene", "scenes.model.motion.Motion", "bool"]
     assert "Success" in told
 
 

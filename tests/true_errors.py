@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import analytic
 from scenes import Motion, Sampling, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, PressForce
 
 from . import absolute_coordinates

@@ -15,7 +15,7 @@ from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
-from scenes.toml_file import SUMMARY_BYTES, read_text
+from scenes.file.toml import SUMMARY_BYTES, read_text
 
 from .units import in_file, unit_of
 
@@ -28,38 +28,38 @@ EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 
 
-Line: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
+OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
 
 
 class _Engine(BaseModel):
-    version: Line
-    status: Line
+    version: OneLine
+    status: OneLine
     settings: dict[str, Any] | None  # of a result: its file and how it was read
 
 
 class _Error(BaseModel):
-    engine: Line
-    channel: Line
-    group: Line
+    engine: OneLine
+    channel: OneLine
+    group: OneLine
     max: FiniteFloat | None
     floor: FiniteFloat | None
     explained: FiniteFloat | None
 
 
 class _Peak(BaseModel):
-    name: Line
-    of: Line
+    name: OneLine
+    of: OneLine
     value: FiniteFloat
-    unit: Line
-    differs: dict[Line, FiniteFloat | None]
+    unit: OneLine
+    differs: dict[OneLine, FiniteFloat | None]
 
 
 class _Choice(BaseModel):
-    group: Line
-    level: Line
-    engine: Line
-    note: Line
-    setting: Line
+    group: OneLine
+    level: OneLine
+    engine: OneLine
+    note: OneLine
+    setting: OneLine
     ratio: FiniteFloat | None = None  # of its time to that of the fastest engine of the same run
 
 
@@ -69,7 +69,7 @@ class Summary(BaseModel):
     scene: dict[str, Any]
     sampling: dict[str, Any]
     environment: dict[str, str]
-    engines: dict[Line, _Engine]
+    engines: dict[OneLine, _Engine]
     errors: list[_Error]
     peaks: list[_Peak]
     cheapest: list[_Choice]
@@ -88,7 +88,7 @@ class Change:
 
 
 def read(path: Path, scene: Scene) -> Summary:
-    """Return the summary of an earlier run of a scene.
+    """The summary of an earlier run of a scene.
 
     Args:
         path: a `summary.json`, or the folder that the earlier run had as `--out`.
@@ -100,7 +100,7 @@ def read(path: Path, scene: Scene) -> Summary:
     file = path / scene.name / "summary.json" if path.is_dir() else path
     shown = f"--baseline: {one_line(str(file))}"
     try:
-        found = Summary.model_validate_json(read_text(file, SUMMARY_BYTES))
+        summary = Summary.model_validate_json(read_text(file, SUMMARY_BYTES))
     except FileNotFoundError:
         raise InputError(f"{shown}: cannot be read (No such file or directory)") from None
     except InputError as error:
@@ -109,23 +109,23 @@ def read(path: Path, scene: Scene) -> Summary:
         first = error.errors(include_url=False)[0]
         place = path_in_file((*first["loc"], ""))
         raise InputError(f"{shown}: expected the summary.json of an earlier run; {place} {first['msg']}") from None
-    if found.scene.get("name") != scene.name:
-        raise InputError(f"{shown}: expected a result of {scene.name}, found one of {found.scene.get('name')}")
-    return found
+    if summary.scene.get("name") != scene.name:
+        raise InputError(f"{shown}: expected a result of {scene.name}, found one of {summary.scene.get('name')}")
+    return summary
 
 
 def changes(old: Summary, new: Summary) -> list[Change]:
-    """Return what changed, the worse first."""
+    """What changed, the worse first."""
     inputs = [*_inputs(old, new)]
     alike = all(path[0] == "environment" or path[1] == "tolerances" for path, _ in inputs)
-    found = [
+    changed = [
         *([Change(_few([text for _, text in inputs]))] if inputs else []),
         *_engines(old, new),
         *_errors(old, new, alike=alike),
         *_peaks(old, new, alike=alike),
         *_times(old, new),
     ]
-    return sorted(found, key=lambda change: not change.worse)
+    return sorted(changed, key=lambda change: not change.worse)
 
 
 def _few(texts: Sequence[str]) -> str:
@@ -134,7 +134,7 @@ def _few(texts: Sequence[str]) -> str:
 
 
 def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]:
-    """Yield the path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
+    """The path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
     names = {"scene", "sampling", "environment"}
     before, after = (summary.model_dump(include=names) for summary in (old, new))
     for path, text in _differences(before, after, new.scene):
@@ -145,7 +145,7 @@ def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]
 def _differences(
     old: dict[str, Any], new: dict[str, Any], scene: dict[str, Any] | None = None
 ) -> Iterator[tuple[tuple[Any, ...], str]]:
-    """Yield what differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
+    """What differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
     before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
         was, now = before.get(path, "none"), after.get(path, "none")
@@ -185,7 +185,7 @@ def _engines(old: Summary, new: Summary) -> Iterator[Change]:
 def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
     after = {(error.engine, error.channel): error for error in new.errors}
     compared = {error.engine for error in new.errors}
-    found: dict[tuple[str, str, str], list[tuple[float, str]]] = {}
+    grouped: dict[tuple[str, str, str], list[tuple[float, str]]] = {}
     for was in old.errors:
         now = after.get((was.engine, was.channel))
         if was.engine not in compared or (now is None and not alike):
@@ -195,14 +195,14 @@ def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
             continue
         kind = "not returned any more:" if now is None else "error in" if ratio > 1 else "smaller error in"
         text = f"{was.channel} {_size(now)}, was {_size(was)}" if now else was.channel
-        found.setdefault((was.engine, was.group, kind), []).append((-abs(ratio - 1), text))
-    for (engine, group, kind), texts in found.items():
+        grouped.setdefault((was.engine, was.group, kind), []).append((-abs(ratio - 1), text))
+    for (engine, group, kind), texts in grouped.items():
         named = _few([text for _, text in sorted(texts)])
         yield Change(f"{engine} {group}: {kind} {named}", worse=alike and not kind.startswith("smaller"))
 
 
 def _ratio(was: _Error, now: _Error) -> float:
-    """Return how many times as large an error is, of what is above rounding, as it was in the baseline."""
+    """How many times as large an error is, of what is above rounding, as it was in the baseline."""
     least = max(ABOVE_FLOOR * (was.floor or 0.0), was.explained or 0.0, ROUNDING)
     before, after = (inf if error.max is None else max(error.max, least) for error in (was, now))
     return 1.0 if before == after else after / before
@@ -221,11 +221,11 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
         largest[peak.unit] = max(largest.get(peak.unit, 0.0), abs(peak.value))
     for unit in ("N*m", "J"):  # of moments that are zero by symmetry, what is left of forces at their arms
         largest[unit] = max(largest.get(unit, 0.0), largest["N"] * largest["m"])
-    found: list[tuple[float, str]] = []
+    moves: list[tuple[float, str]] = []
     for (name, of), was in before.items():
         now = after.get((name, of))
         if now is None:
-            found.append((0.0, f"{name} ({of}) in it alone"))
+            moves.append((0.0, f"{name} ({of}) in it alone"))
             continue
         if abs(now.value - was.value) <= ROUNDING * largest[was.unit]:
             continue
@@ -235,15 +235,15 @@ def _peaks(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
             unit, own = in_file(now.unit, new.scene)
             digits = 6 if moved > 1e-5 else 12
             values = f"{now.value / own:.{digits}g} {unit}".strip(), f"{was.value / own:.{digits}g}"
-            found.append((-moved, f"{name} ({of}) {values[0]}, was {values[1]}"))
-    if found:
-        yield Change(f"peaks: {_few([text for _, text in sorted(found)])}", worse=alike)
+            moves.append((-moved, f"{name} ({of}) {values[0]}, was {values[1]}"))
+    if moves:
+        yield Change(f"peaks: {_few([text for _, text in sorted(moves)])}", worse=alike)
     if more := [f"{name} ({of})" for name, of in after if (name, of) not in before]:
         yield Change(f"peaks not in it: {_few(more)}")
 
 
 def _times(old: Summary, new: Summary) -> Iterator[Change]:
-    """Yield how an engine's times changed, each relative to the fastest engine of its own run; never worse."""
+    """How an engine's times changed, each relative to the fastest engine of its own run; never worse."""
     before, after = (
         {(c.engine, c.group, c.level, c.note, c.setting): c.ratio for c in summary.cheapest if c.ratio}
         for summary in (old, new)

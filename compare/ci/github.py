@@ -7,11 +7,11 @@ from html import escape
 from pathlib import Path
 
 from scenes import InputError, Scene, shipped
-from scenes.reader import file_of
+from scenes.file.reader import file_of
 
+from ..judge.agreement import Judgement
 from ..judge.errors import shown_groups
 from ..judge.gates import Miss
-from ..judge.judgement import Judgement
 from .lines import line_of
 
 WORKSPACE, SUMMARY = "GITHUB_WORKSPACE", "GITHUB_STEP_SUMMARY"  # environment variables that its runners set
@@ -29,14 +29,14 @@ def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, S
     Raises:
         InputError: the summary cannot be written.
     """
-    for name, found in misses.items():
+    for name, missed in misses.items():
         causes = judged[name].causes if name in judged else {}
-        for miss in found:
+        for miss in missed:
             print(annotation(scene, name, miss, causes.get(miss.engine, "")))
     if file := os.environ.get(SUMMARY):
         off = [name for name in judged if misses[name]] or [*judged]
         lines = [line for name in off[:MOST] for line in _section(name, judged[name])]
-        lines += [f"- missed: {_plain(miss.text)}" for found in misses.values() for miss in found]
+        lines += [f"- missed: {_plain(miss.text)}" for missed in misses.values() for miss in missed]
         try:
             with Path(file).open("a", encoding="utf-8") as summary:
                 summary.write("\n".join([*lines[:LINES], ""]))
@@ -45,7 +45,7 @@ def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, S
 
 
 def annotation(scene: Scene, name: str, miss: Miss, cause: str = "") -> str:
-    """Return the workflow command that marks a miss, in the scene file at the line of the tolerance if it has one.
+    """The workflow command that marks a miss, in the scene file at the line of the tolerance if it has one.
 
     Args:
         scene: the linkage.
@@ -72,7 +72,7 @@ def refusals(name_or_path: str) -> Iterator[None]:
 
 
 def _error(name_or_file: str, path: Sequence[str], title: str, text: str) -> str:
-    """Return the workflow command that marks an error, at the line of a path in a file, if it is none that ships."""
+    """The workflow command that marks an error, at the line of a path in a file, if it is none that ships."""
     place: dict[str, object] = {}
     if name_or_file not in shipped():
         file = Path(name_or_file).resolve()
@@ -85,12 +85,12 @@ def _error(name_or_file: str, path: Sequence[str], title: str, text: str) -> str
 
 
 def _escaped(text: str, more: str = "") -> str:
-    """Return a text with the code of what would end it in a workflow command, and of more characters."""
+    """A text with the code of what would end it in a workflow command, and of more characters."""
     return "".join(f"%{ord(c):02X}" if c in f"%\r\n{more}" else c for c in text)
 
 
 def _section(name: str, judgement: Judgement) -> Iterator[str]:
-    """Yield the verdict, a row an engine, and what is known besides."""
+    """The verdict, a row an engine, and what is known besides."""
     yield from ("", f"### {_plain(name)}: {judgement.agreement.word}", "", _plain(judgement.agreement.sentence), "")
     yield from _table(judgement)
     yield from (f"- {_plain(reason)}" for reason in judgement.reasons)
@@ -98,7 +98,7 @@ def _section(name: str, judgement: Judgement) -> Iterator[str]:
 
 
 def _table(judgement: Judgement) -> Iterator[str]:
-    """Yield a row an engine: its status, and by group its error and tolerance, bold where that is missed."""
+    """A row an engine: its status, and by group its error and tolerance, bold where that is missed."""
     groups = shown_groups(judgement.scene)
     yield f"| {' | '.join(('engine', 'status', *groups))} |"
     yield f"|{' --- |' * (2 + len(groups))}"
@@ -115,6 +115,6 @@ def _table(judgement: Judgement) -> Iterator[str]:
 
 
 def _plain(text: str) -> str:
-    """Return a text that Markdown shows as it is, also in a table."""
+    """A text that Markdown shows as it is, also in a table."""
     marked = escape(" ".join(text.split()), quote=False)
     return "".join(f"\\{c}" if c in "\\|`*_[]#" else c for c in marked)

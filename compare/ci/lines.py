@@ -10,7 +10,7 @@ _LINE = re.compile(rf"\s*(?:\[\[?\s*(?P<table>{_PATH})\s*\]|(?P<key>{_PATH})\s*=
 
 
 def line_of(file: Path, path: Sequence[str]) -> int | None:
-    """Return the line, from 1, of the part of a path that a TOML file has, or None where it has not even the first.
+    """The line, from 1, of the part of a path that a TOML file has, or None where it has not even the first.
 
     Args:
         file: the file; None is returned of one that cannot be read.
@@ -20,7 +20,7 @@ def line_of(file: Path, path: Sequence[str]) -> int | None:
         text = file.read_text(encoding="utf-8-sig")
     except (OSError, ValueError):
         return None
-    table, known, found = (), 0, None
+    table, known, at = (), 0, None
     for number, line in enumerate(text.split("\n"), start=1):
         if not (match := _LINE.match(line)):
             continue
@@ -30,5 +30,5 @@ def line_of(file: Path, path: Sequence[str]) -> int | None:
         else:
             here = (*table, *here)
         if len(here) > known and here == tuple(path[: len(here)]):
-            known, found = len(here), number
-    return found
+            known, at = len(here), number
+    return at

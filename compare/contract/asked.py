@@ -1,6 +1,6 @@
 """What the clauses are held against: the engine that was asked for, and its runs on the shipped scenes."""
 
-import os
+from contextlib import ExitStack
 from functools import cache
 from typing import Any
 
@@ -10,10 +10,12 @@ from scenes import Engine, InputError, Sampling, Scene, Settings, Status, load, 
 
 from ..engines import registry
 from ..engines.reasons import TRACEBACK
-from ..engines.reference import Reference, found
 from ..engines.runner import Run, run
+from ..engines.threads import one_thread
 from ..judge.measure import assess
 from ..judge.triage import sentences
+from ..mechanics.reference import Reference, uncertified
+from ..mechanics.round_off import explain
 
 SAMPLING = Sampling(36)
 
@@ -34,15 +36,16 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError(str(error)) from None
     if missing := registry.ENTRIES[name].missing:
         raise pytest.UsageError(f"--engine {name}: {missing}")
-    before = os.environ.get(TRACEBACK)
-    os.environ[TRACEBACK] = "1"
-    config.add_cleanup(lambda: os.environ.update({TRACEBACK: before or ""}))
+    ending = ExitStack()
+    config.add_cleanup(ending.close)
+    ending.enter_context(one_thread())
+    ending.enter_context(pytest.MonkeyPatch.context()).setenv(TRACEBACK, "1")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """Have a clause on scenes held against every shipped one."""
     if "scene" in metafunc.fixturenames:
-        metafunc.parametrize("scene", shipped(), indirect=True)
+        metafunc.parametrize("scene", [*map(load, shipped())], ids=shipped())
 
 
 @pytest.fixture(scope="session")
@@ -57,12 +60,6 @@ def engine(name: str) -> Engine[Any]:
     return registry.engine(name)
 
 
-@pytest.fixture
-def scene(request: pytest.FixtureRequest) -> Scene:
-    """Return a shipped scene."""
-    return load(request.param)
-
-
 @pytest.fixture(scope="session")
 def solved(name: str) -> Scene:
     """Return the first shipped scene that the engine solves, by its own account."""
@@ -73,11 +70,10 @@ def solved(name: str) -> Scene:
 
 
 def outcome(engine: str, scene: Scene, request: Sampling = SAMPLING, settings: Settings | None = None) -> str:
-    """Return what is wrong with a run by its own output, the reference and its promise, in a sentence, or nothing."""
+    """The fault of a run by its own output, the reference and its promise, in a sentence, or nothing."""
     kept = request == SAMPLING and settings is None
-    measured = assess(
-        reference(scene.name), request, plain_run(engine, scene.name) if kept else run(engine, scene, request, settings)
-    )
+    ended = plain_run(engine, scene.name) if kept else run(engine, scene, request, settings)
+    measured = assess(reference(scene.name), request, ended, explain(reference(scene.name), request))
     if measured.run.status is Status.ok:
         return ""
     causes = sentences(reference(scene.name), request, [measured])
@@ -99,4 +95,4 @@ def first_run(engine: str, scene: str) -> Run:
 @cache
 def reference(scene: str) -> Reference:
     """Return the reference of a shipped scene."""
-    return found(load(scene))
+    return uncertified(load(scene))

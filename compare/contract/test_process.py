@@ -49,14 +49,14 @@ class Seen(NamedTuple):
 
 
 def digest(motion: Motion | None) -> str:
-    """Return what tells a motion from another in any bit."""
+    """A text that tells a motion from another in any bit."""
     samples = {} if motion is None else motion.samples
     return sha256(b"".join(channel.encode() + samples[channel].tobytes() for channel in sorted(samples))).hexdigest()
 
 
 @pytest.fixture(scope="module")
 def seen(name: str, solved: Scene, tmp_path_factory: pytest.TempPathFactory) -> Seen:
-    """Return what is seen of a run on a scene that the engine solves."""
+    """All that is seen of a run on a scene that the engine solves."""
     folder, answer = tmp_path_factory.mktemp("empty"), tmp_path_factory.mktemp("answer") / "answer.json"
     path = os.pathsep.join(os.path.abspath(place) for place in sys.path)  # noqa: PTH100 - not resolved
     own = {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "PYTHONHASHSEED": "1"}

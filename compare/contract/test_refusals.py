@@ -5,9 +5,9 @@ import pytest
 from scenes import Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
 
-from ..engines.reference import relative_errors
 from ..engines.runner import Run, run
 from ..judge.measure import checked_run
+from ..mechanics.scales import relative_errors
 from .asked import SAMPLING, reference
 
 IMPOSSIBLE = [  # rungs of the hard cases; on the last the drive ends beyond the linkage's reach

@@ -2,22 +2,37 @@
 
 Each line starts with a digest of itself and of the very same code, scenes and engines; any other line does not count.
 Several runs may add to the file at the same time. Where nothing can be kept, nothing is, and the run goes on.
+
+A result is what JSON has, or `encoded` as that: numbers, texts, arrays, and the project's own records of them: data
+classes, named tuples, members of enumerations. Settings of an engine from outside stand as what is known of
+them without it. Reading runs no code.
 """
 
 import json
-from collections.abc import Iterable, Iterator
+from base64 import b64decode, b64encode
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import fields, is_dataclass
+from enum import Enum
 from errno import EEXIST
 from functools import cache
 from hashlib import sha256
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from scenes import Settings
+
 from . import registry
-from .environment import environment
+from .installed import environment
+from .outside import StandIn, stand_in, standing
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")
+KINDS = {kind.__name__: kind for kind in (dict, frozenset, tuple)}
+ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
 MOST = 2**26  # bytes of a line: a member of a family has 2**20 at 360 samples
 
 
@@ -86,5 +101,73 @@ def _sources(package: str) -> Iterable[Path]:
     """Return the files of a package, or of a module, that is not imported for it."""
     spec = find_spec(package)
     places = [Path(place) for place in (spec and (spec.submodule_search_locations or [spec.origin or ""])) or ()]
-    found = (path for place in places for path in (place.rglob("*") if place.is_dir() else [place]))
-    return sorted(path for path in found if path.suffix in (".py", ".toml"))
+    files = (path for place in places for path in (place.rglob("*") if place.is_dir() else [place]))
+    return sorted(path for path in files if path.suffix in (".py", ".toml"))
+
+
+# --- results as JSON and back -------------------------------------------------------------------------------------
+
+
+def encoded(value: Any) -> Any:
+    """Return a value as what JSON has: a list as itself, all else that JSON lacks as one word and what is in it.
+
+    Raises:
+        TypeError: it is or holds what is no data.
+    """
+    kind = type(value)
+    if value is None or (isinstance(value, int | str) and not isinstance(value, Enum)):
+        return value
+    if isinstance(value, float):
+        return float(value)
+    if isinstance(value, list):
+        return [*map(encoded, value)]
+    if isinstance(value, np.ndarray) and value.dtype.kind in ARRAYS:
+        return {"array": [value.dtype.str, value.shape, b64encode(value.tobytes()).decode()]}
+    if isinstance(value, Mapping):
+        return {"dict": [[encoded(key), encoded(each)] for key, each in value.items()]}
+    if kind in KINDS.values():
+        return {kind.__name__: [*map(encoded, value)]}
+    if isinstance(value, StandIn) or (isinstance(value, Settings) and not _own(kind.__module__)):
+        known: Any = stand_in(value)
+        return {"settings": [encoded(known.meanings), encoded(vars(known))]}
+    if isinstance(value, Enum):
+        made_of = {"value": value.value}
+    elif isinstance(value, tuple):
+        made_of = value._asdict()  # type: ignore[attr-defined]
+    elif is_dataclass(value):
+        made_of = {each.name: getattr(value, each.name) for each in fields(value)}
+    else:
+        raise TypeError(f"{kind.__name__} is no data")
+    return {f"{kind.__module__}:{kind.__qualname__}": {name: encoded(each) for name, each in made_of.items()}}
+
+
+def decoded(data: Any) -> Any:
+    """Return the value that was encoded.
+
+    Raises:
+        Exception: the data are of no value, whatever is wrong with them.
+    """
+    if isinstance(data, list):
+        return [*map(decoded, data)]
+    if not isinstance(data, dict):
+        return data
+    ((kind, of),) = data.items()
+    if kind in KINDS:
+        return KINDS[kind](decoded(of))
+    if kind == "settings":
+        return standing(b"", *decoded(of))
+    if kind == "array" and np.dtype(of[0]).kind in ARRAYS:
+        return np.frombuffer(b64decode(of[2]), of[0]).reshape(of[1]).copy()
+    return _record(*kind.split(":"))(**{name: decoded(each) for name, each in of.items()})
+
+
+def _own(module: str) -> bool:
+    return module.partition(".")[0] in PACKAGES
+
+
+def _record(module: str, name: str) -> Any:
+    """Return the class of a record."""
+    of = getattr(import_module(module), name) if _own(module) else object
+    if not (is_dataclass(of) or issubclass(of, (Enum, tuple))):
+        raise ValueError(f"{name} of {module} is no record")
+    return of

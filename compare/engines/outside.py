@@ -4,33 +4,37 @@ An entry point names a module: `mine = "my_package.engine"`. Only metadata are r
 An engine whose name another has as well is called NAME@DISTRIBUTION.
 """
 
+import pickle
 import re
 import sys
 from collections import Counter
 from collections.abc import Collection, Mapping
 from contextlib import suppress
+from dataclasses import fields, make_dataclass, replace
 from functools import cache
 from importlib import import_module
 from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
 from multiprocessing import current_process
 from types import SimpleNamespace
-from typing import Any, NoReturn
+from typing import Annotated, Any, ClassVar, NoReturn, TypeAlias, get_type_hints
 
 from scenes import Engine, Settings, Status
-from scenes.engine import completed
 from scenes.errors import one_line
-from scenes.format import ENGINE
+from scenes.fields import ENGINE
+from scenes.model.engine import completed
 
-from .entry import Entry
-from .isolation import Ended, Limits, isolated
-from .offer import stand_in
-from .reasons import described
+from .installed import Entry
+from .processes.inside import Ended, Limits
+from .processes.isolation import isolated
+from .processes.messages import packed
+from .reasons import described, text_of
 
 GROUP = "linkage_crosscheck.engines"
 LIMITS = Limits(20.0)  # of an import
 TIERS, LADDERS = ("DEFAULT", "FAST", "EXACT"), ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")
 FUNCTIONS = ("build", "at_steps", "iterations_needed")
+Meanings: TypeAlias = tuple[tuple[str, str], ...]  # by name of a field
 
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:
@@ -47,12 +51,12 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
 
 def _points() -> list[EntryPoint]:
     """Return the entry points of engines: of a distribution that is found twice the first, of a broken one none."""
-    found: dict[str, tuple[EntryPoint, ...]] = {}
+    first: dict[str, tuple[EntryPoint, ...]] = {}
     for each in distributions():
         with suppress(Exception):  # of anybody's files: not UTF-8, or a line that is no entry point
             if points := tuple(each.entry_points.select(group=GROUP)):
-                found.setdefault(each.name, points)
-    return [point for points in found.values() for point in points]
+                first.setdefault(each.name, points)
+    return [point for points in first.values() for point in points]
 
 
 def _entry(point: EntryPoint) -> Entry:
@@ -87,12 +91,12 @@ def imported(entry: Entry) -> Engine[Any]:
         Exception: it cannot be, or offers what is not what the protocol asks for.
     """
     engine = completed(import_module(entry.module), entry.version)
-    _check(engine)
+    check(engine)
     return engine
 
 
 def offered(entry: Entry) -> tuple[Engine[Any], Ended | None]:
-    """Return what an engine offers, and how its import ended where that is nothing.
+    """An engine's offer, and how its import ended where that is nothing.
 
     Unless it is already in this process, it is imported in one of its own, and none of its functions can be called.
     """
@@ -115,7 +119,7 @@ def _offers(entry: Entry) -> Mapping[str, Any] | Ended:
 
 
 def _described(entry: Entry) -> Mapping[str, Any]:
-    """Return what stands in for what an engine offers, by name."""
+    """Stand-ins for an engine's offer, by name."""
     engine = imported(entry)
     tiers = {name: stand_in(getattr(engine, name)) for name in TIERS}
     ladders = {name: tuple(map(stand_in, getattr(engine, name))) for name in LADDERS}
@@ -126,8 +130,8 @@ def _elsewhere(*_: object) -> NoReturn:
     raise ImportError("the engine is not imported in this process")
 
 
-def _check(engine: Engine[Any]) -> None:
-    """Refuse an engine that is not what the protocol asks for.
+def check(engine: Engine[Any]) -> None:
+    """Refuse an engine whose settings are not what the protocol asks for.
 
     Raises:
         TypeError: its settings are none, or in no tuple.
@@ -157,8 +161,64 @@ def check_settings(settings: object) -> None:
         raise TypeError(f"expected a label of one line, 60 characters at most, found {settings.label!r}")
     if not isinstance(steps := getattr(settings, "steps", None), int | None):
         raise TypeError(f"{settings.label}: expected steps that are a whole number, found {steps!r}")
-    if not (isinstance(settings.order, float | int | None) and {str} == {type(settings.family), type(settings.note)}):
-        raise TypeError(f"{settings.label}: expected an order that is a number or None, and family and note as text")
+    ordered = settings.order is None or (isinstance(settings.order, float | int) and settings.order > 0)
+    if not (ordered and {str} == {type(settings.family), type(settings.note)}):
+        raise TypeError(f"{settings.label}: expected an order above zero or None, and family and note as text")
     for promise in (settings.promise, settings.drive_promise):
         if not (isinstance(promise, float) and 0 < promise < 1):
             raise TypeError(f"{settings.label}: expected a promise between 0 and 1, found {promise!r}")
+
+
+# --- their settings, where the engine is not imported ----------------------------------------------------------------
+
+
+class StandIn(Settings):
+    """Settings of plain values, with the names and meanings of an engine's own, in a class of their own."""
+
+    as_sent: ClassVar[bytes]  # the engine's own, as they can be read where it is imported alone
+    meanings: ClassVar[Meanings]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """The way in which they are made again in another process."""
+        return standing, (self.as_sent, self.meanings, vars(self))
+
+
+def stand_in(settings: Settings) -> Settings:
+    """Settings of plain values in place of an engine's own."""
+    if isinstance(settings, StandIn):
+        return settings
+    hints: Mapping[str, Any] = {}
+    with suppress(Exception):  # annotations may be of anything
+        hints = get_type_hints(type(settings), include_extras=True)
+    names = [field.name for field in fields(settings)]
+    meanings = tuple((name, text_of(getattr(hints.get(name), "__metadata__", ("",))[0])) for name in names)
+    values = {name: _plain(getattr(settings, name)) for name in names}
+    return standing(bytes(packed(settings)), meanings, values)
+
+
+def _plain(value: object) -> object:
+    for kind in (bool, int, float):
+        if isinstance(value, kind):
+            return kind(value)
+    return None if value is None else text_of(value)
+
+
+def standing(as_sent: bytes, meanings: Meanings, values: Mapping[str, Any]) -> Settings:
+    """Settings in place of others, by these as they are sent, and the meanings and values of their fields."""
+    return _kind(as_sent, meanings)(**values)
+
+
+@cache
+def _kind(as_sent: bytes, meanings: Meanings) -> type[Settings]:
+    known = {field.name for field in fields(Settings)}
+    more = [(name, Annotated[Any, meaning]) for name, meaning in meanings if name not in known]
+    namespace = {"as_sent": as_sent, "meanings": meanings}
+    return make_dataclass("StandIn", more, bases=(StandIn,), namespace=namespace, frozen=True, kw_only=True)
+
+
+def unpacked(settings: Settings) -> Settings:
+    """Return the engine's own settings, where these stand in for them."""
+    if not isinstance(settings, StandIn):
+        return settings
+    own: Settings = pickle.loads(settings.as_sent)
+    return replace(own, promise=settings.promise)

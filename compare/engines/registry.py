@@ -8,11 +8,11 @@ from typing import Any, Protocol, TypeAlias, cast
 
 from scenes import Engine, InputError, Motion, Scene, Status
 from scenes.errors import nearest
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from . import outside
-from .entry import Entry as Entry
-from .isolation import Ended
+from .installed import Entry as Entry
+from .processes.inside import Ended
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
 
@@ -102,7 +102,7 @@ def gives_everything(name: str) -> bool:
 
 
 def engine(name: str) -> Engine[Any]:
-    """Return what an engine offers: its module, or of one from outside its settings, without its code."""
+    """An engine's offer: its module, or of one from outside its settings, without its code."""
     entry = ENTRIES[name]
     return outside.offered(entry)[0] if entry.outside else cast("Engine[Any]", import_module(entry.module))
 
@@ -167,8 +167,8 @@ def derivatives(
     Returns:
         By channel, in SI per unit of the file of the number.
     """
-    found = import_module("analytic").derivatives(scene, paths, position, time, channels)
-    return cast("Mapping[str, Samples]", found)
+    by_channel = import_module("analytic").derivatives(scene, paths, position, time, channels)
+    return cast("Mapping[str, Samples]", by_channel)
 
 
 def route(scene: Scene) -> str:

@@ -3,23 +3,29 @@
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from time import perf_counter, process_time
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from scenes import Engine, Failure, Motion, Request, Rows, Scene, Settings, Status
+from scenes import Engine, Failure, Motion, Request, Rows, Sampling, Scene, Settings, Status
 from scenes.arguments import unmasked
-from scenes.motion import kinematic_channels, quantity
+from scenes.model.motion import kinematic_channels, quantity
 
 from . import registry
-from .isolation import Ended
-from .offer import own
+from .outside import unpacked
+from .processes.inside import Ended, Limits
 from .reasons import described, text_of
+from .threads import one_thread
 
 if sys.platform != "win32":
     from resource import RUSAGE_SELF, getrusage
 
+SECONDS, MEMORY = 20.0, 2 * 2**30  # of processor time, and bytes, for a run of few samples: a hang ends soon
+SECONDS_EACH = 1e-4  # more for every value asked for, or found on the way; the slowest settings take a tenth
+MEMORY_EACH = 256  # bytes more for every one of those; a motion is 8
+LIMITS = Limits(SECONDS)  # of what is no run
 LARGEST = 1e30  # of a number: its square is a double
 OF_GROUPS = ("transmission", "to_lock")  # kinds of channels that nobody has to give
 T = TypeVar("T")
@@ -51,40 +57,71 @@ class Run:
         return self.build_s + self.solve_s + self.read_s
 
 
-class Runs(Protocol):
-    """What runs engines: this module in this process, `workers` each engine in one of its own."""
-
-    def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None, /) -> Run:
-        """Build, solve and read; see `run`."""
-
-    def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings], /) -> list[Run]:
-        """Build and solve one after the other, for the times alone; see `timed`."""
-
-    def asked(self, name: str, scene: Scene, function: Callable[[], T], /) -> T | Ended:
-        """Call a function where the engine is, about a scene; see `asked`."""
+def limits(scene: Scene, request: Request, settings: Sequence[Settings | None]) -> Limits:
+    """The limits of runs, which grow with the rows, or steps, and channels that they have."""
+    cycles = request.turns if isinstance(request, Sampling) else 1
+    rows = sum(max(request.count, cycles * (getattr(each, "steps", None) or 0)) for each in settings)
+    values = rows * len(request.wanted(scene))
+    return Limits(SECONDS + SECONDS_EACH * values, MEMORY + MEMORY_EACH * values)
 
 
-def run(name: str, scene: Scene, request: Request, settings: Settings | None = None, *, reads: bool = True) -> Run:
-    """Build, solve and, if asked to, read, each timed apart; `settings` of None means the engine's default.
+class Runs:
+    """Runs engines in this process; `processes.workers.Workers` runs each in one of its own."""
 
-    What comes back is not looked at, see `complete`.
-    """
-    try:
-        return attempt(name, scene, request, settings, reads=reads)
-    except MemoryError as error:
-        return Run(name, settings, Status.crashed, described(error), "engine", registry.ENTRIES[name].version)
+    def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
+        """Build, solve and read, each timed apart; what comes back is not looked at, see `complete`.
+
+        Args:
+            name: of the engine.
+            scene: the mechanism.
+            request: the instants and the channels wanted there.
+            settings: of the engine; None for its default.
+        """
+        (ended,) = self._runs(name, scene, request, [settings], reads=True)
+        return ended
+
+    def timed(self, name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
+        """Build and solve one after the other, for the times alone: no motion is read."""
+        return self._runs(name, scene, request, settings, reads=False)
+
+    def asked(self, name: str, scene: Scene, function: Callable[[], T], limits: Limits = LIMITS) -> T | Ended:  # noqa: ARG002
+        """Call a function where the engine is, about a scene; limits are those of a process of its own."""
+        try:
+            with one_thread():
+                return function()
+        except MemoryError as error:
+            return Ended(Status.crashed, described(error))
+
+    def _runs(
+        self, name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
+    ) -> list[Run]:
+        entry = registry.ENTRIES[name]
+        if entry.missing:
+            return [Run(name, each, Status.unsupported, entry.missing, "engine", entry.version) for each in settings]
+        solve = partial(_attempts, name, scene, request, settings, reads=reads)
+        ended = self.asked(name, scene, solve, limits(scene, request, settings))
+        if not isinstance(ended, Ended):
+            return ended
+        return [Run(name, each, ended.status, ended.reason, "isolation", entry.version) for each in settings]
 
 
-def attempt(name: str, scene: Scene, request: Request, settings: Settings | None = None, *, reads: bool = True) -> Run:
-    """Return what `run` does, or without reading.
+HERE = Runs()
+run = HERE.run
+
+
+def _attempts(
+    name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
+) -> list[Run]:
+    return [_attempt(name, scene, request, each, reads=reads) for each in settings]
+
+
+def _attempt(name: str, scene: Scene, request: Request, settings: Settings | None, *, reads: bool) -> Run:
+    """Return how a run ends.
 
     Raises:
         MemoryError: there was not enough.
     """
-    entry = registry.ENTRIES[name]
-    failed = Run(name, settings, Status.unsupported, entry.missing or "", "engine", entry.version)
-    if entry.missing:
-        return failed
+    failed = Run(name, settings, Status.crashed, "", "engine", registry.ENTRIES[name].version)
     try:
         engine = registry.imported(name)
         failed = replace(failed, settings=settings or engine.DEFAULT, version=text_of(engine.version()))
@@ -92,17 +129,7 @@ def attempt(name: str, scene: Scene, request: Request, settings: Settings | None
     except MemoryError:
         raise
     except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
-        return replace(failed, status=Status.crashed, reason=described(error))
-
-
-def timed(name: str, scene: Scene, request: Request, settings: Sequence[Settings]) -> list[Run]:
-    """Build and solve one after the other, for the times alone: no motion is read."""
-    return [run(name, scene, request, each, reads=False) for each in settings]
-
-
-def asked(_: str, __: Scene, function: Callable[[], T]) -> T | Ended:
-    """Call a function."""
-    return function()
+        return replace(failed, reason=described(error))
 
 
 def processor_time() -> float:
@@ -115,7 +142,7 @@ def processor_time() -> float:
 
 def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *, reads: bool) -> Run:
     """Return the run, or the failed one completed by what the engine reports."""
-    settings = None if failed.settings is None else own(failed.settings)
+    settings = None if failed.settings is None else unpacked(failed.settings)
     try:
         started = processor_time()
         simulation = engine.build(scene, settings, request)

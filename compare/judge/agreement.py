@@ -1,25 +1,29 @@
-"""Whether the models agree, in a word, and in a plain sentence how well, or which of them does not and why."""
+"""A judged scene: what it misses, and whether its models agree, in a word, and in a sentence how well, or which not."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
-from math import ceil, floor, isfinite, log10
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property
+from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
-from scenes import Scene, Status
-from scenes.request import FEWEST
+from scenes import Motion, Sampling, Scene, Status
+from scenes.model.request import FEWEST
 
 from ..engines import registry
-from ..engines.axis import axis
 from ..engines.registry import REFERENCE
-from .errors import SHOWN_GROUPS, worst_of
+from ..mechanics.axis import axis
+from ..mechanics.mechanics import SHOWN_GROUPS
+from ..mechanics.reference import Reference
+from ..mechanics.round_off import Explained
+from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
+from .gates import Gate, Miss, gates, missed
 from .measure import Measurement
-
-if TYPE_CHECKING:
-    from .judgement import Judgement
+from .peaks.peaks import Peak, peaks
+from .verdict import digits, sized, within
 
 CONTRADICTS = (Status.wrong_branch, Status.inconsistent, Status.inaccurate)  # with a motion, but another one
 FAILED = {
@@ -31,7 +35,6 @@ FAILED = {
     Status.timed_out: "ran out of time",
     Status.crashed: "crashed",
 }  # why there is nothing to compare
-PER_CENT = 1e-6  # relative: less is given in digits
 EQUAL = 1e-6  # of a cycle: instants are written at decimals
 
 
@@ -61,7 +64,7 @@ class WorstError(NamedTuple):
 
 
 def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = ()) -> WorstError | None:
-    """Return the largest error of an engine, a NaN counting as the largest; None where nothing was compared.
+    """The largest error of an engine, a NaN counting as the largest; None where nothing was compared.
 
     Args:
         scene: the linkage.
@@ -76,8 +79,80 @@ def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = 
     return WorstError(row.max, row.channel, at)
 
 
-def agreement(judged: "Judgement") -> Agreement:
-    """Return whether the models agree.
+@dataclass(frozen=True)
+class Judgement:
+    """Every engine's run on one scene, held against its own output, the reference and the scene's tolerances."""
+
+    scene: Scene
+    sampling: Sampling
+    reference: Reference
+    explained: Explained  # of errors, by doubles
+    measurements: list[Measurement]  # one an engine, in the order asked for
+    reasons: list[str]  # what the user should know: of its numbers and its sketch, why engines run at their settings
+    let_through: list[str] = field(default_factory=list, kw_only=True)  # faults in copies of these runs, that none sees
+
+    @cached_property
+    def held(self) -> list[Gate]:
+        """The scene's tolerances, in the channels asked for."""
+        return list(gates(self.scene, self.measurements, self.sampling.channels, self.reference.floor.doubt))
+
+    @property
+    def ok(self) -> bool:
+        """Whether every engine is ok, the reference not in doubt, no tolerance missed, and no canary let through."""
+        return not self.misses
+
+    @property
+    def missed(self) -> list[str]:
+        """What a CI run is stopped by, a line each."""
+        return [miss.text for miss in self.misses]
+
+    @property
+    def misses(self) -> list[Miss]:
+        """The same, each with its engine and channel group; a doubt about the reference comes first."""
+        doubt = self.reference.floor.doubt
+        asked = any(m.run.engine == REFERENCE for m in self.measurements)
+        doubted = [Miss(REFERENCE, "", f"{REFERENCE}: {doubt}")] if doubt and not asked else []
+        misses = doubted + missed(self.measurements, self.held) + [Miss("", "", line) for line in self.let_through]
+        return sorted(misses, key=lambda miss: miss.engine != REFERENCE) if doubt else misses
+
+    @cached_property
+    def causes(self) -> dict[str, str]:
+        """By engine that is not ok or misses a tolerance, the likely cause in a sentence; of a doubted core alone."""
+        off = {gate.engine for gate in self.held if gate.missed}
+        if not (off or self.reference.floor.doubt) and all(m.run.status is Status.ok for m in self.measurements):
+            return {}
+        from .triage import sentences  # late: most runs have nothing to find a cause for
+
+        return sentences(self.reference, self.sampling, self.measurements, off)
+
+    @property
+    def agreement(self) -> Agreement:
+        """Whether the models agree, in a word and in a sentence."""
+        return agreement(self)
+
+    @cached_property
+    def peaks(self) -> list[Peak]:
+        """The numbers by which a designer sizes the linkage, and by how much the engines differ on each."""
+        return peaks(self.reference, self.sampling, self.measurements)
+
+    @property
+    def verdicts(self) -> dict[str, tuple[str, str]]:
+        """By engine the name of its status, and the reason where it is not ok."""
+        return {m.run.engine: (m.run.status.name, m.run.reason) for m in self.measurements}
+
+    @property
+    def motions(self) -> dict[str, Motion]:
+        """By engine its motion, where it returned one, be it ok or not."""
+        return {m.run.engine: m.run.motion for m in self.measurements if m.run.motion is not None}
+
+    @property
+    def channel_errors(self) -> list[ChannelError]:
+        """One row per engine and channel: its errors against the reference."""
+        return [row for measured in self.measurements for row in measured.errors]
+
+
+def agreement(judged: Judgement) -> Agreement:
+    """Whether the models agree.
 
     They agree where the judgement is ok, and other engines confirm every channel of the reference; in part, where no
     model contradicts another and some of them, or arbitrary precision, confirm the reference.
@@ -112,19 +187,19 @@ def agreement(judged: "Judgement") -> Agreement:
 
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
-    """Return whether a model was compared over a whole cycle, as engines are; a result is where it has rows.
+    """Whether a model was compared over a whole cycle, as engines are; a result is where it has rows.
 
     Its longest step is no longer than that of the fewest samples that engines are asked for.
     """
-    if measurement.own is None:
+    if not measurement.foreign:
         return True
-    times, cycle = measurement.own.times(scene), scene.drive.cycle
+    times, cycle = measurement.asked.times(scene), scene.drive.cycle
     step = float(np.diff(times).max(initial=0.0))  # to the first row of the next cycle too
     return bool(FEWEST * step <= (1 + EQUAL) * cycle and times[-1] - times[0] + step >= (1 - EQUAL) * cycle)
 
 
-def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
-    """Return which model contradicts the rest, in what, by how much, and the likely cause; or nothing."""
+def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
+    """Which model contradicts the rest, in what, by how much, and the likely cause; or nothing."""
     core = next((m.run for m in judged.measurements if m.run.engine == REFERENCE), None)
     if doubt := judged.reference.floor.doubt:
         return f"{_capital(_name(judged))} is not to be believed: {doubt.partition(': ')[0]}."
@@ -146,36 +221,35 @@ def _contradiction(judged: "Judgement", others: Sequence[Measurement]) -> str:
     return ""
 
 
-def _confirmed(judged: "Judgement", confirming: Sequence[Measurement]) -> str:
+def _confirmed(judged: Judgement, confirming: Sequence[Measurement]) -> str:
     size = max(_size(judged, m) for m in confirming)
     verb = "agrees" if len(confirming) == 1 else "agree"
     channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
     engines = _listed([m.run.engine for m in confirming])
-    if any(m.own or (m.run.motion and m.run.motion.unsupported) for m in confirming):
+    if any(m.foreign or (m.run.motion and m.run.motion.unsupported) for m in confirming):
         channels += " that it gives" if len(confirming) == 1 else " that each gives"
     to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
     return f"{engines} {verb} with {_name(judged)}{to} in {channels}"
 
 
-def _size(judged: "Judgement", measurement: Measurement) -> float:
-    """Return the largest error of an engine for comparison: infinite where it is no number."""
+def _size(judged: Judgement, measurement: Measurement) -> float:
+    """The largest error of an engine for comparison: infinite where it is no number."""
     worst = worst_error(judged.scene, measurement, SHOWN_GROUPS)
     return worst.size if worst is not None and isfinite(worst.size) else np.inf
 
 
-def _by(judged: "Judgement", measurement: Measurement) -> str:
+def _by(judged: Judgement, measurement: Measurement) -> str:
     worst = worst_error(judged.scene, measurement)
     if worst is None:
         return ""
     return f" by {sized(worst.size)} in {worst.channel}" if isfinite(worst.size) else f" in {worst.channel}"
 
 
-def _cause(judged: "Judgement", measurement: Measurement) -> str:
-    """Return the likely cause where one is known and every number in it reads plainly."""
+def _cause(judged: Judgement, measurement: Measurement) -> str:
+    """The likely cause where one is known."""
     engine = measurement.run.engine
     cause = judged.causes.get(engine, "").removeprefix(f"{engine}: ")
-    plain = not any(part in cause for part in ("e-", "e+", "nan", "inf"))
-    return f"; likely cause: {cause}" if cause and plain else ""
+    return f"; likely cause: {cause}" if cause else ""
 
 
 def _why(measurement: Measurement) -> str:
@@ -185,11 +259,11 @@ def _why(measurement: Measurement) -> str:
     return FAILED.get(run.status, "contradicts itself")
 
 
-def _name(judged: "Judgement") -> str:
+def _name(judged: Judgement) -> str:
     return "the closed form" if registry.route(judged.scene).startswith("closed form") else "the reference"
 
 
-def _certified(judged: "Judgement") -> str:
+def _certified(judged: Judgement) -> str:
     floor = judged.reference.floor
     if floor.by_channel:
         there = f"{digits(max(floor.by_channel.values()))} digits at {FLOOR_SAMPLES} positions of the drive"
@@ -203,32 +277,3 @@ def _listed(names: Sequence[str]) -> str:
 
 def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
-
-
-# --- figures that read plainly ---------------------------------------------------------------------------------------
-
-
-def within(size: float) -> str:
-    """Return a relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
-    if size < PER_CENT:
-        return f"{digits(size)} digits"
-    return _per_cent(size, ceil, 1)
-
-
-def sized(size: float) -> str:
-    """Return a relative error as a size: `3.1 %`, or between two bounds."""
-    if size < PER_CENT:
-        return "less than 0.0001 %"
-    return _per_cent(size, round, 2) if size < 10 else "more than 1000 %"
-
-
-def digits(size: float) -> int:
-    """Return how many digits a relative error leaves, 15 at most."""
-    return min(floor(-log10(size)), 15) if size > 0 else 15
-
-
-def _per_cent(size: float, rounded: Callable[[float], int], figures: int) -> str:
-    """Return a size in per cent, rounded to so many figures."""
-    last = floor(log10(100 * size)) - figures + 1  # the power of ten of the last figure
-    text = f"{rounded(100 * size / 10.0**last) * 10.0**last:.{max(-last, 0)}f}"
-    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"

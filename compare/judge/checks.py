@@ -5,27 +5,29 @@ The drive where it was asked to be, closed joints, one branch, small estimated e
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import UNITS, Samples, force_channels, kinematic_channels, quantity
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
-from ..engines.axis import axis
-from ..engines.motion_vectors import MotionVectors, Vectors, distances, inertia
-from ..engines.press_switches import Acting, Acts, acts, fitted, press_forces, stroke_ends
-from ..engines.reference import NOTHING, force_scales, sizes
-from ..engines.travel import guide_travel
-from .constraints import largest_length
-from .errors import GROUPS, SHOWN_GROUPS
-from .estimate import Estimate, estimate
-from .round_off import EPS, distance
+from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from ..mechanics.motion_vectors import Acts, LoadedBody, MotionVectors
+from ..mechanics.press_switches import Acting, fitted
+from ..mechanics.projection import projected
+from ..mechanics.round_off import EPS
+from ..mechanics.scales import NOTHING, force_scales, off_origin, relative_errors, scales, sizes
 
 Violations = dict[tuple[str, str, str], Samples]  # by check, of what, relative to what
 
+KINDS = {"drive": 0, "position": 0, "velocity": 1, "acceleration": 2, "reaction": 3, "torque": 3, "force": 3}
+POWERS = (1, 2, 2, 2)  # of the condition in what rounding changes; rates and forces are solved for in rounded poses
 ROUNDINGS = 4  # of a difference of two places and of its length
 RELATIVE = "larger of its scale and magnitude"
+POWER = ("power", "mechanism", "largest force times the largest speed")
 
 
 @dataclass(frozen=True)
@@ -40,70 +42,78 @@ class Check:
     relative_to: str
 
 
+class Estimate(NamedTuple):
+    """What is known of a motion without a reference."""
+
+    errors: Mapping[str, Samples]  # by channel, relative as against the reference, each of shape (n,)
+    branch: Samples  # the sign of det J, shape (n,): it changes in a singular pose alone
+    rounding: Samples  # of places and forces, relative, shape (n,)
+    closed: Motion  # its projection onto the constraints
+
+
 def checks(
-    scene: Scene,
+    mechanics: Mechanics,
     motion: Motion,
     travel: Mapping[str, float],
     may: Sequence[Acts] | None = None,
     ends: Sequence[float] | None = None,
 ) -> list[Check]:
-    """Return every check that the motion has the channels for; `travel` is that of each moving point, m.
+    """Every check that the motion has the channels for.
 
-    `may` is whether each press force may act, by sample, and `ends` where their strokes end, m; None where the motion
-    itself decides, which is of a whole cycle.
+    Args:
+        mechanics: of the linkage.
+        motion: what is checked.
+        travel: of each moving point, m, see `travels`.
+        may: whether each press force may act, by sample; None where the motion itself decides, which is of a whole
+            cycle.
+        ends: where their strokes end, m; None likewise.
     """
-    state = MotionVectors(scene, motion)
-    violations = {("drive", scene.drive.body, "radian" if scene.driven_slide is None else "travel"): _drive(state)}
+    scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
+    asked = "radian" if scene.driven_slide is None else "travel"
+    violations = {("drive", scene.drive.body, asked): _drive(mechanics, motion)}
     for body in scene.bodies.values():
         if motion.samples.keys() >= _closed_by(scene, body):
-            violations["closure", body.name, "travel of its points"] = _gaps(state, body, travel)
-    if motion.samples.keys() >= set(kinematic_channels(scene)):
-        estimated = estimate(scene, motion, travel, ends)
+            violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
+    if motion.samples.keys() >= {*mechanics.kinematic}:
+        estimated = estimate(mechanics, motion, travel, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
-        violations |= _estimated(estimated)
-        if scene.has_masses and motion.samples.keys() >= set(force_channels(scene)):
-            presses = zip(press_forces(scene), stroke_ends(state), strict=True)
-            violations |= _balances(state, travel, estimated, may or [acts(state, *press) for press in presses])
-    return [_worst(*what, violation, state) for what, violation in violations.items()]
-
-
-def _worst(check: str, of: str, relative_to: str, violation: Samples, state: MotionVectors) -> Check:
-    row = int(violation.argmax())
-    max_at = float(axis(state.scene).of(state.motion)[row])
-    where = state.scene.where(float(state.motion[state.scene.drive_channel][row]))
-    return Check(check, of, float(violation[row]), max_at, where, relative_to)
+        violations |= _furthest_off(mechanics, estimated)
+        if mechanics.forces and motion.samples.keys() >= {*mechanics.forces}:
+            violations |= _balances(mechanics, state, travel, estimated, may or state.acts(state.stroke_ends()))
+    worst = []
+    for (check, of, relative_to), violation in violations.items():
+        row = int(violation.argmax())
+        where = scene.where(float(motion[scene.drive_channel][row]))
+        worst.append(Check(check, of, float(violation[row]), float(places[row]), where, relative_to))
+    return worst
 
 
 def _flips(branch: Samples) -> Samples:
-    """Return 1 where the sign is not that of the first pose that is not singular, shape (n,)."""
+    """1 where the sign is not that of the first pose that is not singular, shape (n,)."""
     first = np.append(branch[branch != 0], 1.0)[0]
     return np.where(branch * first >= 0, 0.0, 1.0)
 
 
-def _estimated(estimated: Estimate) -> Violations:
-    """Return the errors of the channel of each group that is furthest off."""
-    errors = estimated.errors
-    groups = [[channel for channel in errors if GROUPS[quantity(channel)] == group] for group in SHOWN_GROUPS]
-    worst = (_furthest({channel: errors[channel] for channel in own}) for own in groups if own)
-    return {(GROUPS[quantity(channel)], channel, RELATIVE): errors[channel] for channel in worst}
+def _furthest_off(mechanics: Mechanics, estimated: Estimate) -> Violations:
+    """The errors of the channel of each group that is furthest off; one that is not a number is further than all."""
+    errors, violations = estimated.errors, Violations()
+    for group in SHOWN_GROUPS:
+        own = [channel for channel in errors if mechanics.groups[channel] == group]
+        if own:
+            channel = own[int(np.argmax([errors[channel].max() for channel in own]))]
+            violations[group, channel, RELATIVE] = errors[channel]
+    return violations
 
 
-def _furthest(errors: Mapping[str, Samples]) -> str:
-    """Return the channel with the largest error; one that is not a number is larger than all."""
-    return [*errors][int(np.argmax([error.max() for error in errors.values()]))]
-
-
-def _drive(state: MotionVectors) -> Samples:
-    """Return how far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
-    scene = state.scene
-    asked = Motion({scene.drive_channel: scene.drive.at(state.motion["time"]).position})
-    scale = 1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent))
-    off: Samples = np.abs(state.motion[scene.drive_channel] - asked[scene.drive_channel])
-    return off / sizes(asked, scene.drive_channel, scale)
+def _drive(mechanics: Mechanics, motion: Motion) -> Samples:
+    """How far the drive is from where it was asked to be, by 1 rad, its travel or its way so far, shape (n,)."""
+    asked = mechanics.scene.drive.at(motion["time"]).position
+    way: Samples = np.maximum(mechanics.way, np.abs(asked - asked[:1]))
+    return np.abs(motion[mechanics.scene.drive_channel] - asked) / way
 
 
 def _closed_by(scene: Scene, body: Body) -> set[str]:
-    """Return the channels that say whether a body's joints are closed."""
+    """The channels by which one sees whether a body's joints are closed."""
     points, names = set(body.points), set[str]()
     if body.slide is not None:
         names = {body.name, body.slide.on}
@@ -112,15 +122,15 @@ def _closed_by(scene: Scene, body: Body) -> set[str]:
     return angles | {f"{point}.{axis}" for point in points - set(scene.ground) for axis in "xy"}
 
 
-def _gaps(state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samples:
-    """Return by how much the body's points miss their distances, and it its guide, by their travel, shape (n,).
+def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samples:
+    """By how much the body's points miss their distances, and it its guide, by their travel, shape (n,).
 
     A point belongs to every body that names it, so a pin that is open shows as a wrong distance in one of them. Of two
     points the larger travel counts: it is the less accurate one whose error opens the distance. A body that is turned
     against its guide is off by that angle, rad, at an arm of its travel.
     """
     gap = np.zeros(state.motion["time"].shape)
-    for (p, q), length in distances(body).items():
+    for (p, q), length in mechanics.distances[body.name].items():
         first, second = state.place(p), state.place(q)
         off = np.abs(np.abs(first - second) - length)
         rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the travel
@@ -129,93 +139,99 @@ def _gaps(state: MotionVectors, body: Body, travel: Mapping[str, float]) -> Samp
         on, (origin, _) = state.on_guide(body), state.frame(body.slide.on)
         places = np.abs(state.place(body.points[0])) + np.abs(origin) + abs(complex(*body.slide.through))
         off = np.where(np.abs(on.imag) <= ROUNDINGS * EPS * (places + np.abs(on)), 0.0, np.abs(on.imag))
-        gap = np.maximum(gap, off / guide_travel(state.scene, travel, body))
-        if body.name in state.scene.turning:
+        gap = np.maximum(gap, off / max(travel[p] for p in mechanics.along_guides[body.name] if p in travel))
+        if body.name in mechanics.scene.turning:
             between = state.angle(body.name) - state.angle(body.slide.on)
             gap = np.maximum(gap, np.abs(np.remainder(between + np.pi, 2 * np.pi) - np.pi))
     return gap
 
 
-def _balances(
-    state: MotionVectors, travel: Mapping[str, float], estimated: Estimate, may: Sequence[Acts]
-) -> Violations:
-    """Return what forces and power leave over; on the switch of a press force, on the side where it is less.
+# --- how far a motion is from its projection onto the constraints: its errors, estimated without a reference ----------
 
-    What rounding explains is zero.
+
+@np.errstate(all="ignore")  # what is not finite is so in the result
+def estimate(
+    mechanics: Mechanics, motion: Motion, travel: Mapping[str, float], ends: Sequence[float] | None = None
+) -> Estimate:
+    """What is known of a motion whose kinematic channels are complete; arguments as of `checks`.
+
+    On the switch of a press force all channels count on the side where they fit best.
+    """
+    turns = np.ones_like(motion["time"])
+    if mechanics.scene.driven_slide is None:  # how often a crank has turned: its angle is rounded by as much more
+        turns = np.maximum(np.abs(motion[mechanics.scene.drive_channel]) / (2 * np.pi), 1)
+    closed, fitting, branch, condition = projected(mechanics, motion, ends)
+    scale, far = scales(mechanics, closed, travel), off_origin(mechanics, motion)
+    eps = [EPS * turns, *[EPS * np.maximum(turns, far)] * (len(POWERS) - 1)]  # places themselves are as large as far
+    true = Motion({**closed.samples, **fitting})
+    errors, units = relative_errors(motion, true, scale), {**scale, **mechanics.newtons}
+    for kind, power in enumerate(POWERS):  # rounding is by the largest value of a kind, in units that make them alike
+        own = [channel for channel in errors if KINDS[mechanics.groups[channel]] == kind]
+        values = (np.abs(true[channel]) / units[channel] for channel in own)
+        rounding = eps[kind] * condition**power * reduce(np.maximum, values, np.zeros_like(condition))
+        for channel in own:
+            explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
+            errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
+    return Estimate(errors, branch, EPS * condition * far, closed)
+
+
+# --- what a motion's own forces leave over ----------------------------------------------------------------------------
+
+
+def _balances(
+    mechanics: Mechanics, state: MotionVectors, travel: Mapping[str, float], estimated: Estimate, may: Sequence[Acts]
+) -> Violations:
+    """What forces and power leave over; on the switch of a press force, on the side where it is less.
+
+    What rounding explains is zero. What is left over on a body is relative to the peak force on it, or on any where it
+    carries nothing: if that is so in the motion's own poses, what an engine finds there is its noise.
     """
     least: Violations = {}
-    rounding = EPS * estimated.condition * distance(state.scene, state.motion)
+    newtons = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
+    fastest = max((float(np.abs(state.point(p)[1]).max()) for p in mechanics.scene.moving_points), default=0.0)
+    drive = state.drive_power()
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
-        """Return the power left over, to which all sliders add; the rest, each of one body, is the least of any."""
-        standing = replace(state, acting=acting)
-        scale = _scales(standing, estimated.closed, travel)
-        left_over = dict(_newton_euler(standing, scale, rounding))
-        power = _power(standing, travel, rounding)
-        left_over["power", "mechanism", "largest force times the largest speed"] = power
-        least.update({what: np.minimum(least.get(what, np.inf), over) for what, over in left_over.items()})
+        """The power left over, to which all sliders add; the rest, each of one body, is the least of any."""
+        bodies = replace(state, acting=acting).bodies()
+        closed = replace(state, acting=acting, motion=estimated.closed).bodies()
+        left, terms = _newton_euler(mechanics, bodies), [drive, *_powers(mechanics, bodies)]
+        peaks, carried = ({name: body.peak for name, body in of.items()} for of in (bodies, closed))
+        nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
+        own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
+        scale = force_scales(mechanics, state.motion, travel, own)
+        natural = max(force_scales(mechanics, state.motion, travel, newtons).values(), default=0.0) * fastest
+        explained = estimated.rounding * max(scale.values())
+        for (check, name, relative_to), off in left.items():
+            arm = 1.0 if check == "Newton" else mechanics.size
+            over = np.where(off <= explained * arm, 0.0, off) / (scale[name] * arm)
+            least[check, name, relative_to] = np.minimum(least.get((check, name, relative_to), np.inf), over)
+        power = np.abs(sum(terms)) / (max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0)
+        power = np.where(power <= estimated.rounding, 0.0, power)
+        least[POWER] = np.minimum(least.get(POWER, np.inf), power)
         return power, {}
 
-    fitted(press_forces(state.scene), may, misfit)
+    fitted(mechanics.presses, may, misfit)
     return least
 
 
-def _scales(state: MotionVectors, closed: Motion, travel: Mapping[str, float]) -> dict[str, float]:
-    """Return what is left over on each body is relative to: the peak force on it, or on any where it carries nothing.
-
-    It carries nothing if that is so in the motion's own poses, in `closed`: what an engine finds there is its noise.
-    """
-    peaks, carried = _peaks(state), _peaks(replace(state, motion=closed))
-    nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
-    own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
-    return force_scales(state.scene, state.motion, travel, own)
-
-
-def _peaks(state: MotionVectors) -> dict[str, float]:
-    """Return the largest of the forces on each body."""
-    bodies = state.scene.bodies.values()
-    return {body.name: max(float(np.abs(force).max()) for force, _ in _pushes(state, body)) for body in bodies}
-
-
-def _pushes(state: MotionVectors, body: Body) -> list[tuple[Vectors, Vectors]]:
-    """Return the forces on a body, with their points of attack."""
-    return [*state.joint_forces(body), *((push.force, push.at) for push in state.applied(body))]
-
-
-def _newton_euler(
-    state: MotionVectors, scale: Mapping[str, float], rounding: Samples
-) -> Iterator[tuple[tuple[str, str, str], Samples]]:
-    """Yield, body by body, what its reactions and loads leave over of m a and of I alpha about the centre of mass."""
-    explained, length = rounding * max(scale.values()), largest_length(state.scene)
-    for body in state.scene.bodies.values():
-        com, _, acceleration = state.com(body)
-        force = -(body.mass or 0.0) * acceleration
-        moment = state.couples(body) - inertia(body) * state.turning(body.name)[2]
-        for push, at in _pushes(state, body):
+def _newton_euler(mechanics: Mechanics, bodies: Mapping[str, LoadedBody]) -> Violations:
+    """By how much the reactions and loads of each body miss m a, N, and I alpha about the centre of mass, N m."""
+    left: Violations = {}
+    for name, body in bodies.items():
+        force = -body.mass * body.acceleration
+        moment = body.couple - mechanics.inertia[name] * body.alpha
+        for push, at in body.pushes:
             force = force + push
-            moment = moment + ((at - com).conjugate() * push).imag
-        left, turning = np.abs(force), np.abs(moment)
-        yield ("Newton", body.name, "peak force on the body"), np.where(left <= explained, 0.0, left) / scale[body.name]
-        turning = np.where(turning <= explained * length, 0.0, turning)
-        yield ("Euler", body.name, "peak force times the linkage's size"), turning / (scale[body.name] * length)
+            moment = moment + ((at - body.com).conjugate() * push).imag
+        left["Newton", name, "peak force on the body"] = np.abs(force)
+        left["Euler", name, "peak force times the linkage's size"] = np.abs(moment)
+    return left
 
 
-def _power(state: MotionVectors, travel: Mapping[str, float], rounding: Samples) -> Samples:
-    """Return what the power of drive, loads, springs and gravity leaves over of the rate of kinetic energy."""
-    driven = state.scene.bodies[state.scene.drive.body]
-    if state.scene.driven_slide is None:
-        terms = [state.motion["drive.torque"] * state.turning(driven.name)[1]]
-    else:
-        terms = [state.motion["drive.force"] * state.displacement(driven)[1]]
-    for body in state.scene.bodies.values():
-        terms += [(push.velocity.conjugate() * push.force).real for push in state.applied(body)]
-        _, v, a = state.com(body)
-        _, omega, alpha = state.turning(body.name)
-        terms.append(-(body.mass or 0.0) * (v * a.conjugate()).real - inertia(body) * omega * alpha)
-    forces = [c for c in force_channels(state.scene) if UNITS[quantity(c)] == "N"]
-    peaks = {c: float(np.abs(state.motion[c]).max()) for c in forces}
-    natural = max(force_scales(state.scene, state.motion, travel, peaks).values(), default=0.0)
-    natural *= max((float(np.abs(state.point(p)[1]).max()) for p in state.scene.moving_points), default=0.0)
-    peak = max(natural, *(float(np.abs(term).max()) for term in terms)) or 1.0
-    left = np.abs(sum(terms)) / peak
-    return np.where(left <= rounding, 0.0, left)
+def _powers(mechanics: Mechanics, bodies: Mapping[str, LoadedBody]) -> Iterator[Samples]:
+    """Yield the power of each load, spring and weight, and less the rate of the kinetic energy of each body, W."""
+    for name, body in bodies.items():
+        yield from ((push.velocity.conjugate() * push.force).real for push in body.applied)
+        linear = -body.mass * (body.velocity * body.acceleration.conjugate()).real
+        yield linear - mechanics.inertia[name] * body.omega * body.alpha

@@ -14,32 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Rows, Scene
-from scenes.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
-from ..engines.axis import axis
-from ..engines.reference import Reference
 from ..engines.registry import REFERENCE
 from ..engines.runner import ON_TIME
-from .round_off import Explained
-
-GROUPS: Mapping[str, str] = (
-    dict.fromkeys(("x", "y", "angle"), "position")
-    | dict.fromkeys(("vx", "vy", "omega"), "velocity")
-    | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
-    | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
-    | {"torque": "torque", "force": "force", "crank_angle": "drive", "displacement": "drive"}
-)  # by quantity; every channel but the time is judged in one
-
-SHOWN_GROUPS = (
-    "position",
-    "velocity",
-    "acceleration",
-    "reaction",
-    "torque",
-    "force",
-)  # the drive's position is an input
+from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from ..mechanics.reference import Reference
+from ..mechanics.round_off import Explained
 
 TOGGLE_WINDOW = 0.02  # of the peak of |dx/dq|, q the drive's position, below which the output nearly stands still
 
@@ -86,22 +69,22 @@ def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
     scene = reference.scene
     position = sampling.commanded(scene)
     commanded = reference.at(position, sampling.times(scene))
+    slope = _slope(reference, commanded)
     actual = reference.at(motion[scene.drive_channel], motion["time"])
     may = reference.acts(commanded, actual)  # a drive that lags must not decide on which side of a switch it is
-    slope = _slope(reference, commanded)
-    off = reference.errors(motion, commanded, may)
+    off, errors = (reference.errors(motion, true, may) for true in (commanded, actual))
     return Comparison(
-        reference.errors(motion, actual, may) | {scene.drive_channel: off[scene.drive_channel]},
+        errors | {scene.drive_channel: off[scene.drive_channel]},
         off,
         position,
-        axis(scene).of(commanded),
+        reference.mechanics.axis.of(commanded),
         slope < TOGGLE_WINDOW * slope.max(),
         commanded["time"] >= commanded["time"][-1] - (1 + ON_TIME) * scene.drive.cycle,
     )
 
 
 def _slope(reference: Reference, motion: Motion) -> Samples:
-    """Return |dx/dq| of the output point over the drive's position q, but for a constant factor.
+    """|dx/dq| of the output point over the drive's position q, but for a constant factor.
 
     It is the output's velocity at a constant speed of the drive; under a law, whose rests are no toggles, at another.
     """
@@ -115,16 +98,16 @@ def _slope(reference: Reference, motion: Motion) -> Samples:
 
 
 def shown_groups(scene: Scene) -> tuple[str, ...]:
-    """Return the groups that a scene has channels of, in the order of the tables; the drive has a torque or a force."""
-    known = {GROUPS[quantity(channel)] for channel in channels(scene)[1:]}
+    """The groups that a scene has channels of, in the order of the tables; the drive has a torque or a force."""
+    known = {*Mechanics(scene).groups.values()}
     return tuple(group for group in SHOWN_GROUPS if group in known)
 
 
 def group_floors(reference: Reference) -> dict[str, float]:
-    """Return the reference's floor by channel group: the largest of its channels."""
+    """The reference's floor by channel group: the largest of its channels."""
     floors: dict[str, float] = {}
     for channel, floor in reference.floor.by_channel.items():
-        group = GROUPS[quantity(channel)]
+        group = reference.mechanics.groups[channel]
         floors[group] = max(floors.get(group, 0.0), floor)
     return floors
 
@@ -132,7 +115,7 @@ def group_floors(reference: Reference) -> dict[str, float]:
 def error_table(
     engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
 ) -> list[ChannelError]:
-    """Return one row a channel; no error is shown below the reference's floor, or for the reference without one."""
+    """One row a channel; no error is shown below the reference's floor, or for the reference without one."""
     actual, commanded = comparison.actual, comparison.commanded
     known = actual if explained is None else explained.left_over(actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
@@ -153,29 +136,29 @@ def error_table(
     columns: dict[str, Sequence[object]] = {
         "engine": [engine] * len(names),
         "channel": names,
-        "group": [GROUPS[quantity(channel)] for channel in names],
+        "group": [reference.mechanics.groups[channel] for channel in names],
         **dict(zip(figures, shown, strict=True)),
         "explained": [np.nan if explained is None else float(explained.error(channel).max()) for channel in names],
         "max_at": comparison.axis[worst].tolist(),
-        "max_at_unit": [axis(reference.scene).unit] * len(names),
+        "max_at_unit": [reference.mechanics.axis.unit] * len(names),
         "floor": floor.tolist(),
         "scale": [reference.scale[channel] for channel in names],
-        "unit": [UNITS[quantity(channel)] for channel in names],
+        "unit": [reference.mechanics.units[channel] for channel in names],
     }
     return [ChannelError._make(row) for row in zip(*map(columns.__getitem__, ChannelError._fields), strict=True)]
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:
-    """Return the row with the largest of a figure; a NaN counts as the largest."""
+    """The row with the largest of a figure; a NaN counts as the largest."""
     return rows[int(np.argmax([getattr(row, figure) for row in rows]))]
 
 
 def by_group(rows: Iterable[ChannelError]) -> dict[str, list[ChannelError]]:
-    """Return rows by their channel groups."""
-    found: dict[str, list[ChannelError]] = {}
+    """Rows by their channel groups."""
+    groups: dict[str, list[ChannelError]] = {}
     for row in rows:
-        found.setdefault(row.group, []).append(row)
-    return found
+        groups.setdefault(row.group, []).append(row)
+    return groups
 
 
 def _largest(error: Samples) -> float:

@@ -8,22 +8,21 @@ from dataclasses import replace
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
 
-from ..engines import axis as units
-from ..engines import registry, runner
+from ..engines import registry
+from ..engines.processes.stopping import Stopped
 from ..engines.reasons import described
-from ..engines.reference import Floor, Reference, found
-from ..engines.runner import Run, Runs
-from ..engines.stopping import Stopped
+from ..engines.runner import HERE, Run, Runs
+from ..mechanics import axis as units
+from ..mechanics.reference import Floor, Reference, uncertified
+from ..mechanics.round_off import Explained, explain
 from .measure import Measurement, assess
-from .perturbation import neighbours
-from .round_off import explain
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
 DRIVE = Settings("").drive_promise
 NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.crashed}  # which casts no doubt
 
 
-def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = runner) -> Reference:
+def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HERE) -> Reference:
     """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
 
     Args:
@@ -44,44 +43,44 @@ def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs =
         raise InputError(f"{scene.file}: the reference failed: {described(error)}") from error
 
 
-def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = runner) -> Reference:
-    """Return what `establish` does.
+def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HERE) -> Reference:
+    """What `establish` returns.
 
     Raises:
         Failure: the reference cannot solve the scene.
         InputError: the output does not move.
     """
-    uncertified = replace(found(scene), neighbours=neighbours(scene))
-    return replace(uncertified, floor=certified(uncertified, channels, runs))
-
-
-def certified(reference: Reference, channels: frozenset[str] | None = None, runs: Runs = runner) -> Floor:
-    """Return the floor of a reference, measured at a few positions of one cycle.
-
-    Args:
-        reference: without a floor.
-        channels: those to certify; None for all.
-        runs: what runs arbitrary precision.
-    """
-    scene, sampling = reference.scene, Sampling(FLOOR_SAMPLES, channels=channels)
+    reference, sampling = uncertified(scene), Sampling(FLOOR_SAMPLES, channels=channels)
     explained = explain(reference, sampling)
     own = reference.at(sampling.commanded(scene), sampling.times(scene))
     settings = registry.engine(registry.REFERENCE).DEFAULT
-    core = assess(reference, sampling, Run(registry.REFERENCE, settings, Status.ok, motion=own), explained)
-    oracle = assess(reference, sampling, runs.run(registry.ORACLE, scene, sampling), explained)
+    both = Run(registry.REFERENCE, settings, Status.ok, motion=own), runs.run(registry.ORACLE, scene, sampling)
+    core, oracle = (assess(reference, sampling, run, explained) for run in both)
+    return replace(reference, floor=certified(scene, core, oracle, explained))
+
+
+def certified(scene: Scene, core: Measurement, oracle: Measurement, explained: Explained) -> Floor:
+    """The floor of a reference without one, measured at a few positions of one cycle.
+
+    Args:
+        scene: the mechanism.
+        core: the reference at these positions.
+        oracle: arbitrary precision there.
+        explained: of errors, by doubles.
+    """
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
         return Floor({}, f"not certified: {oracle.run.reason}", doubt)
     where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(scene) else 'instants'}"
     by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
     floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
-    worst = max(floor, key=floor.__getitem__)
-    limit = "" if floor[worst] <= settings.promise else f", all that doubles leave of {worst}: {explained.why(worst)}"
+    worst, promise = max(floor, key=floor.__getitem__), (core.run.settings or Settings("")).promise
+    limit = "" if floor[worst] <= promise else f", all that doubles leave of {worst}: {explained.why(worst)}"
     return Floor(floor, by, doubt, limit)
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:
-    """Return why the reference is not to be believed, with whom to suspect; or nothing.
+    """Why the reference is not to be believed, with whom to suspect; or nothing.
 
     The checks are a third opinion. They take the scene's laws and loads as all models but arbitrary precision do.
     """

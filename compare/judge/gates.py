@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from math import nan
 from typing import NamedTuple
 
 from scenes import Scene, Status
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 
-from .errors import GROUPS, by_group, worst_of
+from ..mechanics.mechanics import GROUPS
+from .errors import by_group, worst_of
 from .measure import Measurement
 
 
@@ -20,7 +23,7 @@ class Gate:
     tolerance: float
     error: float  # NaN where there is none
     worst: str  # the channel, or why there is no error
-    unexplained: float = float("nan")  # the part of the largest errors that doubles do not explain
+    unexplained: float = nan  # the part of the largest errors that doubles do not explain
     held: bool = True  # whether there is a reference to hold the engine against, one that is not in doubt
 
     @property
@@ -38,7 +41,7 @@ class Gate:
         return "met" if self.error <= self.tolerance else "met: round-off explains the error"
 
     def __str__(self) -> str:
-        """Return it in one line."""
+        """It in one line."""
         if not self.held:
             return f"{self.engine} {self.group}: a tolerance of {self.tolerance:.0e}; {self.worst}"
         error = f"{self.error:.2e} against a tolerance of {self.tolerance:.0e}"
@@ -66,24 +69,22 @@ def gates(
         for group, tolerance in scene.tolerances.get(run.engine, {}).items():
             if wanted is not None and group not in groups:
                 continue
+            gate = partial(Gate, run.engine, group, tolerance)
             if doubt:
-                yield Gate(run.engine, group, tolerance, float("nan"), "the reference is in doubt", held=False)
-                continue
-            if run.status is not Status.ok:
-                yield Gate(run.engine, group, tolerance, float("nan"), f"{run.status.name}: {run.reason}")
-                continue
-            rows = errors.get(group)
-            if rows is None:
-                yield Gate(run.engine, group, tolerance, float("nan"), "no such channel was returned")
-                continue
-            unexplained = worst_of(rows, "unexplained").unexplained
-            shown = "max" if unexplained <= tolerance else "unexplained"  # of a tolerance missed, what misses it
-            worst = worst_of(rows, shown)
-            yield Gate(run.engine, group, tolerance, getattr(worst, shown), worst.channel, unexplained)
+                yield gate(nan, "the reference is in doubt", held=False)
+            elif run.status is not Status.ok:
+                yield gate(nan, f"{run.status.name}: {run.reason}")
+            elif group not in errors:
+                yield gate(nan, "no such channel was returned")
+            else:
+                unexplained = worst_of(errors[group], "unexplained").unexplained
+                shown = "max" if unexplained <= tolerance else "unexplained"  # of a tolerance missed, what misses it
+                worst = worst_of(errors[group], shown)
+                yield gate(getattr(worst, shown), worst.channel, unexplained)
 
 
 def missed(measurements: Iterable[Measurement], held: Iterable[Gate]) -> list[Miss]:
-    """Return what stops a CI run: every tolerance missed, and engines that are not ok and have none."""
+    """What stops a CI run: every tolerance missed, and engines that are not ok and have none."""
     gated = list(held)
     named = {gate.engine for gate in gated if gate.held}
     runs = [m.run for m in measurements if m.run.status is not Status.ok and m.run.engine not in named]

@@ -3,19 +3,22 @@
 Checks of an engine's own output come first and need no reference; the comparison with the reference comes last.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import ceil, floor, log10
 from typing import NamedTuple
 
 import numpy as np
 
 from scenes import Scene, Settings, Status
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..engines.runner import Run
+from ..mechanics.mechanics import SHOWN_GROUPS
 from .checks import Check
-from .errors import SHOWN_GROUPS, Comparison
+from .errors import Comparison
 
+PER_CENT = 1e-6  # relative: less is given in digits
 OPEN = 1e-2  # of the travel of its points: a pin that gapes this far is no pin
 WORTHLESS = 0.1  # of the scale or magnitude: what is so far off belongs to another motion
 ELSEWHERE = 5e-2  # of its travel: with closed pins and the drive in place, only another assembly is so far off
@@ -28,7 +31,7 @@ BALANCES = {
 ESTIMATED = "by its own poses {of} is off by {worst} of the {relative_to}"
 
 
-class Limit(NamedTuple):
+class CheckLimit(NamedTuple):
     """The most that a check may find, and what a run is called that exceeds it."""
 
     check: str
@@ -37,36 +40,36 @@ class Limit(NamedTuple):
     sentence: str
 
 
-def limits(settings: Settings) -> Iterator[Limit]:
+def limits(settings: Settings) -> Iterator[CheckLimit]:
     """Yield what runs at these settings are held to, the worst first."""
     promise, drive = settings.promise, settings.drive_promise
     off = "{of} is off where the drive asks it to be by {worst} of a {relative_to}"
-    yield Limit("drive", drive, Status.inconsistent, off)
-    yield Limit("closure", OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
-    yield Limit("branch", 0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch")
-    yield from (Limit(check, SUM * promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items())
-    yield from (Limit(group, WORTHLESS, Status.inconsistent, ESTIMATED) for group in SHOWN_GROUPS)
+    yield CheckLimit("drive", drive, Status.inconsistent, off)
+    yield CheckLimit("closure", OPEN, Status.diverged, "the joints of {of} are open by {worst} of the {relative_to}")
+    yield CheckLimit("branch", 0.0, Status.wrong_branch, "with all joints closed, the {of} flips to another branch")
+    yield from (CheckLimit(check, SUM * promise, Status.inconsistent, sentence) for check, sentence in BALANCES.items())
+    yield from (CheckLimit(group, WORTHLESS, Status.inconsistent, ESTIMATED) for group in SHOWN_GROUPS)
     promised = f"; at most {promise:g} is promised,"
-    yield from (Limit(group, promise, Status.inaccurate, ESTIMATED + promised) for group in SHOWN_GROUPS)
+    yield from (CheckLimit(group, promise, Status.inaccurate, ESTIMATED + promised) for group in SHOWN_GROUPS)
     opened = "the joints of {of} are open by {worst} of the {relative_to}" + promised
-    yield Limit("closure", promise, Status.inaccurate, opened)
+    yield CheckLimit("closure", promise, Status.inaccurate, opened)
 
 
 def judged(run: Run, checks: Sequence[Check]) -> Run:
-    """Return the run, its status corrected where its own output contradicts it, or is further off than promised."""
+    """The run, its status corrected where its own output contradicts it, or is further off than promised."""
     if run.status is not Status.ok:
         return run
     for limit in limits(run.settings or Settings("")):
         broken = [check for check in checks if check.check == limit.check and not check.worst <= limit.most]
         if broken:
-            found = broken[int(np.argmax([check.worst for check in broken]))]
-            reason = limit.sentence.format(of=found.of, worst=share(found.worst), relative_to=found.relative_to)
-            return replace(run, status=limit.status, reason=f"{reason} at {found.where}", found_by="checks")
+            worst = broken[int(np.argmax([check.worst for check in broken]))]
+            reason = limit.sentence.format(of=worst.of, worst=share(worst.worst), relative_to=worst.relative_to)
+            return replace(run, status=limit.status, reason=f"{reason} at {worst.where}", found_by="checks")
     return run
 
 
 def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mapping[str, Samples]) -> Run:
-    """Return the run, its status corrected where the reference contradicts it.
+    """The run, its status corrected where the reference contradicts it.
 
     Args:
         run: the run, as its own output lets one judge it.
@@ -95,6 +98,41 @@ def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mappin
     return run
 
 
+def doubted_core(run: Run, doubt: str) -> Run:
+    """The core's own run, which is not ok where there is a doubt about it."""
+    status = Status.inaccurate if run.status is Status.ok else run.status
+    return replace(run, status=status, reason=doubt, found_by="reference")
+
+
+# --- relative errors as text ------------------------------------------------------------------------------------------
+
+
 def share(worst: float) -> str:
-    """Return a relative error as text."""
+    """A relative error as text."""
     return f"{worst:.1%}" if worst >= 1e-2 else f"{worst:.1e}"
+
+
+def within(size: float) -> str:
+    """A relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
+    if size < PER_CENT:
+        return f"{digits(size)} digits"
+    return _per_cent(size, ceil, 1)
+
+
+def sized(size: float) -> str:
+    """A relative error as a size: `3.1 %`, or between two bounds."""
+    if size < PER_CENT:
+        return "less than 0.0001 %"
+    return _per_cent(size, round, 2) if size < 10 else "more than 1000 %"
+
+
+def digits(size: float) -> int:
+    """How many digits a relative error leaves, 15 at most."""
+    return min(floor(-log10(size)), 15) if size > 0 else 15
+
+
+def _per_cent(size: float, rounded: Callable[[float], int], figures: int) -> str:
+    """A size in per cent, rounded to so many figures."""
+    last = floor(log10(100 * size)) - figures + 1  # the power of ten of the last figure
+    text = f"{rounded(100 * size / 10.0**last) * 10.0**last:.{max(-last, 0)}f}"
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"

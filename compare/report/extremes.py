@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 Trace: TypeAlias = Mapping[str, Any]  # as plotly names its parts
 
@@ -19,7 +19,7 @@ OF_A_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly fou
 
 
 def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
-    """Return the rows of a curve to draw, in order: all, or `most` at most with every stretch's extremes and a gap.
+    """The rows of a curve to draw, in order: all, or `most` at most with every stretch's extremes and a gap.
 
     Args:
         x: shape (n,); NaN is a gap.
@@ -39,7 +39,7 @@ def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
 
 
 def affordable(figures: Iterable[Iterable[Trace]]) -> int:
-    """Return how many points a curve may have, so that all curves of some figures fit on a page."""
+    """How many points a curve may have, so that all curves of some figures fit on a page."""
     lengths = [len(trace["x"]) for traces in figures for trace in traces if _is_curve(trace)]
     most = CURVE
     while sum(min(length, most) for length in lengths) > PAGE:
@@ -47,21 +47,20 @@ def affordable(figures: Iterable[Iterable[Trace]]) -> int:
     return most
 
 
-def thinned(traces: Iterable[Trace], most: int) -> list[Trace]:
-    """Return traces with at most so many points a curve, in single precision."""
-    return [_thinned(trace, most) if _is_curve(trace) else trace for trace in traces]
+def thinned(traces: Iterable[Trace], most: int = CURVE, precision: type[np.floating[Any]] = np.float64) -> list[Trace]:
+    """Traces with at most so many points a curve, and those in some precision."""
+    return [_thinned(trace, most, precision) if _is_curve(trace) else trace for trace in traces]
 
 
-def _thinned(trace: Trace, most: int) -> Trace:
+def _thinned(trace: Trace, most: int, precision: type[np.floating[Any]]) -> Trace:
     x, y = (np.asarray(trace[axis]) for axis in ("x", "y"))
     rows = extremes(x, y, most)
-    return {**trace, "x": _single(x[rows]), "y": _single(y[rows])}
+    return {**trace} | {
+        axis: values[rows].astype(precision if values.dtype == np.float64 else values.dtype)
+        for axis, values in (("x", x), ("y", y))
+    }
 
 
 def _is_curve(trace: Trace) -> bool:
-    """Return whether a trace is a curve or a cloud of unnamed points."""
+    """Whether a trace is a curve or a cloud of unnamed points."""
     return trace["type"] == "scatter" and "text" not in trace and len(trace["x"]) > 0
-
-
-def _single(values: NDArray[Any]) -> NDArray[Any]:
-    return values.astype(np.float32) if values.dtype == np.float64 else values

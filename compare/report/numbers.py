@@ -1,49 +1,89 @@
-"""Numbers for a reader: quantities in the units of the report, errors as short powers of ten."""
+"""Numbers for a reader: quantities in the units of a page, shares in per cent, errors as short powers of ten."""
 
-from math import floor, isinf, isnan, log10
+from collections.abc import Mapping
+from math import floor, isinf, isnan, log10, pi
+from typing import TypeAlias
 
-from ..engines.axis import prefixed
-from .units import Units
+from scenes.model.motion import UNITS, quantity
 
+from ..mechanics.axis import prefixed
+from ..mechanics.reference import Reference
+
+Units: TypeAlias = Mapping[str, tuple[float, str]]  # by SI unit the factor to the unit shown, and the name of that
+
+ALONE: Units = {"": (1.0, ""), "rad": (180 / pi, "°")}  # those that take no prefix
 DIGITS, OF_LENGTHS = 3, 4  # significant ones
+MOST = 1e4  # what a peak reads less than, in the units of a page
 PLAIN = 1e-3, 1e6  # from here to there a number needs no power of ten
 PLAIN_PERCENT = 1e-6  # what is less is no longer told apart, %
+TINY = 1e-4  # in its unit: what is less has a power of ten
 
 
-def short(value: float) -> str:
-    """Return a number in few characters: `0.125`, `84,213`, `9e-8`."""
-    if isnan(value):
-        return "–"
-    if isinf(value):
-        return "∞" if value > 0 else "−∞"
-    if value == 0 or PLAIN[0] <= abs(value) < PLAIN[1]:
-        return _plain(value).replace("-", "−")
-    mantissa, power = f"{value:.0e}".split("e")
-    return f"{mantissa}e{int(power)}"
+def units(*references: Reference) -> Units:
+    """Units of a page, of all its scenes: one for each kind of quantity, in which its peak reads between 1 and 10,000.
+
+    Lengths and their rates are in the unit of the scene's file where it suits them. What a page has one of, work and
+    power, is not among them.
+    """
+    name, size = references[0].scene.length_unit
+    of_the_file = {"m": name, "m/s": f"{name}/s", "m/s^2": f"{name}/s²"}
+    shown = dict(ALONE)
+    for si in (*of_the_file, "N", "N*m"):
+        sizes = [s for of in references for channel, s in of.scale.items() if UNITS[quantity(channel)] == si]
+        peak = max(sizes, default=0.0)
+        own = si in of_the_file and (not peak or 1 <= peak / size < MOST)
+        shown[si] = (1 / size, of_the_file[si]) if own else prefixed(peak, si)
+    return shown
 
 
-def written(value: float, unit: str, units: Units) -> str:
-    """Return a quantity in SI in the unit of the report, or else with the prefix that suits it: `84.2 kN`."""
+def written(value: float, unit: str, units: Units, *, digits: int = 0, sign: str = "") -> str:
+    """A quantity in SI in the unit of the page, or else with the prefix that suits it: `84.2 kN`.
+
+    Args:
+        value: in SI.
+        unit: its SI unit.
+        units: of the page.
+        digits: significant ones; 0 for as many as such a quantity mostly has.
+        sign: `+` where a positive one has its sign too.
+    """
     if isnan(value):
         return "–"
     if value == 0:
         return "0"
-    factor, name = units.get(unit) or prefixed(abs(float(f"{value:.{DIGITS - 1}e}")) or 1.0, unit)
-    return f"{_significant(factor * value, OF_LENGTHS if unit == 'm' else DIGITS)}{' ' * (name not in ('', '°'))}{name}"
+    factor, name = units.get(unit) or prefixed(abs(float(f"{value:.{DIGITS - 1}e}")), unit)
+    shown, digits = factor * value, digits or (OF_LENGTHS if unit == "m" else DIGITS)
+    number = _significant(shown, digits, sign) if abs(shown) >= TINY else f"{shown:{sign}.{digits}g}".replace("-", "−")
+    return f"{number}{' ' * (name not in ('', '°'))}{name}"
+
+
+def capital(text: str) -> str:
+    """A text with a capital letter."""
+    return text[:1].upper() + text[1:]
 
 
 def percent(share: float) -> str:
-    """Return a share in per cent, to one digit: `0.0004 %`."""
+    """A share in per cent, to one digit: `0.0004 %`."""
     value = 100 * share
+    if isnan(value):
+        return "–"
     if 0 < value < PLAIN_PERCENT:
         return f"< {PLAIN_PERCENT:f} %"
     return f"{_significant(value, 1) if PLAIN_PERCENT <= value < 1 else short(value)} %"
 
 
-def _plain(value: float) -> str:
-    return f"{value:,.0f}" if float(value).is_integer() or abs(value) >= 10**DIGITS else f"{value:.{DIGITS}g}"
+def short(value: float) -> str:
+    """A number in few characters: `0.125`, `84,213`, `9e-8`."""
+    if isnan(value):
+        return "–"
+    if isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0 or PLAIN[0] <= abs(value) < PLAIN[1]:
+        whole = float(value).is_integer() or abs(value) >= 10**DIGITS
+        return (f"{value:,.0f}" if whole else f"{value:.{DIGITS}g}").replace("-", "−")
+    mantissa, power = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(power)}"
 
 
-def _significant(value: float, digits: int) -> str:
-    decimals = digits - 1 - floor(log10(abs(value))) if value else 0
-    return f"{value:,.{max(decimals, 0)}f}".replace("-", "−")
+def _significant(value: float, digits: int, sign: str = "") -> str:
+    decimals = max(digits - 1 - floor(log10(abs(value))), 0)
+    return f"{value:{sign},.{decimals}f}".replace("-", "−")

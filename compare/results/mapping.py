@@ -5,22 +5,23 @@ from os.path import isfile
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from scenes import InputError, Scene
-from scenes.errors import nearest, one_line
-from scenes.format import Number, Pair, Positive, Table, explain
+from scenes.errors import at_place, nearest, one_line
+from scenes.fields import FileTable, Number, Pair, Positive
+from scenes.file.format import validated
+from scenes.file.reader import tables_of
+from scenes.file.toml import read_toml
+from scenes.file.units import factor
 from scenes.limits import SOURCE
-from scenes.motion import UNITS, quantity
-from scenes.reader import tables_of
-from scenes.toml_file import read_toml
-from scenes.units import factor
+from scenes.model.motion import UNITS, quantity
 
 Text = Annotated[str, Field(max_length=SOURCE)]
 BASE = {"length": "m", "angle": "rad", "force": "N", "time": "s"}
 
 
-class UnitsTable(Table):
+class UnitsTable(FileTable):
     """What the columns are in, where they name nothing else; SI where absent."""
 
     length: str = Field("m", description="Of places, and of the frame's origin.")
@@ -29,7 +30,7 @@ class UnitsTable(Table):
     time: str = Field("s", description="Of instants; rates are in length or angle over time.")
 
 
-class FrameTable(Table):
+class FrameTable(FileTable):
     """The result's frame, as seen from the scene's."""
 
     origin: Pair = Field((0.0, 0.0), description="Where its origin is.")
@@ -37,7 +38,7 @@ class FrameTable(Table):
     mirrored: bool = Field(False, description="Whether its y axis is turned clockwise from its x axis.")
 
 
-class ColumnTable(Table):
+class ColumnTable(FileTable):
     """A column that is more than its name."""
 
     column: Text = Field(description="Its name.")
@@ -46,7 +47,7 @@ class ColumnTable(Table):
     zero: Number = Field(0.0, description="What it reads where the channel is zero, as where a log starts late.")
 
 
-class MappingFile(Table):
+class MappingFile(FileTable):
     """A whole mapping."""
 
     made_by: Text = Field("", description="Who made the result.")
@@ -75,10 +76,8 @@ def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
     where, tables = f"{scene.file}: results.{name}", in_scene or {}
     if there:
         where, tables = beside, read_toml(beside, {}, "mapping")
-    try:
-        return MappingFile.model_validate(tables), where
-    except ValidationError as error:
-        raise InputError(f"{one_line(where)}: {explain(error, MappingFile)}") from None
+    with at_place(one_line(where)):
+        return validated(MappingFile, tables), where
 
 
 def factors(units: UnitsTable) -> Mapping[str, float]:
@@ -95,7 +94,7 @@ def factors(units: UnitsTable) -> Mapping[str, float]:
 
 
 def own_factor(channel: str, unit: str) -> float:
-    """Return what to multiply the numbers of a column by that names its unit.
+    """Return the factor to SI of a column that names its unit.
 
     Raises:
         InputError: it is no unit of the channel's quantity.
@@ -110,17 +109,17 @@ def named_columns(columns: tuple[str, ...], known: tuple[str, ...]) -> dict[str,
     Raises:
         InputError: there is none, or a channel has two.
     """
-    found: dict[str, str | ColumnTable] = {}
+    by_channel: dict[str, str | ColumnTable] = {}
     for column in columns:
         channel, _, unit = column.partition(" [")
-        if channel in found:
+        if channel in by_channel:
             raise InputError(f"expected a column for each channel, found two of {channel}; a mapping picks one")
         if channel in known:
-            found[channel] = ColumnTable.model_validate({"column": column, "unit": unit.removesuffix("]") or None})
-    if not found:
+            by_channel[channel] = ColumnTable.model_validate({"column": column, "unit": unit.removesuffix("]") or None})
+    if not by_channel:
         shown = f", found {one_line(', '.join(columns), 100)}"
         raise InputError(f"expected a mapping beside it, or columns named as channels, {known[0]} and so on{shown}")
-    return found
+    return by_channel
 
 
 def check_channels(names: Mapping[str, object], known: tuple[str, ...]) -> None:

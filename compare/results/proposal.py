@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, InputError, Scene
-from scenes.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import UNITS, Samples, channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
-from .proposal_text import ANGLES, KNOWN, NOISE, TOLD_APART, Axis, Pair, as_toml
-from .result import MIRRORED, VECTORS, name_and_file
+from .frame import KNOWN, OF_ANGLES, VECTORS, Frame, seen, unit_near
+from .proposal_text import NOISE, TOLD_APART, Axis, Pair, as_toml
+from .result import name_and_file
 from .table import Table, read_table
 
 FEWEST, ROWS = 8, 100  # of rows, evenly spread: fewer are near to anything
@@ -31,7 +32,7 @@ SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked 
 FRAME = (
     0.5  # the price of a frame that is turned or mirrored, as of a sign: columns may just as well be in another order
 )
-NEAR = 2e-3  # relative: of a unit, a frame's angle
+SAME_UNIT = 2e-3  # relative: of a unit, a frame's angle
 
 
 def proposed(scene: Scene, text: str) -> str:
@@ -59,34 +60,38 @@ def proposed(scene: Scene, text: str) -> str:
     true = solve(scene.drive.at(time).position, time).samples
     turn = _turn(true, columns[rest])
     frames = [(turn + k * pi / 2, mirrored) for mirrored in (False, True) for k in range(4)]
-    ways = [(*_paired(_seen(true, scene, *frame), columns[rest]), frame) for frame in frames]
+    own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
+    ways = [
+        (*_paired(seen(Frame(turn if mirrored else -turn, mirrored=mirrored), own), columns[rest]), (turn, mirrored))
+        for turn, mirrored in frames
+    ]
     pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
     return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
 
 
 def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
     """Return the names and numbers of the columns that have nothing else, at some rows."""
-    found: dict[str, Samples] = {}
+    numeric: dict[str, Samples] = {}
     for name in table.columns:
         try:
-            found[name] = table.numbers(name)[0]
+            numeric[name] = table.numbers(name)[0]
         except InputError:
             continue
-    if not found:
+    if not numeric:
         raise InputError("expected columns of numbers, found none")
     count = len(table.texts[0])
     if count < FEWEST:
         raise InputError(f"expected {FEWEST} rows at least to propose a mapping from, found {count}")
     rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
-    return [*found], np.array([_counted_on(values[rows]) for values in found.values()])
+    return [*numeric], np.array([_counted_on(values[rows]) for values in numeric.values()])
 
 
 def _counted_on(values: Samples) -> Samples:
     """Return a column counted on from turn to turn where it jumps by one, as an angle between -180 and 180 degrees."""
-    for turn in (2 * pi / size for size in ANGLES.values()):
+    for turn in (2 * pi / size for size in OF_ANGLES.values()):
         on = np.unwrap(values, period=turn)
         jump, step = np.abs(np.diff(values)).max(), np.abs(np.diff(on)).max()
-        if 4 * step < turn < jump + 2 * step and np.ptp(values) <= (1 + NEAR) * turn:
+        if 4 * step < turn < jump + 2 * step and np.ptp(values) <= (1 + SAME_UNIT) * turn:
             return on
     return values
 
@@ -98,7 +103,7 @@ def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> I
             for unit, size in KNOWN["s"].items():
                 yield Axis("time", name, unit, size * values)
         if isinstance(drive, ConstantSpeed) and scene.driven_slide is None:
-            for unit, size in ANGLES.items():
+            for unit, size in OF_ANGLES.items():
                 time = (np.unwrap(size * values) - drive.start) / drive.speed
                 if (np.diff(time) > 0).all():
                     yield Axis("crank_angle", name, unit, time)
@@ -116,7 +121,7 @@ def _nearest(
     cycle, repeats = scene.drive.cycle, scene.drive.repeats
 
     def left(axis: Axis, lag: float) -> Samples:
-        """Return what the channels leave of each column, as a share of its square."""
+        """Return the shares of the squares of columns that the channels leave."""
         try:
             true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
         except Failure:
@@ -142,7 +147,7 @@ def _nearest(
     def apart(one: _Instants, other: _Instants) -> bool:
         """Return whether their instants differ, where the drive repeats modulo a cycle."""
         by = (one.axis.time + one.lag - other.axis.time - other.lag) / cycle
-        return bool(np.abs(by - np.round(by) * repeats).max() > NEAR / (2 * pi))
+        return bool(np.abs(by - np.round(by) * repeats).max() > SAME_UNIT / (2 * pi))
 
     most = MOST if repeats else 1 + SAME
     axes = [axis for axis in _axes(scene, names, columns) if LEAST <= np.ptp(axis.time) / cycle <= most]
@@ -180,7 +185,7 @@ class _Instants:
 
 
 def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
-    """Return what of each column is left by the line, or the plane, nearest to it, as a share of its square."""
+    """Return the share of each column's square that is left by the line, or the plane, nearest to it."""
     centred = columns - columns.mean(axis=1, keepdims=True)
     whole = (centred**2).sum(axis=1)
     first = base[np.argsort(-np.ptp(base, axis=1))]  # what stays comes last, as it gives no direction
@@ -201,35 +206,20 @@ def _turn(true: Mapping[str, Samples], columns: NDArray[np.float64]) -> float:
                 a, b = np.linalg.lstsq(base.T, column - column.mean(), rcond=None)[0]
                 angles.append(4 * np.arctan2(b, a))
     apart = np.abs(np.angle(np.exp(1j * np.subtract.outer(angles, angles))))
-    turn = float(np.angle(np.exp(1j * angles[int((apart <= NEAR).sum(axis=1).argmax())]))) / 4 if angles else 0.0
-    return turn if abs(turn) > NEAR else 0.0
-
-
-def _seen(true: Mapping[str, Samples], scene: Scene, turn: float, mirrored: bool) -> dict[str, Samples]:
-    """Return the channels in another frame about the same origin."""
-    seen, way = {}, (-1 if mirrored else 1)
-    for c in channels(scene)[2:]:
-        kind = quantity(c)
-        if kind in VECTORS or kind in VECTORS.values():
-            vector = (true[f"{c[:-1]}x"] + 1j * true[f"{c[:-1]}y"]) * np.exp(-1j * turn)
-            seen[c] = np.asarray(vector.real if kind[-1] == "x" else way * vector.imag)
-        else:
-            seen[c] = (
-                way * (np.unwrap(true[c]) - turn) if kind == "angle" else (way if kind in MIRRORED else 1) * true[c]
-            )
-    return seen
+    turn = float(np.angle(np.exp(1j * angles[int((apart <= SAME_UNIT).sum(axis=1).argmax())]))) / 4 if angles else 0.0
+    return turn if abs(turn) > SAME_UNIT else 0.0
 
 
 def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[list[Pair], dict[int, float], float]:
     """Return the pairs that cost least together, what the next best channel leaves of each column, and the cost."""
     from scipy.optimize import linear_sum_assignment
 
-    found = _pairs(seen, columns)
-    costs = np.array([[_cost(pair) for pair in row] for row in found])
+    fits = _pairs(seen, columns)
+    costs = np.array([[_cost(pair) for pair in row] for row in fits])
     rows, chosen = linear_sum_assignment(costs)
-    pairs = [found[k][c] for k, c in zip(rows, chosen, strict=True)]
+    pairs = [fits[k][c] for k, c in zip(rows, chosen, strict=True)]
     seconds = {
-        int(k): min((p.left for n, p in enumerate(found[k]) if n != c and p.unit), default=1.0)
+        int(k): min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
         for k, c in zip(rows, chosen, strict=True)
     }
     return [pair for pair in pairs if pair.left <= FITS], seconds, float(costs[rows, chosen].sum())
@@ -254,12 +244,10 @@ def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[li
 
 def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
     """Return how a column fits a channel; without a unit where it fits in none that is known."""
-    size = 1 / abs(p) if p else np.inf
-    near = {unit: abs(size / known - 1) for unit, known in KNOWN[UNITS[quantity(channel)]].items()}
-    unit = min(near, key=near.__getitem__)
+    unit, _ = unit_near(p, UNITS[quantity(channel)], max(SAME_UNIT, left))
     zero = remainder(zero, 2 * pi * abs(p)) if quantity(channel) == "angle" and p else zero
     zero = zero if abs(zero) > hair else 0.0
-    return Pair(channel, column, left, unit if near[unit] <= max(NEAR, left) else "", 1 if p > 0 else -1, zero)
+    return Pair(channel, column, left, unit, 1 if p > 0 else -1, zero)
 
 
 def _cost(pair: Pair) -> float:

@@ -2,33 +2,19 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from json import dumps
-from math import pi
 
 import numpy as np
 
 from scenes import Scene
-from scenes.motion import UNITS, Samples, channels, quantity
+from scenes.model.motion import UNITS, Samples, channels, quantity
 
-NEAR = 2e-3  # relative: places of one origin
+from .frame import KNOWN, LENGTHS, OF_ANGLES
+
+SAME_ZERO = 2e-3  # relative: places of one origin
 SURE = 1e-3  # of a column: what its channel leaves at most
 NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows nothing
 TOLD_APART = 10  # times as much is left by readings that a column tells apart
-LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
-ANGLES = {"rad": 1.0, "deg": pi / 180}
-FORCES = {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605}
-KNOWN = {
-    "m": LENGTHS,
-    "m/s": {f"{name}/s": size for name, size in LENGTHS.items()},
-    "m/s^2": {f"{name}/s^2": size for name, size in LENGTHS.items()},
-    "rad": ANGLES,
-    "rad/s": {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30},
-    "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": pi / 180},
-    "N": FORCES,
-    "N*m": {f"{f}*{m}": a * b for (f, a), (m, b) in product(FORCES.items(), [*LENGTHS.items()][:2])},
-    "s": {"s": 1.0, "ms": 1e-3},
-}
 
 
 @dataclass(frozen=True)
@@ -89,7 +75,7 @@ def as_toml(
     if axis.channel == "time":
         yield _line("time", axis.column, axis.unit, 1, -lag / KNOWN["s"][axis.unit], "s")
     else:  # which the frame turns too
-        zero = (turn - lag * float(scene.drive.at(0.0).rate)) / ANGLES[axis.unit]
+        zero = (turn - lag * float(scene.drive.at(0.0).rate)) / OF_ANGLES[axis.unit]
         yield _line(axis.channel, axis.column, axis.unit, -1 if mirrored else 1, zero, "rad")
     sure = {pair.channel for pair in pairs if alone and _fits_alone(pair, seconds[pair.column])}
     for pair in sorted(pairs, key=lambda pair: channels(scene).index(pair.channel)):
@@ -122,6 +108,6 @@ def _line(channel: str, column: str, unit: str, sign: int, zero: float, si: str)
 def _origin(pairs: Sequence[Pair]) -> tuple[float, float] | None:
     """Return the zeros that all places have in common, m, or None where they have not."""
     zeros = {q: [p.sign * p.zero * LENGTHS.get(p.unit, 1.0) for p in pairs if quantity(p.channel) == q] for q in "xy"}
-    if not all(zeros.values()) or any(np.ptp(own) > NEAR * max(1e-3, np.abs(own).max()) for own in zeros.values()):
+    if not all(zeros.values()) or any(np.ptp(own) > SAME_ZERO * max(1e-3, np.abs(own).max()) for own in zeros.values()):
         return None
     return float(np.median(zeros["x"])), float(np.median(zeros["y"]))

@@ -10,21 +10,19 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 
 from scenes import InputError, Instants, Motion, Scene, Settings, Status, limits
-from scenes.errors import nearest, one_line
-from scenes.format import NAME
-from scenes.motion import UNITS, Samples, channels, force_channels, quantity
+from scenes.errors import at_place, nearest, one_line
+from scenes.fields import NAME
+from scenes.model.motion import UNITS, Samples, channels, force_channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.runner import Run
+from .frame import Frame, seen, vectors
 from .mapping import ColumnTable, MappingFile, check_channels, factors, mapping_of, named_columns, own_factor
 from .table import Table, read_table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
 
-VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
-TURNED = ("angle", "crank_angle")
-MIRRORED = ("omega", "alpha", "guide_force", "guide_moment", "torque")  # and angles, and y
 REVERSED = ("vx", "vy", "omega")  # where time runs the other way
 EQUAL = 1e-6  # of the last decimal: how far steps that are the same as written may differ; and of a cycle its end
 
@@ -102,25 +100,23 @@ def read_result(scene: Scene, text: str) -> Result:
     """
     name, file = name_and_file(text)
     mapping, where = mapping_of(scene, name, file)
-    try:
+    with at_place(one_line(str(file))):
         table = read_table(file, mapping.separator, mapping.decimal)
         if not mapping.columns:
             mapping = mapping.model_copy(update={"columns": named_columns(table.columns, channels(scene))})
         return mapped(scene, name, file, table, mapping, where)
-    except InputError as error:
-        raise InputError(f"{one_line(str(file))}: {error}") from None
 
 
 def name_and_file(text: str) -> tuple[str, Path]:
-    """Return what an argument NAME=FILE.csv names.
+    """Return the name and the file of an argument NAME=FILE.csv.
 
     Raises:
         InputError: it is none such, or the name is an engine's.
     """
     name, equals, file = text.partition("=")
     if not (equals and file and re.fullmatch(NAME, name) and len(name) <= limits.NAME):
-        found = one_line(text, 60)
-        raise InputError(f"--result: expected NAME=FILE.csv, the name of letters, digits and '_', found '{found}'")
+        shown = one_line(text, 60)
+        raise InputError(f"--result: expected NAME=FILE.csv, the name of letters, digits and '_', found '{shown}'")
     if name in registry.ENTRIES:
         raise InputError(f"--result: '{name}' is the name of an engine; expected another")
     return name, Path(file)
@@ -137,29 +133,29 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
     rows = len(table.texts[0])
     if rows * len(mapping.columns) > limits.VALUES:
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
-    found, halves = _in_si(table, mapping)
-    _to_frame(found, halves, mapping)
-    _on_this_side(scene, found, mapping.other_side)
+    columns, halves = _in_si(table, mapping)
+    _to_frame(columns, halves, mapping)
+    _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
-        found = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in found.items()}
+        columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
-    with_drive = scene.drive_channel in found
-    _on_time(scene, found, halves, backwards=mapping.backwards)
-    given = [channel for channel in known if channel in found]
+    with_drive = scene.drive_channel in columns
+    _on_time(scene, columns, halves, backwards=mapping.backwards)
+    given = [channel for channel in known if channel in columns]
     own = frozenset(given) - {"time", scene.drive_channel}
     if not own:
         raise InputError(f"columns: expected one channel more than the time and {scene.drive_channel} at least")
-    drive = scene.drive.at(found["time"]).position
-    cycles = (found["time"][-1] - found["time"][0]) / scene.drive.cycle
+    drive = scene.drive.at(columns["time"]).position
+    cycles = (columns["time"][-1] - columns["time"][0]) / scene.drive.cycle
     over = f"row{'s' * (rows != 1)}, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"
     notes = [f"{name} has {rows} {over}"]
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
-    if scene.drive_channel in found:
-        found[scene.drive_channel] = _nearest_turn(scene, found[scene.drive_channel], drive)
+    if scene.drive_channel in columns:
+        columns[scene.drive_channel] = _nearest_turn(scene, columns[scene.drive_channel], drive)
     if not with_drive:
         notes.append(f"{name} gives no {scene.drive_channel}; it is taken as commanded")
-    motion = Motion({c: found.get(c, drive) for c in known if c in found or c == scene.drive_channel})
+    motion = Motion({c: columns.get(c, drive) for c in known if c in columns or c == scene.drive_channel})
     origin = Provenance(
         file.name,
         promise=mapping.promise,
@@ -172,54 +168,37 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
         mapping=mapping.model_dump(exclude_defaults=True, exclude={"made_by", "made_with", "promise"}),
     )
     run = Run(name, origin, Status.ok, version=origin.made_with, motion=motion)
-    return Result(run, Instants(tuple(found["time"].tolist()), channels=own), halves, tuple(notes))
+    return Result(run, Instants(tuple(columns["time"].tolist()), channels=own), halves, tuple(notes))
 
 
 def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     """Return the columns in SI, and what their numbers may be off as written."""
     units = factors(mapping.units)
-    found, halves = Columns(), Columns()
+    columns, halves = Columns(), Columns()
     for channel, given in mapping.columns.items():
         column = ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
         values, half = table.numbers(column.column)
         by = units[UNITS[quantity(channel)]] if column.unit is None else own_factor(channel, column.unit)
-        found[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
-    return found, halves
+        columns[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
+    return columns, halves
 
 
-def _to_frame(found: Columns, halves: Columns, mapping: MappingFile) -> None:
+def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile) -> None:
     """Turn places, vectors and angles into the scene's frame."""
-    frame, units = mapping.frame, factors(mapping.units)
-    origin, angle, way = units["m"] * complex(*frame.origin), units["rad"] * frame.angle, -1 if frame.mirrored else 1
-    turn = np.exp(1j * angle)
-    for channel in [*found]:
-        stem, _, kind = channel.rpartition(".")
-        if kind in TURNED:
-            found[channel] = angle + way * found[channel]
-        elif kind in MIRRORED:
-            found[channel] = way * found[channel]
-        elif kind in VECTORS or kind in VECTORS.values():
-            _turn(found, halves, stem, kind, turn, way, origin)
+    given, units = mapping.frame, factors(mapping.units)
+    frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored)
+    c, s = abs(np.cos(frame.angle)), abs(np.sin(frame.angle))
+    for x, y in vectors(columns):
+        if x in columns and y in columns:
+            a, b = halves[x], halves[y]
+            halves[x], halves[y] = c * a + s * b, s * a + c * b
+        elif frame.angle:
+            alone = x if x in columns else y
+            raise InputError(f"columns.{alone}: expected both components of a vector in a frame that is turned")
+    columns.update(seen(frame, columns))
 
 
-def _turn(found: Columns, halves: Columns, stem: str, kind: str, turn: complex, way: int, origin: complex) -> None:
-    """Turn a vector, once, at its first component."""
-    x, y = next((f"{stem}.{x}", f"{stem}.{y}") for x, y in VECTORS.items() if kind in (x, y))
-    both = x in found and y in found
-    if not both and abs(turn - 1) > 0:
-        raise InputError(f"columns.{stem}.{kind}: expected both components of a vector in a frame that is turned")
-    if both and kind in VECTORS.values():
-        return
-    zero = np.zeros(1)
-    vector = turn * (found.get(x, zero) + way * 1j * found.get(y, zero)) + (origin if x.endswith(".x") else 0)
-    c, s = abs(turn.real), abs(turn.imag)
-    a, b = halves.get(x, zero), halves.get(y, zero)
-    for channel, values, half in ((x, vector.real, c * a + s * b), (y, vector.imag, s * a + c * b)):
-        if channel in found:
-            found[channel], halves[channel] = values, half
-
-
-def _on_this_side(scene: Scene, found: Columns, other_side: Sequence[str]) -> None:
+def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> None:
     """Turn forces round that are given as those on the other body."""
     stems = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}
     for pattern in other_side:
@@ -227,33 +206,33 @@ def _on_this_side(scene: Scene, found: Columns, other_side: Sequence[str]) -> No
             shown = one_line(pattern, 60)
             raise InputError(f"other_side: no joint, slider or drive '{shown}'{nearest(shown, stems.values())}")
     for channel, stem in stems.items():
-        if channel in found and any(fnmatchcase(stem, pattern) for pattern in other_side):
-            found[channel] = -found[channel]
+        if channel in columns and any(fnmatchcase(stem, pattern) for pattern in other_side):
+            columns[channel] = -columns[channel]
 
 
-def _on_time(scene: Scene, found: Columns, halves: Columns, *, backwards: bool) -> None:
+def _on_time(scene: Scene, columns: Columns, halves: Columns, *, backwards: bool) -> None:
     """Complete the instants, s, of rows that have a position of the drive alone, and check their order."""
     drive, by = scene.drive, scene.drive_channel
-    if "time" in found:
+    if "time" in columns:
         if backwards:
-            found["time"] = -found["time"]
+            columns["time"] = -columns["time"]
     elif not isinstance(drive, ConstantSpeed):
         raise InputError("columns.time: missing; the drive follows a motion law")
-    elif by not in found:
+    elif by not in columns:
         raise InputError(f"columns: expected time, or {by}")
     else:
-        position = found[by]
+        position = columns[by]
         if scene.driven_slide is None and not (np.diff(position) * drive.speed > 0).all():
             position = np.unwrap(position)  # it is counted modulo one turn
-        found["time"] = (position - drive.start) / drive.speed
+        columns["time"] = (position - drive.start) / drive.speed
         halves["time"] = halves.pop(by) / abs(drive.speed)
-        found.pop(by)
-    steps = np.diff(found["time"])
+        columns.pop(by)
+    steps = np.diff(columns["time"])
     if not (steps > 0).all():
         row = int((~(steps > 0)).argmax())
         way = "; 'backwards' reads a drive that runs the other way" if (steps < 0).all() else ""
         raise InputError(f"row {row + 3}: expected a later instant than in the row before{way}")
-    first, last = found["time"][0], found["time"][-1]
+    first, last = columns["time"][0], columns["time"][-1]
     hair = min(halves["time"].max(), BEYOND * drive.cycle) + EQUAL * drive.cycle
     if not (drive.repeats or (first >= -hair and last <= drive.cycle + hair)):
         runs = f"from 0 to {drive.cycle:g} s, while the drive runs"

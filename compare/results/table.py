@@ -13,8 +13,8 @@ import numpy as np
 
 from scenes import InputError
 from scenes.errors import nearest, one_line
-from scenes.motion import Samples
-from scenes.toml_file import read_text
+from scenes.file.toml import read_text
+from scenes.model.motion import Samples
 
 from ..engines.runner import LARGEST
 
@@ -45,8 +45,8 @@ class Table:
         texts = self.texts[self.columns.index(column)]
         for row, text in enumerate(texts):
             if not (NUMBER.fullmatch(text) and abs(_float(text)) <= LARGEST):
-                found = f"'{one_line(text, 30)}'" if text else "nothing"
-                raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {found}")
+                cell = f"'{one_line(text, 30)}'" if text else "nothing"
+                raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}")
         own = [_digits(text) for text in texts]
         form = _form(own) if len(set(texts)) > 1 else self._form
         return np.array([_float(text) for text in texts]), _halves(own, form)
@@ -78,9 +78,9 @@ class Form(NamedTuple):
 
 
 def _digits(text: str) -> Digits:
-    found = NUMBER.fullmatch(text)
-    assert found
-    whole, part, power = found[1] or "", found[2] or "", int(found[3] or 0)
+    number = NUMBER.fullmatch(text)
+    assert number
+    whole, part, power = number[1] or "", number[2] or "", int(number[3] or 0)
     digits = (whole + part).lstrip("0")
     first = len(digits) - len(part) - 1 + power
     return Digits(len(part) - power, len(digits), first if digits else -np.inf)
@@ -124,33 +124,33 @@ def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
     separator = separator or _separator(head)
     try:
         names = [name.strip() for name in next(csv.reader([head], delimiter=separator, strict=True), [])]
-        found = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
+        cells = pd.read_csv(StringIO(text), sep=separator, header=None, dtype=str, keep_default_na=False)
     except (csv.Error, ValueError) as error:  # of which pandas has its own kinds
         why = one_line(str(error)).removeprefix("Error tokenizing data. C error: ")
         raise InputError(f"not a table: {why}") from None
-    if found.shape[1] != len(names):
-        raise InputError(f"expected {len(names)} columns in every row, as the names have, found {found.shape[1]}")
-    if len(found) < 2:
+    if cells.shape[1] != len(names):
+        raise InputError(f"expected {len(names)} columns in every row, as the names have, found {cells.shape[1]}")
+    if len(cells) < 2:
         raise InputError("expected a row of numbers below the names, found none")
-    texts = [[str(text).strip() for text in found[number][1:]] for number in found]
+    texts = [[str(text).strip() for text in cells[number][1:]] for number in cells]
     if (decimal or _decimal(texts, separator)) == ",":
         texts = [[text.replace(",", ".") for text in column] for column in texts]
     return Table(sha256(path.read_bytes()).hexdigest(), tuple(names), texts)
 
 
 def _separator(head: str) -> str:
-    found = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
-    if len(found) == 1:
-        return found[0]
+    separators = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
+    if len(separators) == 1:
+        return separators[0]
     expected = "expected either commas, semicolons or tabs between the column names"
-    if not found:
+    if not separators:
         raise InputError(f"{expected}, found none in the first line, '{one_line(head, 40)}'")
-    names = " and ".join(SEPARATORS[each] for each in found)
+    names = " and ".join(SEPARATORS[each] for each in separators)
     raise InputError(f"{expected}, found {names}; 'separator' in the mapping sets it")
 
 
 def _decimal(texts: Sequence[Sequence[str]], separator: str) -> str:
-    """Return what numbers have before their decimals."""
+    """Return the mark before the decimals of numbers."""
     if separator == ",":
         return "."
     comma, point = (any(mark in text for column in texts for text in column) for mark in ",.")

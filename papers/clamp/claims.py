@@ -25,7 +25,7 @@ SAMPLES, ENGINE_SAMPLES = 720, 120
 
 
 def claims() -> Iterator[Claim]:
-    """Yield every row of this source, by the reference."""
+    """Every row of this source, by the reference."""
     v = over_strokes(lambda scene: solved(scene, SAMPLES))
     for equation in EQUATIONS:
         yield judge(equation, v, scale(v))
@@ -39,7 +39,7 @@ def claims() -> Iterator[Claim]:
 
 
 def by_engines(report: Callable[[str], None]) -> Iterator[Claim]:
-    """Yield a row for each formula by each engine; engines that cannot run are reported through `report`."""
+    """A row for each formula by each engine; engines that cannot run are reported through `report`."""
     for engine in ENGINES:
         try:
             rows = list(_by_engine(engine))
@@ -50,7 +50,7 @@ def by_engines(report: Callable[[str], None]) -> Iterator[Claim]:
 
 
 def _by_engine(engine: str) -> Iterator[Claim]:
-    """Yield a row for each formula on an engine's own motion at its default settings, to the scenes' tolerances of it.
+    """A row for each formula on an engine's own motion at its default settings, to the scenes' tolerances of it.
 
     Raises:
         Failure: the engine cannot run.
@@ -82,7 +82,7 @@ def _by_engine(engine: str) -> Iterator[Claim]:
 
 
 def over_strokes(solve: Callable[[Scene], Motion]) -> Moving:
-    """Return the clamp's variables over the strokes of both designs, one after the other."""
+    """The clamp's variables over the strokes of both designs, one after the other."""
     parts = []
     for name, d in PUBLISHED.items():
         scene = load(SCENES[name])

@@ -31,14 +31,14 @@ class Clearance:
 
     @property
     def sizes(self) -> Mapping[str, float]:
-        """Return the sizes that amount to this, mm."""
+        """The sizes that amount to this, mm."""
         d_B = self.L3 + (self.D - self.B) / 2
         d_D = 2 * self.L3 - d_B
         return {"d_B": d_B, "d_D": d_D, "d_E": 2 * self.L4 - d_D, "H_s": 2 * (self.B + d_B)}
 
 
 def tightest(*designs: Design) -> Clearance:
-    """Return the least clearance of some designs: what meets it does so with any sizes that let them all be."""
+    """The least clearance of some designs: what meets it does so with any sizes that let them all be."""
     return Clearance(
         float(max(d.L1 - d.Hb for d in designs)),
         float(max(d.L5 - d.Hb for d in designs)),
@@ -79,11 +79,11 @@ PRINTED: Mapping[str, Callable[[Design, Clearance], Array]] = {
 
 
 def slacks(d: Design, clearance: Clearance) -> dict[str, Array]:
-    """Return the slack of each constraint, dimensionless, each of the shape of the design's values."""
+    """The slack of each constraint, dimensionless, each of the shape of the design's values."""
     return {name: slack(d, clearance) for name, slack in PRINTED.items()}
 
 
 def _below(sine: Array) -> Array:
-    """Return how far phi is below its limit, rad where it is near; by the sine, which still grows past 90 deg."""
+    """How far phi is below its limit, rad where it is near; by the sine, which still grows past 90 deg."""
     largest = LARGEST_PHI * DEGREE
     return np.asarray((np.sin(largest) - sine) / np.cos(largest))

@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from compare.engines.motion_vectors import MotionVectors
+from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..claims import Equation
 from . import formulas
@@ -35,7 +35,7 @@ class Moving(Pose):
 
 
 def moving(scene: Scene, d: Design, loaded: Motion, free: Motion, force: float) -> Moving:
-    """Return the clamp in a motion, given also as it is with a force, N, against the platen; without the last sample.
+    """The clamp in a motion, given also as it is with a force, N, against the platen; without the last sample.
 
     In the last sample it locks, where M_P is infinite.
     """

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from compare.report.figure import Figure
-from compare.report.style import colour, draw, layout, marker, stacked
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import colour, layout, marker
 
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .printed import TABLE_1

@@ -70,7 +70,7 @@ class Pose:
 
 
 def at(d: Design, alpha: Any) -> Pose:
-    """Return a design at alpha, with beta and phi from its closed loops."""
+    """A design at alpha, with beta and phi from its closed loops."""
     with np.errstate(invalid="ignore"):
         beta = arcsin((d.L1 * sin(d.theta + alpha) - (d.L1 + d.L2) * sin(d.theta)) / d.L2)
         phi = arcsin(sine_phi(d, alpha))
@@ -78,7 +78,7 @@ def at(d: Design, alpha: Any) -> Pose:
 
 
 def opened(d: Design) -> Pose:
-    """Return a design where it starts to close."""
+    """A design where it starts to close."""
     return at(d, d.alpha_max)
 
 
@@ -88,7 +88,7 @@ def sine_phi(d: Design, alpha: Any) -> Array:
 
 
 def assembles(d: Design) -> NDArray[np.bool_]:
-    """Return whether D and E can be joined over the whole stroke; B and C always can, as L1 < L2 within the bounds.
+    """Whether D and E can be joined over the whole stroke; B and C always can, as L1 < L2 within the bounds.
 
     sin(phi) is least where AD is upright, which it is within every stroke, and largest at an end.
     """
@@ -105,7 +105,7 @@ def third_length(d: Design) -> Array:
 
 
 def closed(d: Design) -> Design:
-    """Return a design whose L3 closes the triangle A-B-D."""
+    """A design whose L3 closes the triangle A-B-D."""
     return d._replace(L3=third_length(d))
 
 
@@ -151,22 +151,22 @@ def force_ratio(p: Pose) -> Array:
 
 
 def omega_1(p: Pose, Vo: Any) -> Array:
-    """Return the rate of the rear link, as printed."""
+    """The rate of the rear link, as printed."""
     return np.asarray(Vo * cos(p.phi) / (p.L5 * sin(p.ear + p.phi)))
 
 
 def omega_4(p: Pose, Vo: Any) -> Array:
-    """Return the rate of the crosshead's link, as printed."""
+    """The rate of the crosshead's link, as printed."""
     return np.asarray(Vo * cos(p.ear) / (p.L4 * sin(p.ear + p.phi)))
 
 
 def omega_2(p: Pose, w1: Any) -> Array:
-    """Return the rate of the front link, as printed."""
+    """The rate of the front link, as printed."""
     return np.asarray(p.L1 * w1 * cos(p.bar) / (p.L2 * cos(p.beta)))
 
 
 def epsilon_1(p: Pose, w1: Any, w4: Any) -> Array:
-    """Return the acceleration of the rear link at constant V_o, as printed."""
+    """The acceleration of the rear link at constant V_o, as printed."""
     return np.asarray((p.L5 * w1**2 * cos(p.ear + p.phi) - p.L4 * w4**2) / (p.L5 * sin(p.ear + p.phi)))
 
 

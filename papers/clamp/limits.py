@@ -18,7 +18,7 @@ STARTS = 8  # of local searches, all of which end at one M_P
 
 
 def constraints(name: str, design: Corners) -> Iterator[Claim]:
-    """Yield a row for each constraint on a design."""
+    """A row for each constraint on a design."""
     x = {variable: float(text) for variable, text in printed.TABLE_2[name].items()}
     yield _bounds(name, x)
     yield from _free_space(name, x)
@@ -35,7 +35,7 @@ def _bounds(name: str, x: Mapping[str, float]) -> Claim:
 
 
 def _free_space(name: str, x: Mapping[str, float]) -> Iterator[Claim]:
-    """Yield the constraints that take the sizes of pins and crosshead; the ranges are of what is plausible."""
+    """The constraints that take the sizes of pins and crosshead; the ranges are of what is plausible."""
     (thin, thick), (low, high) = PINS, HEIGHTS
     for link, pin in (("L1", "B"), ("L5", "D")):
         need = x[link] - x["Hb"]
@@ -97,7 +97,7 @@ def _ranges(name: str, design: Corners) -> Iterator[Claim]:
 
 
 def largest_force_ratio() -> Claim:
-    """Return the row of the largest M_P of all designs, which goes with the sizes that are not given."""
+    """The row of the largest M_P of all designs, which goes with the sizes that are not given."""
     both, alone, any_, smaller = (search(Problem("M_P", c), STARTS).value for c in (BOTH, ALONE, LOOSEST, SMALLER))
     return number(
         "optimisation, largest M_P",

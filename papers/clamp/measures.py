@@ -20,25 +20,25 @@ HALF = 75 * DEGREE  # between the maximum of R_V, near alpha = 50 deg, and its m
 
 
 def fastest(d: Design) -> Array:
-    """Return the largest R_V."""
+    """The largest R_V."""
     return np.maximum(*(_largest(formulas.velocity_ratio(half)) for half in _halves(d, FINE)))
 
 
 def peak_valley(d: Design, samples: int = SAMPLES) -> Array:
-    """Return the peak of R_V less its valley."""
+    """The peak of R_V less its valley."""
     first, second = (formulas.velocity_ratio(half) for half in _halves(d, samples))
     return np.asarray(_largest(second) + _largest(-first))
 
 
 def range_of_acceleration(d: Design, samples: int = SAMPLES) -> Array:
-    """Return the range of a_m / v_o^2, 1/mm."""
+    """The range of a_m / v_o^2, 1/mm."""
     first, second = (formulas.acceleration(half) for half in _halves(d, samples))
     a_m = np.concatenate([first, second[1:]])
     return np.asarray(_largest(a_m) + _largest(-a_m))
 
 
 def _halves(d: Design, samples: int) -> tuple[Pose, Pose]:
-    """Return the first and the second half of the closing stroke, samples along the first axis."""
+    """The first and the second half of the closing stroke, samples along the first axis."""
     part = np.linspace(0.0, 1.0, samples)
     first = d.alpha_max + np.multiply.outer(part, HALF - d.alpha_max)
     second = np.multiply.outer(HALF * (1 - part), np.ones_like(d.alpha_max))
@@ -46,7 +46,7 @@ def _halves(d: Design, samples: int) -> tuple[Pose, Pose]:
 
 
 def _largest(values: Array) -> Array:
-    """Return the largest along the first axis, by a parabola through it and its neighbours where it has both.
+    """The largest along the first axis, by a parabola through it and its neighbours where it has both.
 
     Of complex steps: where the largest is does not change its derivative.
     """
@@ -80,5 +80,5 @@ MEASURES: Mapping[str, Measure] = {
 
 
 def measure(name: str, d: Design) -> float:
-    """Return a measure of one design."""
+    """A measure of one design."""
     return float(MEASURES[name].of(d))

@@ -15,7 +15,7 @@ from .printed import TABLE_2
 STEPS, DIFFERENCE = 5, 1e-3  # towards the clamp behind table 1; the latter in half units
 ROUNDS = 20  # of weights: within 2 % of the least
 
-Quantity: TypeAlias = Callable[[Design], Array]
+Measured: TypeAlias = Callable[[Design], Array]
 
 
 @dataclass(frozen=True)
@@ -26,20 +26,20 @@ class Corners:
     count: int  # of all corners, of the eight values that take part in the motion
     locking: int
 
-    def over(self, quantity: Quantity) -> tuple[float, Range]:
-        """Return a quantity at face value, and its range over the rounding."""
-        found = quantity(self.designs)
-        return float(found[0]), (float(found.min()), float(found.max()))
+    def over(self, quantity: Measured) -> tuple[float, Range]:
+        """A quantity at face value, and its range over the rounding."""
+        values = quantity(self.designs)
+        return float(values[0]), (float(values.min()), float(values.max()))
 
 
 def values_and_halves(name: str) -> tuple[Array, Array]:
-    """Return the values of a design of table 2, mm and deg, and half a unit of the last digit of each."""
+    """The values of a design of table 2, mm and deg, and half a unit of the last digit of each."""
     texts = TABLE_2[name].values()
     return np.array([float(text) for text in texts]), np.array([half_unit(text) for text in texts])
 
 
 def corners(name: str) -> Corners:
-    """Return a design of table 2 with the corners of its rounding."""
+    """A design of table 2 with the corners of its rounding."""
     values, halves = values_and_halves(name)
     signs = np.array([np.zeros(len(values)), *product((-1, 1), repeat=len(values))])
     d = Design(*(UNITS * (values + halves * signs)).T)
@@ -49,15 +49,15 @@ def corners(name: str) -> Corners:
 
 
 def sensitivity(name: str) -> Mapping[str, float]:
-    """Return by how much half a unit more of each value of table 2 changes M_P, relative, the strongest first."""
+    """By how much half a unit more of each value of table 2 changes M_P, relative, the strongest first."""
     values, halves = values_and_halves(name)
     ratio, *more = MEASURES["M_P"].of(Design(*(UNITS * np.vstack([values, values + np.diag(halves)])).T))
     changes = {variable: float(of / ratio - 1) for variable, of in zip(Design._fields, more, strict=True)}
     return dict(sorted(changes.items(), key=lambda change: -abs(change[1])))
 
 
-def one_for_all(name: str, wanted: Sequence[tuple[Quantity, str]]) -> dict[str, float] | None:
-    """Return a clamp within the rounding of table 2, L3 included, that has all wanted numbers to their last digits.
+def one_for_all(name: str, wanted: Sequence[tuple[Measured, str]]) -> dict[str, float] | None:
+    """A clamp within the rounding of table 2, L3 included, that has all wanted numbers to their last digits.
 
     Of its values and its numbers the one that is off most, in half units, is off least. None where that search leads
     nowhere, which proves nothing.
@@ -86,7 +86,7 @@ def one_for_all(name: str, wanted: Sequence[tuple[Quantity, str]]) -> dict[str, 
 
 
 def _least_largest(matrix: Array, level: Array, row: Array, at: float) -> Array:
-    """Return an x that nearly has the least of max |matrix x + level|, among those with row x + at = 0.
+    """An x that nearly has the least of max |matrix x + level|, among those with row x + at = 0.
 
     By least squares whose weights grow where much is left (Lawson 1961).
     """

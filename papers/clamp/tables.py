@@ -5,21 +5,21 @@ from math import sqrt
 
 import numpy as np
 
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..claims import OPEN, Claim, comparison, joined, number
 from . import formulas
 from .formulas import DEGREE, PUBLISHED
 from .measures import FINE, MEASURES, peak_valley
 from .printed import MEASURED, TABLE_1, TABLE_2
-from .rounding import Corners, Quantity, one_for_all, sensitivity
+from .rounding import Corners, Measured, one_for_all, sensitivity
 
 NEAR_LOCK = 2.5  # deg, where M_P is printed
 SPEED = 100.0  # mm/s, of the crosshead, which is not given
 SPEEDS = (50.0, 200.0)  # mm/s, that are plausible
 ALPHAS = 1001  # over the stroke
 
-QUANTITIES: Mapping[str, tuple[Quantity, str]] = {
+QUANTITIES: Mapping[str, tuple[Measured, str]] = {
     "M_P": (MEASURES["M_P"].of, f"at α = {NEAR_LOCK}°"),
     "R_S": (MEASURES["R_S"].of, "with the signs of S_o's roots that hold"),
     "L_sum": (MEASURES["L_sum"].of, "mm"),
@@ -40,7 +40,7 @@ UNLIKE: Mapping[str, Callable[[Samples], float]] = {
 
 
 def table_1(known: Mapping[str, Corners]) -> Iterator[Claim]:
-    """Yield a row for each entry of table 1."""
+    """A row for each entry of table 1."""
     for name, design in known.items():
         for what, (quantity, reading) in QUANTITIES.items():
             face, allowed = design.over(quantity)
@@ -59,15 +59,15 @@ def table_1(known: Mapping[str, Corners]) -> Iterator[Claim]:
 
 
 def _together(name: str) -> Claim:
-    """Return the row on whether one clamp within the rounding of table 2 has all that table 1 prints, but for a_m."""
+    """The row on whether one clamp within the rounding of table 2 has all that table 1 prints, but for a_m."""
     wanted = [(quantity, TABLE_1[what][name]) for what, (quantity, _) in QUANTITIES.items()]
-    found = one_for_all(name, wanted)
-    values = ", ".join(f"{variable} {value:.7g}" for variable, value in (found or {}).items())
+    clamp = one_for_all(name, wanted)
+    values = ", ".join(f"{variable} {value:.7g}" for variable, value in (clamp or {}).items())
     return comparison(
         f"table 1 but for a_m with table 2, {name}",
         "all of one clamp",
-        [found is not None],
-        f"one that rounds to table 2 has it all: {values}" if found else "no clamp that rounds to table 2 was found",
+        [clamp is not None],
+        f"one that rounds to table 2 has it all: {values}" if clamp else "no clamp that rounds to table 2 was found",
     )
 
 
@@ -82,7 +82,7 @@ def _about_force_ratio(name: str) -> str:
 
 
 def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
-    """Yield the rows on a_m's peak-valley, which goes with the square of a speed that is not given.
+    """The rows on a_m's peak-valley, which goes with the square of a speed that is not given.
 
     One speed has to give both values, and their ratio does not depend on it: the peak-valley that fits this best is
     taken.
@@ -115,7 +115,7 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
 
 
 def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Mapping[str, Mapping[str, float]]:
-    """Return what each reading gives for each design at face value, mm/s^2."""
+    """What each reading gives for each design at face value, mm/s^2."""
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
     return {
         f"{form}, {text}": {name: of(formulas.acceleration(p, SPEED, printed=printed)) for name, p in strokes.items()}
@@ -125,7 +125,7 @@ def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Mapping[str, M
 
 
 def _changes(spans: Mapping[str, Mapping[str, float]]) -> Mapping[str, float]:
-    """Return by how much, in percent, scheme 4 is above the initial design."""
+    """By how much, in percent, scheme 4 is above the initial design."""
     return {text: 100 * (span["scheme 4"] / span["initial"] - 1) for text, span in spans.items()}
 
 
@@ -134,7 +134,7 @@ def _listed(changes: Mapping[str, float]) -> str:
 
 
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
-    """Return how the mean deceleration changes, which comes nearest of all, in words: R_V v_o^2 / S_o at the start."""
+    """How the mean deceleration changes, which comes nearest of all, in words: R_V v_o^2 / S_o at the start."""
     (face, (low, high)), (changed, (least, most)) = (
         d.over(lambda c: SPEED**2 * MEASURES["R_V start"].of(c) / formulas.crosshead_stroke(formulas.opened(c)))
         for d in known.values()
@@ -145,7 +145,7 @@ def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:
 
 
 def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
-    """Yield the rows of what table 2 prints twice, L3 and the ratio of L1 and L2; and whether its values can lock."""
+    """The rows of what table 2 prints twice, L3 and the ratio of L1 and L2; and whether its values can lock."""
     for name, design in known.items():
         face, allowed = design.over(formulas.third_length)
         yield number(f"table 2 L3, {name}", TABLE_2[name]["L3"], face, allowed=[allowed], note="mm, from L₁, L₅ and γ")
@@ -162,7 +162,7 @@ def table_2(known: Mapping[str, Corners]) -> Iterator[Claim]:
 
 
 def measured(design: Corners) -> Iterator[Claim]:
-    """Yield what the source measured on scheme 4 beside ours."""
+    """What the source measured on scheme 4 beside ours."""
     for what, printed in MEASURED.items():
         face, allowed = design.over(QUANTITIES[what][0])
         from_ours, from_theirs = (

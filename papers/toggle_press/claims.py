@@ -6,7 +6,7 @@ from math import degrees, hypot, tau
 import numpy as np
 
 from compare.engines import registry
-from compare.engines.motion_vectors import MotionVectors
+from compare.mechanics.motion_vectors import MotionVectors
 from scenes import load
 
 from ..claims import OPEN, Claim, comparison, judge, number, span
@@ -23,7 +23,7 @@ P1_X, P1_Y = 404.709, 872.339  # mm, as printed
 
 
 def claims() -> Iterator[Claim]:
-    """Yield every row of this source."""
+    """Every row of this source."""
     variables = over_two_turns()
     for equation in (*POSITIONS, *RATES):
         yield judge(equation, variables, variables.scale)
@@ -38,7 +38,7 @@ def claims() -> Iterator[Claim]:
 
 
 def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """Yield the rows of the lowest pose, in which O, P3, P4 and P5 should be on the y axis, and P1, P2, P3 in line."""
+    """The rows of the lowest pose, in which O, P3, P4 and P5 should be on the y axis, and P1, P2, P3 in line."""
     low = L1 + L3 + L5
     from_o, from_lowest = hypot(P1_X, P1_Y + L1), hypot(P1_X, P1_Y - low + L1)
     yield number(
@@ -72,7 +72,7 @@ def _geometry(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
 
 
 def _off_lines() -> tuple[float, float]:
-    """Return how far P3 or P4 is off the y axis, and P2 off the line P1-P3, where the slider is really lowest, mm."""
+    """How far P3 or P4 is off the y axis, and P2 off the line P1-P3, where the slider is really lowest, mm."""
     scene = load("toggle_press")
     solve = registry.reference(scene)
     lowest, reach = 0.0, tau
@@ -87,13 +87,13 @@ def _off_lines() -> tuple[float, float]:
 
 
 def _conclusions(toggle: Press, crank: Press) -> Iterator[Claim]:
-    """Yield each claim in words, against the crank press, for both directions in which the crank may turn."""
+    """Each claim in words, against the crank press, for both directions in which the crank may turn."""
     reference = crank.before.at(HEIGHT)[1]
     shares = {way: side.at(HEIGHT)[1] / reference for way, side in toggle.closing.items()}
     lower = [share < 1 for share in shares.values()]
-    found = f"{' or '.join(f'{100 * share:.0f} % ({way})' for way, share in shares.items())} of the crank press's"
+    speed = f"{' or '.join(f'{100 * share:.0f} % ({way})' for way, share in shares.items())} of the crank press's"
     yield comparison(
-        "conclusion 1, low speed where the nominal force begins", "lower than the crank press's", lower, found
+        "conclusion 1, low speed where the nominal force begins", "lower than the crank press's", lower, speed
     )
     closing = {way: degrees(side.angle[-1]) for way, side in toggle.closing.items()}
     ways = (f"closes in {angle:.1f}° and returns in {360 - angle:.1f}° ({way})" for way, angle in closing.items())
@@ -114,7 +114,7 @@ def _conclusions(toggle: Press, crank: Press) -> Iterator[Claim]:
         "conclusion 4, torque at nominal force",
         "smaller than the crank press's",
         lower,
-        found,
+        speed,
         "without friction and inertia the torque is the force times the speed over the crank's, hence the same ratio",
     )
     ratio = 1e3 * toggle.stroke / L0

@@ -5,9 +5,9 @@ from math import degrees
 
 import numpy as np
 
-from compare.report.figure import Figure
-from compare.report.style import DASHES, GREY, LEGEND_BESIDE, colour, draw, layout, marker, stacked
-from scenes.motion import Samples
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import DASHES, GREY, LEGEND_BESIDE, colour, layout, marker
+from scenes.model.motion import Samples
 
 from .presses import Press, Side, family, press
 from .table_1 import HEIGHT, MOST, speed
@@ -45,15 +45,15 @@ def _presses() -> Figure:
             draw(figure, name, angles, values, row, line=line)
             above = f"{name}, 6 mm above"
             draw(figure, above, [-degrees(angle)], [there], row, group=name, mode="markers", marker=circle)
-    figure.update_yaxes(title="height [mm]", row=1, col=1)
-    figure.update_yaxes(title="speed [mm/s]", row=2, col=1)
+    figure.update_yaxes(title="height [mm]", panel=1)
+    figure.update_yaxes(title="speed [mm/s]", panel=2)
     figure.update_xaxes(dtick=60)
-    figure.update_xaxes(title="crank angle from the lowest point [deg]", row=2, col=1)
+    figure.update_xaxes(title="crank angle from the lowest point [deg]", panel=2)
     return figure.update_layout(layout(560))
 
 
 def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
-    """Yield the crank's angles, deg, and the slider's heights, mm, and speeds, mm/s."""
+    """The crank's angles, deg, and the slider's heights, mm, and speeds, mm/s."""
     yield np.degrees(np.concatenate([-closing.angle[::-STRIDE], opening.angle[::STRIDE]]))
     yield 1e3 * np.concatenate([closing.height[::-STRIDE], opening.height[::STRIDE]])
     yield speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]])

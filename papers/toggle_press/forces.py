@@ -15,7 +15,7 @@ from numpy import cos, sin
 from numpy.typing import NDArray
 
 from scenes import load
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..claims import EXACT, Claim, Difference, Equation, Verdict, judge, largest
 from ..reference import solved
@@ -23,12 +23,12 @@ from .statics import FORCES, Statics, fitted, lever_moment, signed, statics
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
 
-Form: TypeAlias = Callable[[Statics], Difference]
+StaticsForm: TypeAlias = Callable[[Statics], Difference]
 force, moment = (partial(Equation[Statics], kind) for kind in ("force", "moment"))
 
 
 def claims() -> Iterator[Claim]:
-    """Yield a row for each equation of the kinetostatics."""
+    """A row for each equation of the kinetostatics."""
     scene = load("toggle_press")
     given = statics(scene, solved(scene, SAMPLES))
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
@@ -59,12 +59,12 @@ def _toggle(s: Statics) -> Samples:
 
 
 def _first_pin(s: Statics, pin: str, Ls: float, t: Samples) -> Samples:
-    """Return the moment, about a bar's centre of mass, of what it exerts at its first end."""
+    """The moment, about a bar's centre of mass, of what it exerts at its first end."""
     return np.asarray(-s.F[f"{pin}x"] * Ls * sin(t) - s.F[f"{pin}y"] * Ls * cos(t))
 
 
 def _two_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
-    """Return the moment of what it exerts at both ends."""
+    """The moment of what it exerts at both ends."""
     return _first_pin(s, first, Ls, t) + _first_pin(s, second, L - Ls, t)
 
 
@@ -147,7 +147,7 @@ EQUATIONS = (
 
 
 def _solved(s: Statics) -> Claim:
-    """Return the row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
+    """The row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "Md"))
     corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "Md"))
     torque = largest(s.Md)
@@ -166,12 +166,12 @@ def _solved(s: Statics) -> Claim:
     )
 
 
-def _unknowns(s: Statics, forms: Sequence[Form], names: Sequence[str]) -> dict[str, Samples]:
-    """Return the unknowns that satisfy linear equations best, each of shape (n,)."""
+def _unknowns(s: Statics, forms: Sequence[StaticsForm], names: Sequence[str]) -> dict[str, Samples]:
+    """The unknowns that satisfy linear equations best, each of shape (n,)."""
     still = np.zeros_like(s.Q)
 
     def at(name: str) -> NDArray[np.float64]:
-        """Return the equations with one unknown of 1, or none, shape (n, equations)."""
+        """The equations with one unknown of 1, or none, shape (n, equations)."""
         given = {unknown: still + (unknown == name) for unknown in (*FORCES, "N", "Md")}
         state = replace(s, N=given.pop("N"), Md=given.pop("Md"), F=given)
         return np.stack([form(state) + still for form in forms], axis=-1)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy import arccos, cos, sin, sqrt
 from numpy import arctan as atan
 
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..claims import Equation
 from .variables import Variables
@@ -23,7 +23,7 @@ WITH_MINUS = "with −√"
 
 
 def _apart(theta: Samples, printed: Samples) -> Samples:
-    """Return the difference of two angles, rad, modulo one turn."""
+    """The difference of two angles, rad, modulo one turn."""
     return np.asarray(np.remainder(theta - printed + pi, tau) - pi)
 
 
@@ -33,7 +33,7 @@ def _in_half_angle(theta: Samples, A: Samples, B: Samples, C: Samples) -> Sample
 
 
 def _root(theta: Samples, A: Samples, B: Samples, C: Samples, sign: int) -> Samples:
-    """Return how far an angle is off 2 atan((B ± √(A² + B² − C²)) / (A − C)), rad."""
+    """How far an angle is off 2 atan((B ± √(A² + B² − C²)) / (A − C)), rad."""
     return _apart(theta, 2 * atan((B + sign * sqrt(A**2 + B**2 - C**2)) / (A - C)))
 
 

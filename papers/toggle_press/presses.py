@@ -9,7 +9,7 @@ import numpy as np
 
 from compare.engines import registry
 from scenes import Sampling, load
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from .variables import LENGTHS
 
@@ -25,7 +25,7 @@ PATHS = (
 )  # of the toggle press's lengths in its scene file
 ROUNDING = 0.5  # mm: they are printed without decimals
 PART = 0.01  # by which one length of a member of the family is longer or shorter
-NEAR = 0.01  # of the stroke: so near to its lowest point the slider dwells
+DWELLING = 0.01  # of the stroke: so near to its lowest point the slider dwells
 
 
 @dataclass(frozen=True)
@@ -50,18 +50,18 @@ class Press:
 
     @property
     def stroke(self) -> float:
-        """Return the stroke, m."""
+        """The stroke, m."""
         return float(self.after.height[-1])
 
     @property
     def dwell(self) -> float:
         """Return for what part of a turn the slider is near its lowest point."""
-        near = NEAR * self.stroke
+        near = DWELLING * self.stroke
         return (self.before.at(near)[0] + self.after.at(near)[0]) / tau
 
     @property
     def closing(self) -> Mapping[str, Side]:
-        """Return the side on which the slider closes, by the direction in which the crank turns if they differ."""
+        """The side on which the slider closes, by the direction in which the crank turns if they differ."""
         if abs(self.after.angle[-1] - self.before.angle[-1]) < STEP / 2:
             return {"": self.after}
         return {"clockwise": self.after, "counter-clockwise": self.before}
@@ -88,13 +88,13 @@ def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
 
 
 def rounded() -> list[Press]:
-    """Return the toggle press as printed, and with its lengths at the ends of their rounding, in all combinations."""
+    """The toggle press as printed, and with its lengths at the ends of their rounding, in all combinations."""
     ends = product(*((length - ROUNDING, length + ROUNDING) for length in LENGTHS))
     return [press("toggle_press", dict(zip(PATHS, lengths, strict=True))) for lengths in (LENGTHS, *ends)]
 
 
 def family() -> Iterator[tuple[str, Press]]:
-    """Yield the toggle press with one length after the other changed, and what was changed."""
+    """The toggle press with one length after the other changed, and what was changed."""
     for path, length, digit in zip(PATHS, LENGTHS, "₀₁₂₃₄₅", strict=True):
         for part in (1 - PART, 1 + PART):
             yield f"l{digit} = {part * length:g} mm", press("toggle_press", {path: part * length})

@@ -11,10 +11,11 @@ import numpy as np
 from numpy import cos, sin
 from numpy.typing import NDArray
 
-from compare.engines.motion_vectors import MotionVectors, inertia
+from compare.mechanics.bodies import inertia
+from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene
 from scenes.loads import Force
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from .variables import bars
 
@@ -48,7 +49,7 @@ class Statics:
 
 
 def statics(scene: Scene, motion: Motion) -> Statics:
-    """Return the statics of the toggle press in a motion, with the reference's signs."""
+    """The statics of the toggle press in a motion, with the reference's signs."""
     state = MotionVectors(scene, motion)
     bodies = [scene.bodies[name] for name in ("crank", "rocker", "toggle", "rod", "slider")]
     coms = [state.com(body) for body in bodies]
@@ -75,13 +76,13 @@ def statics(scene: Scene, motion: Motion) -> Statics:
 
 
 def signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
-    """Return the forces and the resistance with other signs, in the order of `FORCES`, Q last."""
+    """The forces and the resistance with other signs, in the order of `FORCES`, Q last."""
     *of_forces, of_q = signs
     return replace(s, F={name: sign * s.F[name] for name, sign in zip(FORCES, of_forces, strict=True)}, Q=of_q * s.Q)
 
 
 def fitted(s: Statics) -> Statics:
-    """Return the statics with the Ls2 and phi of (30.3) that fit it best, as the paper gives neither."""
+    """The statics with the Ls2 and phi of (30.3) that fit it best, as the paper gives neither."""
     columns = np.stack([lever_moment(s, 0.0), lever_moment(s, np.pi / 2)], axis=-1)
     inertial = np.broadcast_to(-s.Ja[2], columns.shape[:-1])[..., None]
     fit = (np.linalg.pinv(columns) @ inertial)[..., 0]
@@ -89,7 +90,7 @@ def fitted(s: Statics) -> Statics:
 
 
 def lever_moment(s: Statics, phi: float) -> Samples:
-    """Return the forces' part of the printed (30.3), for an Ls2 of one."""
+    """The forces' part of the printed (30.3), for an Ls2 of one."""
     F, t2, t3, t4 = s.F, s.t[2], s.t[3], s.t[4]
     at_2 = -F["RP2x"] * sin(t2 + phi) - F["RP2y"] * cos(t2 + phi)
     at_3 = -F["RP3x"] * sin(t3 + phi) - F["RP3y"] * sin(t3 + phi)

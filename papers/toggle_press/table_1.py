@@ -26,27 +26,27 @@ SIGN = "printed negative: the slider goes down"
 
 
 def speed(rate: float, strokes: float = MOST) -> float:
-    """Return the slider's speed, mm/s, by its rate, m/rad, and the strokes a minute."""
+    """The slider's speed, mm/s, by its rate, m/rad, and the strokes a minute."""
     return 1e3 * rate * tau * strokes / 60
 
 
 def column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """Yield a row for each entry of a press; `corners` are that press within the rounding of its lengths."""
+    """A row for each entry of a press; `corners` are that press within the rounding of its lengths."""
     printed = PRINTED[name]
 
     def entry(what: str, value: Callable[[float, float], float], at: str = "", least: float = 1.0) -> Claim:
-        """Return a row of a value by angle and rate; `at` is what it goes with, `least` the smallest possible share."""
+        """A row of a value by angle and rate; `at` is what it goes with, `least` the smallest possible share."""
         text = next(text for kind, text in printed.items() if kind in what)
         face = {way: value(*side.at(HEIGHT)) for way, side in press.closing.items()}
         ranges = [[value(*p.closing[way].at(height)) for p in corners for height in HEIGHTS] for way in face]
-        found = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
+        there = " or ".join(f"{v:.5g} {way}".strip() for way, v in face.items())
         nearest = min(face.values(), key=lambda v: abs(v - float(text)))
         if at:
             level = float(at.partition(" ")[0])
             takes = " or ".join(f"{level * float(text) / v:.3g} {way}".strip() for way, v in face.items())
-            found = f"{found} at {at}; the printed one takes {takes}"
+            there = f"{there} at {at}; the printed one takes {takes}"
         allowed = [span([*values, *(least * v for v in values)]) for values in ranges]
-        note = joined(f"6 mm above the end, 5.5 to 6.5 mm for the range: {found}", SIGN if text.startswith("-") else "")
+        note = joined(f"6 mm above the end, 5.5 to 6.5 mm for the range: {there}", SIGN if text.startswith("-") else "")
         return number(f"table 1 {what}, {name}", text, nearest, allowed=allowed, note=note)
 
     yield entry("pressure angle [deg]", lambda angle, _: degrees(angle))
@@ -77,7 +77,7 @@ def _steady(way: str, side: Side) -> str:
 
 
 def _unit(name: str, printed: str, press: Press) -> Claim:
-    """Return the row of the speed's unit: no speed of the slider can be above its peak over the whole turn."""
+    """The row of the speed's unit: no speed of the slider can be above its peak over the whole turn."""
     peak = speed(max(side.rate.max() for side in press.closing.values())) / 1e3
     size = abs(float(printed))
     return limit(

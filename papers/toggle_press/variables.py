@@ -12,10 +12,10 @@ import numpy as np
 from numpy import cos, sin
 from numpy.typing import ArrayLike
 
-from compare.engines.motion_vectors import MotionVectors, Vectors
+from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
 from scenes.drive import Driven, MotionLaw
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 from ..reference import solved
 
@@ -77,12 +77,12 @@ class Variables:
 
 
 def bars(state: MotionVectors) -> list[Vectors]:
-    """Return the vectors of the six bars, each of shape (n,), m."""
+    """The vectors of the six bars, each of shape (n,), m."""
     return [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
 
 
 def over_two_turns() -> Variables:
-    """Return the variables over a turn at constant speed, and one at a speed that varies: there alpha is not zero."""
+    """The variables over a turn at constant speed, and one at a speed that varies: there alpha is not zero."""
     steady = load("toggle_press")
     uneven = Uneven("crank", (0.0, steady.drive.cycle), (0.0, tau), periodic=True)
     motions = [solved(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]

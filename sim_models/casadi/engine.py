@@ -6,20 +6,25 @@ machine. Poses come from Newton's method on the constraints, or from Runge and K
 accelerations and multipliers in them from linear systems.
 """
 
+from functools import partial
 from importlib import metadata
-from typing import TYPE_CHECKING
 
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
-from . import settings as named
-from .settings import CasadiSettings
+from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
-if TYPE_CHECKING:
-    from .simulation import CasadiSimulation
+_runge_kutta = partial(ladder, "Runge-Kutta", 4)
+FAST = DEFAULT = EXACT = NEWTON
+WORK_PRECISION = (*_runge_kutta(72, 144, 360, 720), DEFAULT)
+LONG_WORK_PRECISION = _runge_kutta(1440, 2880)
+ABLATIONS: tuple[PoseSettings, ...] = ()
+iterations_needed = None  # no step iterates: Newton's method is not one of them
 
-DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
-WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
-at_steps, iterations_needed = named.at_steps, None  # no step iterates: Newton's method is not one of them
+
+def at_steps(steps: int) -> PoseSettings:
+    """Return the settings of an integration with that many steps per cycle, for maps of stability."""
+    return _runge_kutta(steps)[0]
 
 
 def version() -> str:
@@ -27,13 +32,13 @@ def version() -> str:
     return f"casadi {metadata.version('casadi')}"
 
 
-def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSimulation":
-    """Differentiate and compile the equations and find the pose at the start, see `scenes.engine.Engine.build`.
+def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:
+    """Differentiate and compile the equations and find the pose at the start, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, constraints repeat each other, or steps of the time cannot meet positions of the drive;
             `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
     """
-    from . import simulation
+    from .simulation import CasadiSimulation
 
-    return simulation.build(scene, settings, request)
+    return CasadiSimulation(scene, settings, request)

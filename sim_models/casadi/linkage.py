@@ -19,7 +19,7 @@ from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes import Scene
 from scenes.loads import Force, ForceTable, Load, Spring
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import framed_body, linkage_size
@@ -27,7 +27,7 @@ from ..coordinates.bodies import framed_body, linkage_size
 TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a vector by +90 degrees
 
 
-class Linkage:
+class SymbolicLinkage:
     """The symbols of one scene, whose numbers may be symbols too; nothing is compiled before it is asked for."""
 
     def __init__(self, scene: Scene, size: float | None = None) -> None:

@@ -1,53 +1,41 @@
 """One run: poses at the samples, and the channels there by one compiled function."""
 
-from collections.abc import Mapping
 from functools import lru_cache
 
 import casadi
 import numpy as np
 from casadi import MX, SX, Function
 
-from scenes import Failure, Motion, Request, Sampling, Scene, Status
-from scenes.engine import equal_steps
-from scenes.motion import Samples, quantity
+from scenes import Failure, Motion, Request, Scene, Status
+from scenes.model.motion import quantity
 
-from ..coordinates.poses import ClosedPose
+from ..coordinates.settings import PoseSettings
+from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.start import SCENES, Start, begun
+from ..coordinates.system import ClosedPose
 from .channels import channels
 from .linkage import table
-from .settings import CasadiSettings, RungeKutta
 from .system import SOLVER, CasadiSystem, Compiled
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
 
 
-def build(scene: Scene, settings: CasadiSettings, request: Request) -> "CasadiSimulation":
-    """Differentiate and assemble, see `engine.build`."""
-    if isinstance(settings, RungeKutta):
-        equal_steps(request)
-    return CasadiSimulation(scene, settings, request)
-
-
 @lru_cache(SCENES)
 def _begun(scene: Scene) -> tuple[CasadiSystem, Start]:
     system = CasadiSystem(scene)
-    return system, begun(system, system.step)
+    return system, begun(system)
 
 
-class CasadiSimulation:
-    """One prepared run, see `scenes.engine.Simulation`."""
+class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
+    """One prepared run, see `scenes.model.engine.Simulation`."""
 
-    def __init__(self, scene: Scene, settings: CasadiSettings, request: Request) -> None:
-        self._scene, self._settings, self._request = scene, settings, request
-        self._system, (self._follower, self._start, self._ends) = _begun(scene)
-        self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
-        self._times, self._positions = request.times(scene), request.commanded(scene)
-        self._driven = scene.drive.at(self._times)
+    def __init__(self, scene: Scene, settings: PoseSettings, request: Request) -> None:
+        """Differentiate and assemble, see `engine.build`."""
+        super().__init__(_begun, scene, settings.steps, request)
+        self._settings, self._driven = settings, scene.drive.at(self._times)
         self._sampled = self._compiled()
         self._poses: list[ClosedPose] = []
-        self._rows = np.empty((0, 0))
-        self.counters: Mapping[str, int] = {}
-        self.residuals: Mapping[str, float] = {}
+        self._shortest = np.empty(0)  # spring at every sample, over the linkage's size
 
     def solve(self) -> None:
         """Find the poses, and the channels in them.
@@ -55,44 +43,34 @@ class CasadiSimulation:
         Raises:
             Failure: the linkage locks, or two branches meet; a step led to another branch or nowhere; `timed_out`.
         """
-        follower = self._follower
-        follower.begin(self._request.turns if isinstance(self._request, Sampling) else 1)
-        if isinstance(self._settings, RungeKutta):
-            self._poses = self._integrated(self._settings.steps)
-        else:
-            self._poses = [*follower.through(self._start, self._scene.drive.start, self._positions.tolist())]
-        self._rows = self._at(np.transpose([pose.x for pose in self._poses]))
-        self.counters = follower.counters
+        self._follower.begin(self._turns)
+        self._poses = self._integrated() if self._steps else [*self._through()]
+        x = np.transpose([pose.x for pose in self._poses])
+        try:
+            *rows, self._shortest = table(self._sampled, x, self._driven.rate[None], self._driven.acceleration[None])
+        except RuntimeError:
+            raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
+        self._channels = dict(zip(self._wanted, rows, strict=True))
+        self.counters = self._follower.counters
 
     def read(self) -> Motion:
-        """Return the channels.
+        """Hand over the channels.
 
         Raises:
             Failure: `nonfinite`, a spring has no direction, with the motion; `not_converged`, rounding alone may
                 break the promise.
         """
-        rows = (np.ascontiguousarray(row) for row in self._rows)
-        motion = Motion({"time": self._times} | dict(zip(self._wanted, rows, strict=False)))
-        shortest = self._rows[-1]
-        if self._request.wants_forces(self._scene) and not shortest.min() > SHORTEST_SPRING:
-            where = self._scene.where(self._positions[shortest.argmin()])
+        motion = super().read()
+        if self._forces and not self._shortest.min() > SHORTEST_SPRING:
+            where = self._scene.where(self._positions[self._shortest.argmin()])
             raise Failure(Status.nonfinite, f"the ends of a spring meet at {where}: it has no direction", motion)
         self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
         return motion
 
-    def _at(self, x: Samples) -> Samples:
-        """Return the channels in poses, and the shortest spring, shape (channels + 1, n)."""
-        try:
-            return table(self._sampled, x, self._driven.rate[None], self._driven.acceleration[None])
-        except RuntimeError:
-            raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
-
-    def _integrated(self, steps: int) -> list[ClosedPose]:
-        """Return the poses at the samples, by Runge and Kutta's method."""
-        sampling, follower, unit = equal_steps(self._request), self._follower, self._system.drive_unit
-        each = -(-steps // sampling.samples)  # from a sample to the next
-        count = each * sampling.samples * sampling.turns
-        positions = self._scene.drive.after(np.arange(count + 1) / (each * sampling.samples))
+    def _integrated(self) -> list[ClosedPose]:
+        """Return the poses at the samples, by Runge and Kutta's method of dx/ds = C_x^-1 e; nothing is corrected."""
+        follower, unit, count = self._follower, self._system.drive_unit, self._steps
+        positions = self._scene.drive.after(np.arange(count + 1) / (self._each * self._samples))
         step, poses, pose = self._step(), [self._start], self._start
         for number, (position, width) in enumerate(zip(positions[:-1], np.diff(positions) / unit, strict=True), 1):
             follower.budget.check(f"{number} of {count} steps are done")
@@ -104,7 +82,7 @@ class CasadiSimulation:
             if pose.branch != self._start.branch:  # a sign of NaN is another one too
                 where = self._scene.where(positions[number])
                 raise Failure(Status.wrong_branch, f"a step led to another way to assemble the bodies at {where}")
-            if number % each == 0:
+            if number % self._each == 0:
                 poses.append(pose)
         follower.counters["steps"] = count
         return poses
@@ -119,16 +97,15 @@ class CasadiSimulation:
         return Compiled(Function("step", [x, h], [x + h / 6 * (k[0] + 2 * k[1] + 2 * k[2] + k[3])]))
 
     def _compiled(self) -> Function:
-        """Return the function that gives the channels from x and the drive's rate and acceleration."""
+        """Return the channels and the shortest spring as a function of x and the drive's rate and acceleration."""
         linkage, count = self._system.linkage, len(self._start.x)
         x, rate, acceleration = MX.sym("x", count), MX.sym("rate"), MX.sym("acceleration")
         J, unit = linkage.jacobian(x), np.eye(count)[:, -1] / linkage.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)
-        forces = self._request.wants_forces(self._scene)
-        if forces or any(quantity(channel) in ("ax", "ay", "alpha") for channel in self._wanted):
+        if self._forces or any(quantity(channel) in ("ax", "ay", "alpha") for channel in self._wanted):
             a = casadi.solve(J, unit * acceleration - linkage.bend(x, v), SOLVER)
-        if forces:
+        if self._forces:
             multipliers = casadi.solve(J.T, linkage.needed(x, v, a, self._ends), SOLVER)
         held, known = SX.sym("l", count), [linkage.x, linkage.v, linkage.a]
         all_channels = channels(linkage, held)

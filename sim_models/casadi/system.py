@@ -1,6 +1,5 @@
 """The constraints of a linkage as arrays, by CasADi's functions, see `coordinates.system.System`."""
 
-from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -9,12 +8,10 @@ import numpy as np
 from casadi import MX, Function
 
 from scenes import Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
-from ..coordinates.bodies import FramedBody
-from ..coordinates.poses import CONVERGED, FITTING, ClosedPose, Reached
-from ..coordinates.system import Frame, System
-from .linkage import Linkage
+from ..coordinates.system import CONVERGED, FITTING, ClosedPose, Reached, System
+from .linkage import SymbolicLinkage
 
 SOLVER = "qr"  # CasADi's own, by Householder reflections; it raises RuntimeError where a pivot is zero
 CORRECTIONS = 3  # from a prediction good to a tenth of a step, Newton's method leaves 1e-8 after two
@@ -38,7 +35,7 @@ class Compiled:
             buffer.set_res(number, memory(vector))
 
     def __call__(self, *vectors: Samples | float) -> list[Samples]:
-        """Return the outputs, matrices column by column.
+        """Evaluate the outputs, matrices column by column.
 
         Raises:
             RuntimeError: a linear system is singular.
@@ -51,8 +48,8 @@ class Compiled:
         return [vector.copy() for vector in self._outputs]
 
 
-class CasadiSystem:
-    """Coordinates: of each body the place of its frame's origin, over the linkage's size, and its angle."""
+class CasadiSystem(System):
+    """The constraints of one linkage."""
 
     def __init__(self, scene: Scene) -> None:
         """Differentiate the constraints.
@@ -60,19 +57,15 @@ class CasadiSystem:
         Raises:
             Failure: see `coordinates.bodies`.
         """
-        self.linkage = linkage = Linkage(scene)
+        super().__init__(scene)
+        self.linkage = linkage = SymbolicLinkage(scene)
         self._gaps, self._jacobian, self._bend = map(Compiled, (linkage.gaps, linkage.jacobian, linkage.bend))
-        self.scene, self.size, self.drive_unit, self.rows = scene, linkage.size, linkage.drive_unit, linkage.rows
-        self.bodies: Mapping[str, FramedBody] = linkage.bodies
-        guides = {f"the guide of {name}": rows[:1] for name, rows in linkage.rows_of_slides.items()}
-        pins = {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
-        self.joints: Mapping[str, Sequence[int]] = guides | pins
 
     @cached_property
-    def _compiled(self) -> "Compiled":
+    def _compiled(self) -> Compiled:
         """The pose and Jacobian where a step ends, its first correction, the last, and the way predicted."""
         gaps, jacobian, bend = self.linkage.gaps, self.linkage.jacobian, self.linkage.bend
-        x, g = MX.sym("x", self.rows), MX.sym("g", self.rows)
+        x, g = MX.sym("x", len(self.units)), MX.sym("g", len(self.row_units))
         J = jacobian(x)
         rate = casadi.solve(J, g - gaps(x), SOLVER)
         way = rate - casadi.solve(J, bend(x, rate), SOLVER) / 2
@@ -84,32 +77,23 @@ class CasadiSystem:
         quality = casadi.vertcat(corrections[0], corrections[-1], casadi.norm_inf(way))
         return Compiled(Function("step", [x, g], [reached, jacobian(reached), quality]))
 
-    def step(self, _: System, pose: ClosedPose, goal: Samples) -> Reached:
-        """Return what a step comes to, see `coordinates.poses.newton_step`, by one compiled function."""
+    def step(self, pose: ClosedPose, goal: Samples) -> Reached:
+        """Go from a pose to C(x) = goal by one compiled function."""
         try:
             x, J, (first, last, way) = self._compiled(pose.x, goal)
         except RuntimeError:
             return Reached(None, 0)
         good = first <= FITTING * way + CONVERGED and last <= CONVERGED
-        return Reached(ClosedPose(x, J.reshape(self.rows, -1, order="F")) if good else None, CORRECTIONS)
+        return Reached(ClosedPose(x, J.reshape(-1, len(self.units), order="F")) if good else None, CORRECTIONS)
 
     def gaps(self, x: Samples) -> Samples:
-        """Return C(x), shape (m,)."""
+        """C(x), shape (m,)."""
         return self._gaps(x)[0]
 
     def jacobian(self, x: Samples) -> Samples:
-        """Return C_x, shape (m, n)."""
-        return self._jacobian(x)[0].reshape(self.rows, -1, order="F")
+        """C_x, shape (m, n)."""
+        return self._jacobian(x)[0].reshape(-1, len(self.units), order="F")
 
     def bend(self, x: Samples, v: Samples) -> Samples:
-        """Return (C_x v)_x v, shape (m,)."""
+        """(C_x v)_x v, shape (m,)."""
         return self._bend(x, v)[0]
-
-    def displacement(self, x: Samples, slider: str) -> float:
-        """Return how far a body that slides on the ground is along its guide, m."""
-        return float(Function("displacement", [self.linkage.x], [self.linkage.displacement(slider)])(x))
-
-    def placed(self, frames: Mapping[str, Frame]) -> Samples:
-        """Return the coordinates of bodies in these places, shape (n,)."""
-        places = ((frames[name].origin / self.size, frames[name].angle) for name in self.scene.bodies)
-        return np.array([part for origin, angle in places for part in (origin.real, origin.imag, angle)])

@@ -1,4 +1,4 @@
-"""The geometry and inertia of one body; its numbers may be symbols, so no formula branches on them."""
+"""The geometry and inertia of one body, by formulas that take symbols for numbers, so none branches; and its motion."""
 
 from collections.abc import Mapping
 from itertools import combinations
@@ -8,16 +8,52 @@ from typing import Any, NamedTuple, TypeAlias
 from scenes import Failure, Scene, Status
 from scenes.scene import Body
 
-Place: TypeAlias = tuple[Any, Any]  # x and y, m
+Coordinates: TypeAlias = tuple[Any, Any]  # x and y, m
+End: TypeAlias = tuple[str, str]  # a body and its point
 
 
 class FramedBody(NamedTuple):
     """A body in its own frame."""
 
-    points: Mapping[str, Place]
-    com: Place
+    points: Mapping[str, Coordinates]
+    com: Coordinates
     mass: Any  # kg
     inertia: Any  # kg m^2, about the centre of mass
+
+
+class MovingBody(NamedTuple):
+    """The frame of a body, in the plane of complex numbers, at one time or at n, and its derivatives by the time."""
+
+    origin: Any = 0j  # m
+    angle: Any = 0.0  # rad
+    turn: Any = 1 + 0j  # exp(i angle)
+    velocity: Any = 0j
+    omega: Any = 0.0
+    acceleration: Any = 0j
+    alpha: Any = 0.0
+
+    def place(self, arm: Any) -> Any:
+        """Return where the body has a place of its frame, m."""
+        return self.origin + self.turn * arm
+
+    def moves(self, arm: complex) -> Any:
+        """Return the velocity of that, m/s."""
+        return self.velocity + 1j * self.omega * (self.turn * arm)
+
+    def accelerates(self, arm: complex) -> Any:
+        """Return the acceleration of that, m/s^2."""
+        return self.acceleration + (1j * self.alpha - self.omega**2) * (self.turn * arm)
+
+    def at(self, arm: Any) -> tuple[Any, Any, Any]:
+        """Return place, velocity and acceleration."""
+        way = self.turn * arm
+        turning = 1j * self.alpha - self.omega**2
+        return self.origin + way, self.velocity + 1j * self.omega * way, self.acceleration + turning * way
+
+    @property
+    def turning(self) -> tuple[Any, Any, Any]:
+        """The angle and its derivatives."""
+        return self.angle, self.omega, self.alpha
 
 
 def framed_body(scene: Scene, body: Body) -> FramedBody:
@@ -49,16 +85,15 @@ def linkage_size(scene: Scene, bodies: Mapping[str, FramedBody]) -> float:
     return max(most - least, *(dist(p, q) for points in frames for p, q in combinations(points, 2)), 0.0)
 
 
-def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Place]) -> Place:
-    """Return C of a triangle ABC by its sides: its height over AB is by Heron's formula, in factors."""
+def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]) -> Coordinates:
+    """C of a triangle ABC by its sides: its height over AB is by Heron's formula, in factors."""
     assert body.lengths is not None
     base = body.bases(apex)
     (x, y), (u, v) = (points[name] for name in base)
     b, a = (body.lengths[frozenset((name, apex))] for name in base)
     c = ((u - x) ** 2 + (v - y) ** 2) ** 0.5
     squared = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c)  # 16 times that of the area
-    drawn = {name: complex(*at) for name, at in (*scene.ground.items(), *scene.sketch.points.items())}
-    A, B, C = (drawn[name] for name in (*base, apex))
+    A, B, C = (drawn_points(scene)[name] for name in (*base, apex))
     side = ((B - A).conjugate() * (C - A)).imag
     if side == 0 or (isinstance(squared, float) and not squared > 0):
         why = "do not meet" if side else "are on no side of it: the sketch shows them on one line"
@@ -67,3 +102,8 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Place]) -> P
         )
     along, across = (b**2 + c**2 - a**2) / (2 * c**2), squared**0.5 / (2 * c**2) * (1 if side > 0 else -1)
     return x + along * (u - x) - across * (v - y), y + along * (v - y) + across * (u - x)
+
+
+def drawn_points(scene: Scene) -> dict[str, complex]:
+    """Where the scene has the points of the ground and of the sketch, m."""
+    return {name: complex(*at) for name, at in (*scene.ground.items(), *scene.sketch.points.items())}

@@ -1,27 +1,21 @@
-"""Poses of a linkage: steps along the way of the drive, predicted by two derivatives and corrected by Newton's method.
+"""Poses of a linkage along the way of the drive.
 
-A step goes from a pose to the one where C(x) = g, along the straight line between C and g. The Jacobian of a prediction
-serves all its corrections, which therefore shrink by a constant factor: where that is not small, the step was too long
-and is halved. The sign of det C_x changes only where two branches meet, so a step that changes it is too long as well.
+A step that was too long is halved. The sign of det C_x changes only where two branches meet, so a step that changes it
+is too long as well.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import NamedTuple, TypeAlias
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from scenes import Failure, ProcessorBudget, Status
-from scenes.motion import Samples
-from scenes.open_joint import open_joint
+from scenes.model.motion import Samples
+from scenes.model.open_joint import open_joint
 
-from .system import System
+from .system import ClosedPose, System, solved
 
-CONTRACTION = 0.25  # largest ratio of a correction to the one before
-FITTING = 0.1  # of a step: the largest first correction
-ITERATIONS = 20
-CONVERGED = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
-ROUND_OFF = 1e-15
+SINGULAR = 1e-10  # of the largest singular value: what repeats another constraint leaves, where gaps are nearly closed
 HALVINGS = 20  # of one step; rounding of the scene's numbers can make or undo a lock within 1e-7 of a turn
 PARTS = 200  # of one step; two branches that run side by side may need any number
 LARGEST = np.radians(10.0)  # step of the drive, and as a part of its travel
@@ -29,18 +23,6 @@ TRIALS = 9  # positions ahead, to find one where a joint stays open
 OPEN = 1e-9  # gap of bodies that do not fit together, over the size
 SECONDS = 120.0  # of processor time, for the build and for each cycle
 ROUNDING = float(np.finfo(float).eps) / 2
-
-
-class ClosedPose(NamedTuple):
-    """Coordinates where C(x) = g, shape (n,), and the Jacobian there, shape (n, n)."""
-
-    x: Samples
-    J: Samples
-
-    @property
-    def branch(self) -> float:
-        """The sign of det J, which changes only where two branches meet."""
-        return float(np.linalg.slogdet(self.J)[0])
 
 
 class Stuck(Exception):  # noqa: N818 - a way that ends is no error
@@ -51,21 +33,11 @@ class Stuck(Exception):  # noqa: N818 - a way that ends is no error
         self.pose = pose
 
 
-class Reached(NamedTuple):
-    """What a step came to."""
-
-    pose: ClosedPose | None  # None where it is too long
-    iterations: int  # of Newton's method
-
-
-Step: TypeAlias = Callable[[System, ClosedPose, Samples], Reached]  # to the pose where C(x) is the last of these
-
-
 class PathFollower:
     """The poses of one linkage."""
 
-    def __init__(self, system: System, step: Step | None = None) -> None:
-        self.system, self.scene, self._step = system, system.scene, step or newton_step
+    def __init__(self, system: System) -> None:
+        self.system, self.scene = system, system.scene
         self.counters = {"steps": 0, "newton_iterations": 0}
         self.begin(1)
 
@@ -96,8 +68,8 @@ class PathFollower:
             yield pose
 
     def goal(self, position: float) -> Samples:
-        """Return what C(x) is at a position of the drive, shape (m,)."""
-        goal = np.zeros(self.system.rows)
+        """Return C(x) at a position of the drive, shape (m,)."""
+        goal = np.zeros(len(self.system.row_units))
         goal[-1] = position / self.system.drive_unit
         return goal
 
@@ -114,8 +86,8 @@ class PathFollower:
             Failure: `not_converged`, the pose is singular.
         """
         try:
-            rate = _solved(pose.J, self.goal(1.0))
-            return rate, -_solved(pose.J, self.system.bend(pose.x, rate))
+            rate = solved(pose.J, self.goal(1.0))
+            return rate, -solved(pose.J, self.system.bend(pose.x, rate))
         except np.linalg.LinAlgError:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
 
@@ -155,7 +127,7 @@ class PathFollower:
         ahead = [goal]
         for _ in range(PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
-            reached = self._step(self.system, pose, ahead[-1])
+            reached = self.system.step(pose, ahead[-1])
             self.counters["steps"] += 1
             self.counters["newton_iterations"] += reached.iterations
             if reached.pose is not None and reached.pose.branch == pose.branch:
@@ -189,7 +161,7 @@ class PathFollower:
 
     def repeated(self, pose: ClosedPose, position: float) -> int:
         """Return how many constraints repeat others where the bodies fit together, zero where they do not."""
-        count = len(pose.x) - int(np.linalg.matrix_rank(pose.J))
+        count = len(pose.x) - int(np.linalg.matrix_rank(pose.J, tol=SINGULAR * np.linalg.norm(pose.J, 2)))
         return count if count and self.assembles(pose, position) else 0
 
     def misfit(self, pose: ClosedPose, position: float) -> str:
@@ -201,29 +173,3 @@ class PathFollower:
         joint, gap = open_joint(*open_at, pose.x, np.ones(len(pose.x)), self.system.joints, 1.0)
         apart, where = self.scene.length(gap * size), self.scene.where(position)
         return f"; with all else closed {joint} stays open by {apart} at {where}" if gap else ""
-
-
-def newton_step(system: System, pose: ClosedPose, goal: Samples) -> Reached:
-    """Return what a step from a pose to C(x) = goal comes to."""
-    iterations = 0
-    try:
-        rate = _solved(pose.J, goal - system.gaps(pose.x))
-        way = rate - _solved(pose.J, system.bend(pose.x, rate)) / 2
-        x = pose.x + way
-        J, largest = system.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
-        for iterations in range(1, ITERATIONS + 1):
-            correction = _solved(J, goal - system.gaps(x))
-            length = np.abs(correction).max()
-            if not (length <= largest or length <= CONVERGED):
-                return Reached(None, iterations)
-            x = x + correction
-            if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
-                break
-            largest = CONTRACTION * length
-        return Reached(ClosedPose(x, system.jacobian(x)) if length <= CONVERGED else None, iterations)
-    except np.linalg.LinAlgError:
-        return Reached(None, iterations)
-
-
-def _solved(A: Samples, b: Samples) -> Samples:
-    return np.asarray(np.linalg.solve(A, b), np.float64)

@@ -1,20 +1,23 @@
 """The pose at the drive's start: every body laid on the sketch, the gaps closed, the drive moved to its start."""
 
+from itertools import pairwise
 from math import remainder, tau
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from scenes import Failure, Scene, Status
-from scenes.motion import Samples
-from scenes.scene import GROUND
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, PressForce
 
-from .poses import ClosedPose, PathFollower, Step, Stuck
-from .stroke import stroke_ends
-from .system import Frame, System
+from .bodies import MovingBody, drawn_points
+from .poses import PathFollower, Stuck
+from .system import ClosedPose, System
 
 CLOSING = 12  # steps in which the sketch's gaps are closed
 ALL_ROUND = tau - 1e-6  # rad: the way of a crank that turns fully, and may go to its start by the shorter side
+ACCURACY = 1e-9  # of the drive's position, rad or of its travel; a stroke's displacement stands still at its end
 SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
 
 
@@ -26,32 +29,19 @@ class Start(NamedTuple):
     ends: Samples  # of the press forces' strokes, m, by load
 
 
-def begun(system: System, step: Step | None = None) -> Start:
-    """Return the start of a linkage, whose poses are found by Newton's method or a step of its own.
+def begun(system: System) -> Start:
+    """Return the start of a linkage.
 
     Raises:
         Failure: `unsupported`, constraints repeat each other; `cannot_assemble` or `not_converged`, no pose on the
             sketch's branch; `timed_out`.
     """
-    poses = PathFollower(system, step)
-    pose = start(poses)
-    return Start(poses, pose, stroke_ends(poses, pose))
-
-
-def start(poses: PathFollower) -> ClosedPose:
-    """Return the pose at the drive's start.
-
-    Raises:
-        Failure: as of `begun`.
-    """
-    scene, system = poses.scene, poses.system
-    drawn = _drawn(scene)
-    x = system.placed(on_sketch(system, drawn))
-    if len(x) != system.rows:
-        reason = f"{len(x)} coordinates and {system.rows} constraints: the reactions are not determined"
+    poses, drawn = PathFollower(system), _drawn(system.scene)
+    x, rows = system.placed(on_sketch(system, drawn)), len(system.row_units)
+    if len(x) != rows:
+        reason = f"{len(x)} coordinates and {rows} constraints: the reactions are not determined"
         raise Failure(Status.unsupported, reason)
-    pose = poses.pose(x)
-    gaps = system.gaps(pose.x)
+    pose, gaps = poses.pose(x), system.gaps(x)
     try:
         for share in np.linspace(0, 1, CLOSING + 1)[1:]:
             pose = poses.follow(pose, gaps + share * (poses.goal(drawn) - gaps))
@@ -59,13 +49,14 @@ def start(poses: PathFollower) -> ClosedPose:
         raise _apart(poses, stuck.pose, drawn) from None
     if poses.repeated(pose, drawn):
         raise _apart(poses, pose, drawn)
-    return next(poses.through(pose, drawn, [scene.drive.start]))
+    pose = next(poses.through(pose, drawn, [system.scene.drive.start]))
+    return Start(poses, pose, stroke_ends(poses, pose))
 
 
-def on_sketch(system: System, position: float) -> dict[str, Frame]:
+def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
     """Return every body where it fits the sketch best by least squares, with the drive at a position, rad or m."""
-    scene, frames = system.scene, {GROUND: Frame(0j, 0.0)}
-    drawn = {name: complex(*at) for name, at in (*scene.ground.items(), *scene.sketch.points.items())}
+    scene, frames = system.scene, {GROUND: MovingBody()}
+    drawn = drawn_points(scene)
     own, seen = dict[str, Samples](), dict[str, Samples]()
     for name, body in system.bodies.items():
         shown = [point for point in body.points if point in drawn]
@@ -80,7 +71,7 @@ def on_sketch(system: System, position: float) -> dict[str, Frame]:
             angle = float(np.angle(sum(fits)))
         # A body without a sketched point has guides alone, which are met from anywhere.
         origin = complex((seen[name] - np.exp(1j * angle) * own[name]).mean()) if len(own[name]) else 0j
-        frames[name] = Frame(origin, angle)
+        frames[name] = MovingBody(origin, angle, np.exp(1j * angle))
     return frames
 
 
@@ -100,3 +91,39 @@ def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
         return Failure(Status.unsupported, reason)
     reason = f"the bodies do not fit together where the sketch shows them, {where}{poses.misfit(pose, position)}"
     return Failure(Status.cannot_assemble, reason)
+
+
+# --- strokes ---------------------------------------------------------------------------------------------------------
+
+
+def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:
+    """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
+    loads = poses.scene.loads
+    presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
+    ends = {stroke: _end(poses, start, load) for stroke, load in presses.items()}
+    return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
+
+
+def _end(poses: PathFollower, start: ClosedPose, load: PressForce) -> float:
+    """Return the furthest displacement in the closing direction: at the best of many positions, or between two."""
+    begin, step = poses.scene.drive.start, poses.largest_step / 4
+
+    def closed(pose: ClosedPose) -> float:
+        return load.closing * float(poses.system.slid(poses.system.moved(pose.x), load.body)[0].real)
+
+    known = {begin: (closed(start), start)}
+    for end in poses.scene.drive.extent:
+        positions = np.linspace(begin, end, int(np.ceil(abs(end - begin) / step)) + 1)[1:].tolist()
+        for position, pose in zip(positions, poses.through(start, begin, positions), strict=True):
+            known[position] = closed(pose), pose
+    best = max(known, key=lambda position: known[position][0])
+    furthest, pose = known[best]
+    near = [pair for pair in pairwise(sorted(known)) if best in pair]
+    low, high = near[0][0], near[-1][1]
+    refined = minimize_scalar(
+        lambda position: -closed(next(poses.through(pose, best, [position]))),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": ACCURACY * (high - low)},
+    )
+    return load.closing * max(furthest, -float(refined.fun))

@@ -1,45 +1,252 @@
-"""What an engine says of a linkage's coordinates and constraints, so that its poses can be found."""
+"""A linkage as an engine sees it: coordinates and constraints, by which its poses are found.
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple, Protocol
+A step goes from a pose to the one where C(x) = g, along the straight line between C and g, predicted by two derivatives
+and corrected by Newton's method. The Jacobian of a prediction serves all its corrections, which therefore shrink by a
+constant factor: where that is not small, the step was too long.
+"""
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from scenes import Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples, kinematic_channels
+from scenes.scene import GROUND
 
-from .bodies import FramedBody
+from .bodies import End, MovingBody, framed_body, linkage_size
+from .loads import applied
+
+CONTRACTION = 0.25  # largest ratio of a correction to the one before
+FITTING = 0.1  # of a step: the largest first correction
+ITERATIONS = 20
+CONVERGED = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
+ROUND_OFF = 1e-15
 
 
-class Frame(NamedTuple):
-    """Where a body's own frame is in that of the ground."""
+class GuideLine(NamedTuple):
+    """A slide, in the frames of its two bodies."""
 
-    origin: complex  # m
-    angle: float  # rad
+    carrier: str
+    through: complex  # m, in the carrier's frame
+    along: complex
+    first: complex  # the slider's first point, m, in its own frame
 
 
-class System(Protocol):
+class ClosedPose(NamedTuple):
+    """Coordinates where C(x) = g, shape (n,), and the Jacobian there, shape (n, n)."""
+
+    x: Samples
+    J: Samples
+
+    @property
+    def branch(self) -> float:
+        """The sign of det J, which changes only where two branches meet."""
+        return float(np.linalg.slogdet(self.J)[0])
+
+
+class Reached(NamedTuple):
+    """What a step came to."""
+
+    pose: ClosedPose | None  # None where it is too long
+    iterations: int  # of Newton's method
+
+
+class System:
     """The constraints C(x) = e s of n coordinates; s is the drive's position, e the last unit vector.
 
-    Coordinates are over the linkage's size or 1 rad, and so are the rows of C, the last of which is the drive's.
+    The coordinates are the place of every body's origin and its angle; or of a slider, where slides are coordinates and
+    no constraints, how far it is along its guide. They are over the linkage's size or 1 rad, and so are the rows of C:
+    x and y of each pin, second - first; of each slide the offset of its first point along the guide's normal, and its
+    angle from the guide; the position of the drive. Where bodies move, a row has two derivatives by the time: with one
+    coordinate at a rate of 1, the first is its column of the Jacobian; without accelerations of coordinates, the second
+    is the bend.
     """
 
-    scene: Scene
-    bodies: Mapping[str, FramedBody]
-    size: float  # of the linkage, m
-    drive_unit: float  # of the drive's position: the size of a driven slider, 1 rad of a crank
-    rows: int  # of C: m, as many as coordinates where reactions are determined
-    joints: Mapping[str, Sequence[int]]  # by name the rows that are gaps of a joint, for messages
+    def __init__(self, scene: Scene, *, slides: bool = False) -> None:
+        """Set up bodies and units; `slides` are coordinates.
+
+        Raises:
+            Failure: see `bodies`.
+        """
+        self.scene = scene
+        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
+        self.size = linkage_size(scene, self.bodies)
+        self.drive_unit = 1.0 if scene.driven_slide is None else self.size  # of the drive's position
+        known = {GROUND: scene.ground} | {name: body.points for name, body in self.bodies.items()}
+        ends = ((body, point, at) for body, points in known.items() for point, at in points.items())
+        self.arms = {(body, point): complex(*at) for body, point, at in ends}  # in frames that move with the bodies, m
+        self.guides = dict[str, GuideLine]()
+        for name, body in scene.bodies.items():
+            if (slide := body.slide) is not None:
+                through, along = complex(*slide.through), complex(*slide.along)
+                self.guides[name] = GuideLine(slide.on, through, along, self.arms[name, body.points[0]])
+        self.pins, self.sliders = list(scene.pins), [] if slides else [*self.guides]  # those that are constraints
+        self.coordinates = [coordinate for name in self.bodies for coordinate in self.coordinates_of(name)]
+        self.units = np.array([1.0 if name.endswith(".turn") else self.size for name in self.coordinates])
+
+    def coordinates_of(self, body: str) -> list[str]:
+        """Return the names of a body's coordinates; that which may be driven is the last."""
+        slides = body in self.guides and body not in self.sliders
+        return [f"{body}.s"] if slides else [f"{body}.x", f"{body}.y", f"{body}.turn"]
+
+    # --- coordinates and bodies ---------------------------------------------------------------------------------------
+
+    def placed(self, bodies: Mapping[str, MovingBody]) -> Samples:
+        """Return the coordinates of bodies in these places, shape (n,); joints that hold them apart stay open."""
+        q = list[float]()
+        for name in self.bodies:
+            at = bodies[name]
+            slides = len(self.coordinates_of(name)) == 1
+            q += [self.slid(bodies, name)[0].real] if slides else [at.origin.real, at.origin.imag, at.angle]
+        return np.asarray(np.array(q) / self.units)
+
+    def moved(self, x: Samples, v: Samples | None = None, a: Samples | None = None) -> dict[str, MovingBody]:
+        """Return how bodies move, by coordinates of shape (n,) and their derivatives, or each of shape (k, n)."""
+        levels = [np.zeros(len(self.units)) if of is None else of * self.units for of in (x, v, a)]
+        columns = [dict(zip(self.coordinates, of.T, strict=True)) for of in levels]
+        bodies = {GROUND: MovingBody()}
+        for name in self.carriers_first():
+            own = ([of[coordinate] for coordinate in self.coordinates_of(name)] for of in columns)
+            if len(self.coordinates_of(name)) > 1:
+                (x, y, angle), (dx, dy, omega), (ddx, ddy, alpha) = own
+                turn = np.exp(1j * angle)
+                bodies[name] = MovingBody(x + 1j * y, angle, turn, dx + 1j * dy, omega, ddx + 1j * ddy, alpha)
+                continue
+            carrier, through, along, first = self.guides[name]
+            on, ((x,), (dx,), (ddx,)) = bodies[carrier], own
+            place, velocity, acceleration = on.at(through + along * x - first)
+            guide = on.turn * along
+            bodies[name] = on._replace(
+                origin=place,
+                velocity=velocity + guide * dx,
+                acceleration=acceleration + guide * (ddx + 2j * on.omega * dx),
+            )
+        return bodies
+
+    def carriers_first(self) -> list[str]:
+        """Return the bodies, each behind that on which it slides."""
+
+        def depth(name: str) -> int:
+            return 1 + depth(self.guides[name].carrier) if name in self.guides else 0
+
+        return sorted(self.bodies, key=depth)
+
+    # --- constraints --------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def row_units(self) -> Samples:
+        """What the rows of C are over, m or rad, shape (m,)."""
+        return np.array([self.size] * 2 * len(self.pins) + [self.size, 1.0] * len(self.sliders) + [self.drive_unit])
+
+    @cached_property
+    def joints(self) -> dict[str, list[int]]:
+        """By name the rows that are gaps of a joint, for messages."""
+        first = 2 * len(self.pins)
+        guides = {f"the guide of {name}": [first + 2 * row] for row, name in enumerate(self.sliders)}
+        return guides | {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(self.pins)}
 
     def gaps(self, x: Samples) -> Samples:
         """Return C(x), shape (m,), at coordinates of shape (n,)."""
+        return self.rows_of(self.moved(x), 0)
 
     def jacobian(self, x: Samples) -> Samples:
         """Return C_x, shape (m, n)."""
+        return self.rows_of(self.moved(x, np.eye(len(x))), 1)
 
     def bend(self, x: Samples, v: Samples) -> Samples:
         """Return (C_x v)_x v, shape (m,): second derivatives along a straight line in x."""
+        return self.rows_of(self.moved(x, v), 2)
 
-    def displacement(self, x: Samples, slider: str) -> float:
-        """Return how far a body that slides on the ground is along its guide, m."""
+    def rows_of(self, bodies: Mapping[str, MovingBody], level: int) -> Samples:
+        """Return the rows' values, shape (m,), or their first or second derivatives, of bodies as they move."""
+        rows, of = list[float | Samples](), (MovingBody.place, MovingBody.moves, MovingBody.accelerates)[level]
+        for pin in self.pins:
+            first, second = (of(bodies[body], self.arms[body, pin.point]) for body in (pin.first, pin.second))
+            rows += [(second - first).real, (second - first).imag]
+        for name in self.sliders:
+            turn, on = (bodies[body].turning[level] for body in (name, self.guides[name].carrier))
+            rows += [self.slid(bodies, name)[level].imag, turn - on]
+        rows.append(self.driven(bodies, level))
+        return np.asarray((np.array(rows).T / self.row_units).T)
 
-    def placed(self, frames: Mapping[str, Frame]) -> Samples:
-        """Return the coordinates of bodies in these places, shape (n,); joints that hold them apart stay open."""
+    def driven(self, bodies: Mapping[str, MovingBody], level: int = 0) -> Any:
+        """Return the position of the drive, or its first or second derivative by the time."""
+        body = self.scene.drive.body
+        return bodies[body].turning[level] if self.scene.driven_slide is None else self.slid(bodies, body)[level].real
+
+    # --- steps --------------------------------------------------------------------------------------------------------
+
+    def step(self, pose: ClosedPose, goal: Samples) -> Reached:
+        """Go from a pose to C(x) = goal."""
+        iterations = 0
+        try:
+            rate = solved(pose.J, goal - self.gaps(pose.x))
+            way = rate - solved(pose.J, self.bend(pose.x, rate)) / 2
+            x = pose.x + way
+            J, largest = self.jacobian(x), FITTING * np.abs(way).max() + CONVERGED
+            for iterations in range(1, ITERATIONS + 1):
+                correction = solved(J, goal - self.gaps(x))
+                length = np.abs(correction).max()
+                if not (length <= largest or length <= CONVERGED):
+                    return Reached(None, iterations)
+                x = x + correction
+                if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
+                    break
+                largest = CONTRACTION * length
+            return Reached(ClosedPose(x, self.jacobian(x)) if length <= CONVERGED else None, iterations)
+        except np.linalg.LinAlgError:
+            return Reached(None, iterations)
+
+    # --- what bodies do -----------------------------------------------------------------------------------------------
+
+    def slid(self, bodies: Mapping[str, MovingBody], slider: str) -> tuple[Any, Any, Any]:
+        """Return a slider's first point less `through`, over `along`, and its derivatives, in the guide's frame.
+
+        The real part is the displacement, m, the imaginary one the offset; the derivatives are by the rule of Coriolis.
+        """
+        carrier, through, along, first = self.guides[slider]
+        on = bodies[carrier]
+        p, v, a = (point - guide for point, guide in zip(bodies[slider].at(first), on.at(through), strict=True))
+        seen, axis = v - 1j * on.omega * p, (on.turn * along).conjugate()
+        return axis * p, axis * seen, axis * (a - (1j * on.alpha - on.omega**2) * p - 2j * on.omega * seen)
+
+    def kinematics(self, bodies: Mapping[str, MovingBody]) -> dict[str, Any]:
+        """Return the channels that describe the motion of bodies, but the time."""
+        values = [self.driven(bodies)]
+        for point in self.scene.moving_points:
+            body = self.scene.owners[point][0]
+            values += [
+                part for vector in bodies[body].at(self.arms[body, point]) for part in (vector.real, vector.imag)
+            ]
+        for name in self.scene.turning:
+            values += bodies[name].turning
+        return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))
+
+    def applied(
+        self, bodies: Mapping[str, MovingBody], ends: Samples, shortest: float = 0.0
+    ) -> Iterator[tuple[str, Any, Any]]:
+        """Yield body, place, m, and force, N, of loads and springs, see `loads`."""
+
+        def place(end: End) -> Any:
+            return bodies[end[0]].place(self.arms[end])
+
+        def slid(slider: str) -> tuple[Any, Any]:
+            displacement, velocity, _ = self.slid(bodies, slider)
+            return displacement.real, velocity.real
+
+        def way(first: End, second: End) -> Any:
+            return place(second) - place(first)
+
+        for end, force in applied(self.scene, ends, slid, way, shortest):
+            yield end[0], place(end), force
+
+
+def solved(A: Samples, b: Samples) -> Samples:
+    """A^-1 b, shape (n,).
+
+    Raises:
+        LinAlgError: A is singular.
+    """
+    return np.asarray(np.linalg.solve(A, b), np.float64)

@@ -26,7 +26,7 @@ class ExudynBody:
 
 
 def rigid_body(scene: Scene, body: Body) -> ExudynBody:
-    """Return a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it.
+    """Take a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it.
 
     Raises:
         Failure: the lengths of one of its points do not meet.
@@ -41,12 +41,12 @@ def rigid_body(scene: Scene, body: Body) -> ExudynBody:
 
 
 def in_unit(body: ExudynBody, force: float) -> ExudynBody:
-    """Return a body by another unit of force, N, and with it of mass and inertia; all else is in SI."""
+    """Measure a body by another unit of force, N, and with it of mass and inertia; all else is in SI."""
     return replace(body, mass=body.mass / force, inertia=body.inertia / force)
 
 
 def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
-    """Return the linkage's size, m: its longest distance from a centre of mass to a point, or between ground points.
+    """Measure a linkage, m: its longest distance from a centre of mass to a point, or between ground points.
 
     It is at least a driven slider's travel, since all bodies may be points.
     """
@@ -57,7 +57,7 @@ def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:
 
 
 def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> float:
-    """Return about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
+    """Choose about as large a force as any in the linkage, N; a power of two, by which one divides exactly.
 
     Exudyn ends Newton's method by a norm of forces and of gaps in joints, m, together, and factorises a matrix of
     masses over h^2 and of directions: neither may hide the other, whatever sizes, speeds and masses are. In a kinematic
@@ -75,7 +75,7 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
 
 
 def sketched(scene: Scene) -> dict[str, complex]:
-    """Return the sketched points and those of the ground: name -> m."""
+    """The sketched points and those of the ground: name -> m."""
     return {name: complex(*point) for name, point in (*scene.ground.items(), *scene.sketch.points.items())}
 
 
@@ -99,7 +99,7 @@ def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
 
 
 def _uniform(mass: float, points: list[complex]) -> tuple[complex, float]:
-    """Return centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36).
+    """Find centre and inertia of a point mass, a bar (m l^2 / 12) or a triangle (m (a^2 + b^2 + c^2) / 36).
 
     More points are of a kinematic scene, where any inertia will do.
     """

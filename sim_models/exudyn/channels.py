@@ -16,8 +16,10 @@ from .system import Array, ExudynSystem
 
 
 def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
-    """Return where a moving point is, shape (n,), m."""
+    """Where a point is, shape (n,), m."""
     body = system.scene.owners[point][0]
+    if body == GROUND:
+        return np.full(len(q), complex(*system.scene.ground[point]))
     com, angle = _body(system, body, q)
     at: NDArray[np.complex128] = com + system.bodies[body].points[point] * np.exp(1j * angle)
     return at
@@ -26,10 +28,10 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
 def kinematics(
     system: ExudynSystem, wanted: AbstractSet[str], q: Array, v: Array, a: Array | None = None
 ) -> dict[str, Array]:
-    """Return the channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
+    """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
     com, angle = _body(system, scene.drive.body, q)
-    found = {scene.drive_channel: angle if scene.driven_slide is None else system.displaced(scene.drive.body, com)}
+    every = {scene.drive_channel: angle if scene.driven_slide is None else system.displaced(scene.drive.body, com)}
     for point in scene.moving_points:
         if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
             continue
@@ -41,32 +43,31 @@ def kinematics(
             ddc, alpha = _body(system, body, a)
             vectors["a"] = ddc + (1j * alpha - omega**2) * arm
         for level, vector in vectors.items():
-            found |= {f"{point}.{level}x": vector.real, f"{point}.{level}y": vector.imag}
+            every |= {f"{point}.{level}x": vector.real, f"{point}.{level}y": vector.imag}
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
-        found |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
-    return _wanted(found, wanted)
+        every |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
+    return _wanted(every, wanted)
 
 
-def _wanted(found: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
-    """Return the channels wanted, none of them a part of a larger array, which would stay in memory."""
-    return {name: np.ascontiguousarray(samples) for name, samples in found.items() if name in wanted}
+def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
+    """The channels wanted, none of them a part of a larger array, which would stay in memory."""
+    return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
 
 
 def _body(system: ExudynSystem, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
-    """Return a body's centre of mass and angle, or their rates from those of the coordinates, each of shape (n,)."""
+    """A body's centre of mass and angle, or their rates from those of the coordinates, each of shape (n,)."""
     first = 3 * list(system.bodies).index(name)
     return q[:, first] + 1j * q[:, first + 1], q[:, first + 2]
 
 
 def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:
-    """Return the force channels, from multipliers of shape (n, constraints)."""
-    multipliers = multipliers * system.force_unit
-    scene = system.scene
-    found: dict[str, Array] = {}
+    """The force channels, from multipliers of shape (n, constraints)."""
+    multipliers, scene = multipliers * system.force_unit, system.scene
+    every: dict[str, Array] = {}
     for pin, joint in system.pins.items():
         fx, fy = -multipliers[:, system.columns(joint)].T
-        found |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
+        every |= {f"{pin}.fx": fx, f"{pin}.fy": fy}
     effort = -system.drive_factor * multipliers[:, system.columns(system.drive)[0]]
     for name, constraint in system.slides.items():
         force, moment = -multipliers[:, system.columns(constraint)].T
@@ -77,6 +78,6 @@ def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -
             moment = moment - (system.lever(name).conjugate() * system.along(name) * total).imag
         else:
             force = -force  # the joint's first marker is the slider's, and at its first point
-        found |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
-    found |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
-    return _wanted(found, wanted)
+        every |= {f"{name}.guide_force": force, f"{name}.guide_moment": moment}
+    every |= {("drive.torque" if scene.driven_slide is None else "drive.force"): effort}
+    return _wanted(every, wanted)

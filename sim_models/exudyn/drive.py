@@ -23,16 +23,16 @@ class HeldDrive:
         self.held = held
 
     def position(self, _clock: float) -> float:
-        """Return the position, rad or m."""
+        """Where it is held, rad or m."""
         return self.held
 
     def rate(self, _clock: float) -> float:
-        """Return one."""
+        """One."""
         return 1.0
 
 
 class Piece(NamedTuple):
-    """A drive from one instant to the next piece's: one cubic, which is defined before and after these too."""
+    """A drive from one instant to the next piece's: one cubic of the time, s, which is defined before and after too."""
 
     begin: float  # s
     start: float  # rad or m, at that instant; and its derivatives by the time
@@ -41,22 +41,22 @@ class Piece(NamedTuple):
     jerk: float
 
     def position(self, time: float) -> float:
-        """Return the position, rad or m, at an instant, s."""
+        """The position, rad or m."""
         t = time - self.begin
         return self.start + t * (self.speed + t * (self.acceleration / 2 + t * self.jerk / 6))
 
     def rate(self, time: float) -> float:
-        """Return its first derivative."""
+        """Its first derivative."""
         t = time - self.begin
         return self.speed + t * (self.acceleration + t * self.jerk / 2)
 
     def second(self, time: float) -> float:
-        """Return its second derivative."""
+        """Its second derivative."""
         return self.acceleration + (time - self.begin) * self.jerk
 
 
 def pieces(drive: Drive, end: float) -> list[Piece]:
-    """Return the pieces of a drive from zero to an instant, s: of a law, between the knots where its jerk jumps."""
+    """Cut a drive, from zero to an instant, s, into pieces: a law at the knots where its jerk jumps."""
     if isinstance(drive, ConstantSpeed):
         return [Piece(0.0, drive.start, drive.speed, 0.0, 0.0)]
     cycles = ceil(end / drive.cycle - 1e-9) or 1

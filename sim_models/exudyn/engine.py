@@ -6,15 +6,15 @@ constraints at every sample, and solves for velocities, accelerations and reacti
 there.
 """
 
+from typing import TYPE_CHECKING
+
 from scenes import Request, Scene
 
-from . import pointwise, stepping
 from . import settings as named
-from .pointwise import PointwiseSimulation
 from .settings import ExudynSettings, Pointwise
-from .simulation import failure
-from .stepping import TimeSteppedSimulation
-from .system import engine
+
+if TYPE_CHECKING:
+    from .runs.simulation import ExudynSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
@@ -22,21 +22,29 @@ at_steps, iterations_needed = named.at_steps, None  # a step is solved by Newton
 
 
 def version() -> str:
-    """Return the version of Exudyn."""
-    return f"exudyn {engine().__version__}"
+    """The version of Exudyn."""
+    import exudyn  # late, here and below: importing takes longer than most runs
+
+    return f"exudyn {exudyn.__version__}"
 
 
-def build(scene: Scene, settings: ExudynSettings, request: Request) -> PointwiseSimulation | TimeSteppedSimulation:
-    """Assemble the linkage on the sketch's branch and prepare its solution, see `scenes.engine.Engine.build`.
+def build(scene: Scene, settings: ExudynSettings, request: Request) -> "ExudynSimulation":
+    """Assemble the linkage on the sketch's branch and prepare its solution, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, the scene or the request cannot be modelled; `cannot_assemble`, `wrong_branch` or
             `not_converged`, no pose on the sketch's branch, there or on the way to the start or through the cycle;
             `crashed`, an error of Exudyn's own.
     """
+    import exudyn
+
+    from .runs.pointwise import PointwiseSimulation
+    from .runs.simulation import failure
+    from .runs.stepping import TimeSteppedSimulation
+
     try:
         if isinstance(settings, Pointwise):
-            return pointwise.build(scene, request)
-        return stepping.build(scene, settings, request)
-    except engine().ExudynError as error:
+            return PointwiseSimulation(scene, request)
+        return TimeSteppedSimulation(scene, settings, request)
+    except exudyn.ExudynError as error:
         raise failure(error, "building the system") from None

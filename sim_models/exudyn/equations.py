@@ -3,20 +3,22 @@
 Its solver computes every term of a step's residual and Jacobian.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import wraps
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from .drive import HeldDrive
-from .system import Array, ExudynSystem, engine
+from scenes.model.open_joint import open_joint
 
-Term: TypeAlias = Callable[..., Array]
+from .drive import HeldDrive
+from .system import Array, ExudynSystem, exudyn
+
+EquationTerm: TypeAlias = Callable[..., Array]
 BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
 
 
-def _of_many(term: Term) -> Term:
+def _of_many(term: EquationTerm) -> EquationTerm:
     """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
 
     @wraps(term)
@@ -38,8 +40,8 @@ class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
     def __init__(self, system: ExudynSystem, drive: HeldDrive) -> None:
-        self._mbs, self._state, self._drive = system.mbs, system.state, drive
-        self._solver: Any = engine().MainSolverImplicitSecondOrder()
+        self._system, self._mbs, self._state, self._drive = system, system.mbs, system.state, drive
+        self._solver: Any = exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)
         self._n = 3 * len(system.bodies)  # coordinates, and as many constraints
         self._zeros = np.zeros((2 * self._n, 2 * self._n))
@@ -84,6 +86,22 @@ class Equations:
         self._solver.ComputeODE2RHS(self._mbs)
         forces: Array = self._solver.GetSystemResidual()[: self._n]
         return forces
+
+    def misfit(self, q: Array, positions: Iterable[float]) -> str:
+        """Name the joint that stays open when all others close, near q at the first position where one does."""
+        system, scene = self._system, self._system.scene
+        joints = {f"the guide of {name}": system.columns(slide)[:1] for name, slide in system.slides.items()}
+        joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
+        units = np.tile([system.size, system.size, 1.0], len(system.bodies))
+        for position in positions:
+
+            def gaps(at: Array, position: float = position) -> Array:
+                return self.residual(at, position)
+
+            joint, gap = open_joint(gaps, self.jacobian, q, units, joints, system.size)
+            if gap:
+                return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
+        return ""
 
     def _constraint_rows(self) -> Array:
         rows: Array = self._solver.GetSystemResidual()[self._n :]

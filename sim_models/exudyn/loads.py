@@ -9,25 +9,23 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.scene import Force, ForceTable, Load, PressForce
+from scenes.scene import Force, ForceTable, Load, PressForce, Spring
 
-from .stroke import Switches
-from .system import ExudynSystem, engine
+from .stroke import PressSwitches
+from .system import ExudynSystem, exudyn, items
 
 ForceFunction: TypeAlias = Callable[[Any, float, Any], list[float]]  # of the system, its clock, and a force not used
 
 SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
 
-def add_loads(system: ExudynSystem, switches: Switches) -> None:
+def add_loads(system: ExudynSystem, switches: PressSwitches) -> None:
     """Add all forces on the bodies to an assembled system, and assemble it again."""
-    scene, items = system.scene, engine().itemInterface
+    scene = system.scene
     for load in scene.loads:
         system.mbs.AddLoad(items.Force(markerNumber=system.at(load.body, load.at), **_vector(system, load, switches)))
     for spring in scene.springs:
-        ends = [system.at(*spring.first), system.at(*spring.second)]
-        stiffness = spring.stiffness / system.force_unit
-        system.mbs.AddObject(items.SpringDamper(markerNumbers=ends, stiffness=stiffness, referenceLength=spring.length))
+        _add_spring(system, spring)
     if scene.gravity is not None:
         for name, body in system.bodies.items():
             weight = [body.mass * g for g in scene.gravity]
@@ -35,8 +33,14 @@ def add_loads(system: ExudynSystem, switches: Switches) -> None:
     system.mbs.Assemble()
 
 
-def _vector(system: ExudynSystem, load: Load, switches: Switches) -> dict[str, Any]:
-    """Return the argument for the force of a load, constant or a function."""
+def _add_spring(system: ExudynSystem, spring: Spring) -> None:
+    ends = [system.at(*spring.first), system.at(*spring.second)]
+    stiffness = spring.stiffness / system.force_unit
+    system.mbs.AddObject(items.SpringDamper(markerNumbers=ends, stiffness=stiffness, referenceLength=spring.length))
+
+
+def _vector(system: ExudynSystem, load: Load, switches: PressSwitches) -> dict[str, Any]:
+    """The argument for the force of a load, constant or a function."""
     if isinstance(load, Force):
         return {"loadVector": [*(f / system.force_unit for f in load.force), 0]}
     if isinstance(load, ForceTable):
@@ -47,7 +51,7 @@ def _vector(system: ExudynSystem, load: Load, switches: Switches) -> dict[str, A
 def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:
     along, zero, node = system.along(table.body), system.displaced(table.body, 0j), system.nodes[table.body]
     factors, unit = system.displacement_factors(table.body), system.force_unit
-    coordinates = engine().OutputVariableType.Coordinates
+    coordinates = exudyn.OutputVariableType.Coordinates
 
     def force(mbs: Any, _clock: float, _unused: Any) -> list[float]:
         f = 1 / unit * float(table.along(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
@@ -57,7 +61,7 @@ def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:
 
 
 def _switched(system: ExudynSystem, load: PressForce, switches: Sequence[float]) -> ForceFunction:
-    """Return the force that is off until the first of the instants of a cycle, on until the second, and so on."""
+    """The force that is off until the first of the instants of a cycle, on until the second, and so on."""
     drive, cycle, repeats = system.driven_by, system.scene.drive.cycle, system.scene.drive.repeats
     on, off = [*(f / system.force_unit for f in load.force), 0.0], [0.0, 0.0, 0.0]
 

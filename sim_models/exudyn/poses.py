@@ -17,7 +17,6 @@ from scenes import Failure, ProcessorBudget, Scene, Status
 
 from .drive import HeldDrive
 from .equations import Equations
-from .misfit import misfit
 from .system import Array, ExudynSystem
 
 KNOTS = 18  # poses per cycle that are followed one by one; those between are then found from them all at once
@@ -43,16 +42,16 @@ class Configuration(NamedTuple):
     branch: Array  # sign of det C_q, which changes only where two branches meet, shape ()
 
     def rows(self, chosen: NDArray[np.intp] | slice | int) -> "Configuration":
-        """Return some of many states."""
+        """Some of many states."""
         return Configuration(*(field[chosen] for field in self))
 
     def velocities(self, rate: ArrayLike) -> Array:
-        """Return the velocities for a rate of the drive, shape (3 bodies,)."""
+        """The velocities for a rate of the drive, shape (3 bodies,)."""
         velocities: Array = self.tangent * np.asarray(rate)[..., np.newaxis]
         return velocities
 
     def accelerations(self, rate: ArrayLike, acceleration: ArrayLike) -> Array:
-        """Return the accelerations for a rate and an acceleration of the drive, shape (3 bodies,)."""
+        """The accelerations for a rate and an acceleration of the drive, shape (3 bodies,)."""
         rate, acceleration = np.asarray(rate)[..., np.newaxis], np.asarray(acceleration)[..., np.newaxis]
         accelerations: Array = self.curvature * rate**2 + self.tangent * acceleration
         return accelerations
@@ -71,7 +70,7 @@ class PoseSolver:
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
     def through(self, state: Configuration, positions: Array, *, curved: bool = True) -> Configuration:
-        """Return the states at many positions, passed one after the other from the state given.
+        """The states at many positions, passed one after the other from the state given.
 
         Without curvatures, those of most states are not a number, and have cost nothing.
 
@@ -89,8 +88,8 @@ class PoseSolver:
         last = np.searchsorted(knots, between)  # of the states that are known before each
         before, after = known.rows(last), known.rows(last + 1)
         guess = _interpolated(before, after, positions[between])
-        reached, found = self._at(guess, positions[between], before, curved=curved)
-        for row in np.flatnonzero(~found):
+        reached, closes = self._at(guess, positions[between], before, curved=curved)
+        for row in np.flatnonzero(~closes):
             alone = self.follow(followed[last[row]], float(positions[between[row]]))
             for field, value in zip(reached, alone, strict=True):
                 field[row] = value
@@ -98,7 +97,7 @@ class PoseSolver:
         return Configuration(*(np.concatenate([k[1:], r])[order] for k, r in zip(known, reached, strict=True)))
 
     def _knots(self, positions: Array) -> NDArray[np.intp]:
-        """Return which positions after the first to follow one by one: every so far along the way, and the last.
+        """Which positions after the first to follow one by one: every so far along the way, and the last.
 
         Where the drive rests or turns back is one too, so that the others lie between two of them.
         """
@@ -111,7 +110,7 @@ class PoseSolver:
     def follow(
         self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
     ) -> Configuration:
-        """Return the state at another position: predicted and corrected, in smaller steps if the correction is large.
+        """The state at another position: predicted and corrected, in smaller steps if the correction is large.
 
         Raises:
             Failure: no pose continues the motion on this branch, or the budget is spent.
@@ -119,8 +118,10 @@ class PoseSolver:
         if position == state.position:
             return state
         self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")
-        reached, found = self._reached(state, np.asarray(position))
-        if found:
+        travel = position - state.position
+        guess = state.q + travel * (state.tangent + travel / 2 * state.curvature)
+        reached, closes = self._at(guess, np.asarray(position), state)
+        if closes:
             return reached
         goal = position if goal is None else goal
         if bisections == 0:
@@ -129,18 +130,18 @@ class PoseSolver:
         return self.follow(middle, position, bisections - 1, goal)
 
     def _stuck(self, state: Configuration, goal: float) -> Failure:
-        """Return why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
+        """Why no pose follows: none exists somewhere on the way to the goal, or two are too close together."""
         past = self.system.scene.where(float(state.position))
         way = np.linspace(float(state.position), goal, TRIALS)[1:].tolist()
         if any(self.nearest(state.q, position) is None for position in way):
-            open_by = misfit(self.system, self.equations, state.q, way)
+            open_by = self.equations.misfit(state.q, way)
             reason = f"the bodies cannot follow the drive past {past}: the linkage locks there{open_by}"
             return Failure(Status.cannot_assemble, reason)
         reason = f"the assembly branch past {past} cannot be decided: two branches meet there"
         return Failure(Status.not_converged, reason)
 
     def nearest(self, q: Array, position: float) -> Array | None:
-        """Return a pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
+        """A pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
         for _ in range(PATIENT_ITERATIONS):
             residual = self.equations.residual(q, position)
             step = cast("Array", np.linalg.lstsq(self.equations.jacobian(q), -residual, rcond=None)[0])
@@ -152,7 +153,7 @@ class PoseSolver:
         return None
 
     def state(self, q: Array, position: Array, *, curved: bool = True) -> Configuration:
-        """Return the state in a pose that meets the constraints."""
+        """The state in a pose that meets the constraints."""
         jacobian = self.equations.jacobian(q)
         inverse = _inverse(jacobian)
         tangent = -inverse @ self.equations.drive_rate
@@ -160,29 +161,20 @@ class PoseSolver:
         return Configuration(position, q, tangent, curvature, inverse, self.branch(jacobian))
 
     def multipliers(self, state: Configuration, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
-        """Return the Lagrange multipliers of a motion that has this state at an instant, s."""
+        """The Lagrange multipliers of a motion that has this state at an instant, s."""
         forces = self.equations.forces(state.q, time)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 
-    def speed(self, state: Configuration) -> Array:
-        """Return the largest velocity at a drive rate of one, over the linkage's size, or angular velocity."""
-        return self.length(state.tangent)
-
     def branch(self, jacobian: Array) -> Array:
-        """Return the sign of det C_q."""
+        """The sign of det C_q."""
         sign: Array = np.linalg.slogdet(jacobian)[0]
         return sign
 
     def length(self, step: Array) -> Array:
-        """Return the largest change of a coordinate, over the linkage's size, or in rad."""
+        """The largest change of a coordinate, over the linkage's size, or in rad."""
         length: Array = np.abs(step / self.scale).max(axis=-1)
         return length
-
-    def _reached(self, start: Configuration, position: Array) -> tuple[Configuration, NDArray[np.bool_]]:
-        """Return the state at another position, predicted by derivatives; and whether it was found."""
-        travel = (position - start.position)[..., np.newaxis]
-        return self._at(start.q + travel * (start.tangent + travel / 2 * start.curvature), position, start)
 
     def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
         """Return q'', with the change of C_q q' along q' by a symmetric difference."""
@@ -194,26 +186,26 @@ class PoseSolver:
     def _at(
         self, guess: Array, position: Array, start: Configuration, *, curved: bool = True
     ) -> tuple[Configuration, NDArray[np.bool_]]:
-        """Return the state near a guess, which was predicted from `start`; and whether it was found."""
+        """Find the state near a guess, which was predicted from `start`; and whether there is one, on that branch."""
         try:
-            q, found = self._corrected(guess, position, LARGEST_CORRECTION * self.length(guess - start.q) + CONVERGED)
-            reached = self.state(np.where(found[..., np.newaxis], q, start.q), position, curved=curved)
+            q, closes = self._corrected(guess, position, LARGEST_CORRECTION * self.length(guess - start.q) + CONVERGED)
+            reached = self.state(np.where(closes[..., np.newaxis], q, start.q), position, curved=curved)
         except np.linalg.LinAlgError:  # two branches meet at one of them
             return start, np.zeros(position.shape, dtype=bool)
-        return reached, found & (reached.branch == start.branch)
+        return reached, closes & (reached.branch == start.branch)
 
     def _corrected(self, guess: Array, position: Array, reach: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return what Newton's method finds with the Jacobian of the guess, and whether it is within reach of that."""
+        """Find a pose by Newton's method with the Jacobian of the guess; and whether it is within reach of that."""
         inverse = _inverse(self.equations.jacobian(guess))
-        q, found, length = guess, np.zeros(position.shape, dtype=bool), reach
+        q, closes, length = guess, np.zeros(position.shape, dtype=bool), reach
         for _ in range(ITERATIONS):
             step = _times(inverse, self.equations.residual(q, position))
             self.newton_iterations += position.size
             q, before, length = q - step, length, self.length(step)
-            found = found | (length < CONVERGED) & ((length**2 < ROUND_OFF * before) | (length >= before))
-            if (found | (length > reach)).all():
+            closes = closes | (length < CONVERGED) & ((length**2 < ROUND_OFF * before) | (length >= before))
+            if (closes | (length > reach)).all():
                 break
-        return q, found & (self.length(q - guess) <= reach)
+        return q, closes & (self.length(q - guess) <= reach)
 
 
 def _inverse(matrix: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeAlias
 from scenes import Settings
 
 
-class Newton(Enum):
+class JacobianUse(Enum):
     """How often a step's Newton iterations factorise the Jacobian anew."""
 
     FULL = "in every iteration"
@@ -16,7 +16,7 @@ class Newton(Enum):
     MODIFIED = "when they converge badly, else one serves many steps"
 
 
-class Extra(Enum):
+class ExudynExtra(Enum):
     """Features that no scene needs, to measure what they cost."""
 
     NOTHING = "what the scene needs"
@@ -40,10 +40,12 @@ class TimeStepping(Settings):
     richardson: Annotated[bool, "also twice the steps, and extrapolation, which cancels the error's h²"] = True
     spectral_radius: Annotated[float, "of generalised-alpha: the start transient is damped by it in a step"] = 0.5
     pre_roll: Annotated[int, "steps before the first sample"] = 24
-    newton: Annotated[Newton, "when Newton's iterations factorise the Jacobian"] = Newton.ONE_A_STEP  # the fastest
+    newton: Annotated[JacobianUse, "when Newton's iterations factorise the Jacobian"] = (
+        JacobianUse.ONE_A_STEP
+    )  # the fastest
     tolerance: Annotated[float, "of Newton's method"] = 1e-10  # Exudyn's 1e-8 shows in the reactions
     reduced: Annotated[bool, "one coordinate for every body that only turns or slides on the ground"] = False
-    extra: Annotated[Extra, "what is modelled"] = Extra.NOTHING
+    extra: Annotated[ExudynExtra, "what is modelled"] = ExudynExtra.NOTHING
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class TextbookTimeStepping(TimeStepping):
     richardson: bool = False
     spectral_radius: float = 0.9
     pre_roll: int = 0
-    extra: Extra = Extra.SENSORS
+    extra: ExudynExtra = ExudynExtra.SENSORS
 
 
 ExudynSettings: TypeAlias = TimeStepping | Pointwise
@@ -61,20 +63,20 @@ Options: TypeAlias = Mapping[str, Any]
 
 
 def _single(name: str, *steps: int, **options: Any) -> tuple[TimeStepping, ...]:
-    """Return a family of single integrations, of order 2."""
+    """A family of single integrations, of order 2."""
     return tuple(
         TimeStepping(f"{name}, {n}", steps=n, richardson=False, family=name, order=2, **options) for n in steps
     )
 
 
 def _pairs(name: str, order: int, *steps: int, **options: Any) -> tuple[TimeStepping, ...]:
-    """Return a family of two integrations each, extrapolated."""
+    """A family of two integrations each, extrapolated."""
     family = f"{name}, extrapolated"
     return tuple(TimeStepping(f"{name}, {n}+{2 * n}", steps=n, family=family, order=order, **options) for n in steps)
 
 
 def _textbook(*steps: int) -> tuple[TextbookTimeStepping, ...]:
-    """Return a first script's settings: of order 1 near its start, of no one order later on."""
+    """A first script's settings: of order 1 near its start, of no one order later on."""
     note = (
         "as a new user meets it: the engine's own defaults, without steps before the first sample. They write a file"
         " every 10 ms of the motion, which takes a quarter of the time at 72 steps and one turn a second."
@@ -120,8 +122,8 @@ LONG_WORK_PRECISION: tuple[ExudynSettings, ...] = (
     *_single("generalised-alpha 0.5, reduced", 72, 144, 360, 1440, 2880, 7200, **REDUCED),
     *_single("generalised-alpha 0", 72, 360, 1440, spectral_radius=0.0),
     *_single("generalised-alpha 0.8", 72, 360, 1440, **LITTLE_DAMPED),
-    *_single("generalised-alpha 0.5, full Newton", 72, 360, 1440, newton=Newton.FULL),
-    *_single("generalised-alpha 0.5, modified Newton", 72, 360, 1440, newton=Newton.MODIFIED),
+    *_single("generalised-alpha 0.5, full Newton", 72, 360, 1440, newton=JacobianUse.FULL),
+    *_single("generalised-alpha 0.5, modified Newton", 72, 360, 1440, newton=JacobianUse.MODIFIED),
     *_single("trapezoidal", 72, 144, 360, 1440, 2880, 7200, **TRAPEZOIDAL),
     *_pairs("generalised-alpha 0.5", 3, 360, 1440, 2880),
     *_pairs("generalised-alpha 0.5, reduced", 3, 72, 360, 720, **REDUCED),
@@ -132,12 +134,12 @@ LONG_WORK_PRECISION: tuple[ExudynSettings, ...] = (
 
 _once = replace(DEFAULT, richardson=False, family="", order=2)
 ABLATIONS: tuple[ExudynSettings, ...] = (
-    replace(_once, label="Jacobians in every iteration", newton=Newton.FULL),
-    *(replace(_once, label=extra.value, extra=extra) for extra in Extra if extra is not Extra.NOTHING),
+    replace(_once, label="Jacobians in every iteration", newton=JacobianUse.FULL),
+    *(replace(_once, label=extra.value, extra=extra) for extra in ExudynExtra if extra is not ExudynExtra.NOTHING),
 )
 
 
 def at_steps(steps: int) -> TimeStepping:
-    """Return the settings of one integration with that many steps per cycle, for maps of stability."""
+    """The settings of one integration with that many steps per cycle, for maps of stability."""
     (settings,) = _single("generalised-alpha 0.5", steps)
     return settings

@@ -15,14 +15,14 @@ from scenes.scene import PressForce
 from .poses import Configuration, PoseSolver
 from .system import Array
 
-Switches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
+PressSwitches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
 
 GRID = 180  # instants of a cycle between which a slider reverses once at most
 ACCURACY = 1e-13  # of a cycle, far within loads.SAME_INSTANT
 
 
-def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
-    """Return the instants of a cycle at which each press load starts and stops acting.
+def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:
+    """Find the instants of a cycle at which each press load starts and stops acting.
 
     Raises:
         Failure: the stroke in which a press load acts cannot be followed.
@@ -34,8 +34,8 @@ def press_switches(poses: PoseSolver, start: Configuration) -> Switches:
     return switches
 
 
-def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequence[PressForce]) -> Switches:
-    """Return the switches of the press loads on a slider, whose dead points they share."""
+def _switches(poses: PoseSolver, start: Configuration, body: str, loads: Sequence[PressForce]) -> PressSwitches:
+    """Find the switches of the press loads on a slider, whose dead points they share."""
     system, drive = poses.system, poses.system.scene.drive
     times = np.linspace(0, drive.cycle, GRID + 1)
     states = poses.through(start, drive.at(times).position, curved=False)

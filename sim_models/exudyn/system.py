@@ -5,9 +5,8 @@ x axis (rad). A pin is a RevoluteJoint2D, a slide on a moving body a PrismaticJo
 drive are constraints on coordinates. All hold at position level. What acts on the coordinates is -C_q^T lambda.
 """
 
-import os
 from collections.abc import Set as AbstractSet
-from types import ModuleType
+from importlib import import_module
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -23,13 +22,9 @@ Array: TypeAlias = NDArray[np.float64]
 Chosen: TypeAlias = slice | NDArray[np.intp]
 
 
-def engine() -> ModuleType:
-    """Return Exudyn, silent, and without the settings that its user may keep for interactive work."""
-    os.environ["EXUDYN_NO_USER_SETTINGS"] = "1"  # read on import
-    import exudyn  # late: importing takes longer than most runs
-
-    exudyn.config.printToConsole = False
-    return exudyn
+exudyn: Any = import_module("exudyn")  # whose own types refuse much that it takes
+exudyn.config.printToConsole = False
+items = exudyn.itemInterface
 
 
 class ExudynSystem:
@@ -37,20 +32,22 @@ class ExudynSystem:
 
     node_size = 3  # coordinates of a body
     in_plane = (0, 1, 2)  # which of them are x, y and the angle
+    coordinates: Chosen = slice(None)  # x, y and angle of every body in turn, among all coordinates
+    multipliers: Chosen = slice(None)  # two of every pin, two of every slide and the drive's, among all multipliers
+    reduced: AbstractSet[str] = frozenset()  # bodies with one coordinate, whose joint with the ground is no constraint
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
         """Build the system with a drive, in a unit of force of its own, or in SI."""
         self.scene, self.driven_by = scene, drive
-        exudyn = engine()
-        self._items: Any = exudyn.itemInterface
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, bodies)  # m
         self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N
         self.bodies = {name: in_unit(body, self.force_unit) for name, body in bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
         self.mbs: Any = self._container.AddSystem()
-        self._ground_node = self.mbs.AddNode(self._items.NodePointGround())
-        self._ground = self.mbs.AddObject(self._items.ObjectGround())
+        self.state: Any = self.mbs.systemData
+        self._ground_node = self.mbs.AddNode(items.NodePointGround())
+        self._ground = self.mbs.AddObject(items.ObjectGround())
         self.nodes: dict[str, Any] = {}
         self.objects = {name: self._add_body(name) for name in self.bodies}
         self.pins = {
@@ -65,103 +62,81 @@ class ExudynSystem:
         }
         self.drive, self.drive_factor = self._add_drive(drive)
         self.mbs.Assemble()
-        self.state: Any = self.mbs.systemData
         self.settings: Any = exudyn.SimulationSettings()
         self.settings.solution.file.write = False  # else a folder of results appears in the working folder
 
-    @property
-    def coordinates(self) -> Chosen:
-        """The indices of x, y and angle of every body in turn among all coordinates."""
-        return slice(None)
-
-    @property
-    def multipliers(self) -> Chosen:
-        """The indices of two of every pin, two of every slide and the drive's among all multipliers."""
-        return slice(None)
-
-    def narrowed(self, q: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the system's coordinates from x, y and angle of every body, or their rates."""
+    def narrowed(self, q: Array) -> Array:
+        """The system's coordinates from x, y and angle of every body, or their rates."""
         return q
 
-    @property
-    def reduced(self) -> AbstractSet[str]:
-        """The bodies with one coordinate, whose joint with the ground is no constraint."""
-        return frozenset()
-
     def counts(self) -> dict[str, int]:
-        """Return how large the system is: bodies, coordinates, constraint equations and sensors."""
-        return {
-            "bodies": len(self.bodies),
-            "coordinates": len(self.mbs.systemData.GetODE2Coordinates()),
-            "constraints": len(self.mbs.systemData.GetAECoordinates()),
-            "sensors": int(self.mbs.systemData.NumberOfSensors()),
-        }
+        """How large the system is: bodies, coordinates, constraint equations and sensors."""
+        coordinates, constraints = len(self.state.GetODE2Coordinates()), len(self.state.GetAECoordinates())
+        sizes = {"bodies": len(self.bodies), "coordinates": coordinates, "constraints": constraints}
+        return sizes | {"sensors": int(self.state.NumberOfSensors())}
 
-    def com(self, body: str, q: NDArray[np.float64]) -> Any:
-        """Return a body's centre of mass from coordinates, or its rate from theirs, of shape (..., 3 bodies)."""
+    def com(self, body: str, q: Array) -> Any:
+        """A body's centre of mass from coordinates, or its rate from theirs, of shape (..., 3 bodies)."""
         number = 3 * list(self.bodies).index(body)
         return q[..., number] + 1j * q[..., number + 1]
 
     def slide(self, body: str) -> Slide:
-        """Return the guide of a body that slides."""
+        """The guide of a body that slides."""
         slide = self.scene.bodies[body].slide
         assert slide is not None
         return slide
 
     def along(self, body: str) -> complex:
-        """Return the direction of a body's guide, in the frame of the guide."""
+        """The direction of a body's guide, in the frame of the guide."""
         return complex(*self.slide(body).along)
 
     def lever(self, body: str) -> complex:
-        """Return the first point of a body, from its centre of mass along its own axes, m."""
+        """The first point of a body, from its centre of mass along its own axes, m."""
         return self.bodies[body].points[self.scene.bodies[body].points[0]]
 
     def displaced(self, body: str, com: Any) -> Any:
-        """Return the displacement on the ground of a slider, m, with its centre of mass at `com`."""
+        """The displacement on the ground of a slider, m, with its centre of mass at `com`."""
         first = com + self.lever(body) - complex(*self.slide(body).through)
         return (self.along(body).conjugate() * first).real
 
     def displacement_factors(self, body: str) -> Any:
-        """Return the factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
+        """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
         factors = np.zeros(self.node_size)
         factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
         return factors
 
     def mass_marker(self, body: str) -> Any:
-        """Return a marker at a body's centre of mass."""
+        """A marker at a body's centre of mass."""
         return self._marker(body, 0j)
 
     def at(self, body: str, point: str) -> Any:
-        """Return a marker at a point of a body or of the ground."""
+        """A marker at a point of a body or of the ground."""
         if body == GROUND:
             return self._marker(body, complex(*self.scene.ground[point]))
         return self._marker(body, self.bodies[body].points[point])
 
     def columns(self, constraint: Any) -> list[int]:
-        """Return the indices of a constraint's multipliers among all."""
-        return list(self.mbs.systemData.GetObjectLTGAE(constraint))
+        """The indices of a constraint's multipliers among all."""
+        return list(self.state.GetObjectLTGAE(constraint))
 
     def _add_body(self, name: str) -> Any:
         body = self.bodies[name]
-        node = self.nodes[name] = self.mbs.AddNode(self._items.NodeRigidBody2D())
-        return self.mbs.AddObject(self._items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
+        node = self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D())
+        return self.mbs.AddObject(items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
 
     def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
-        """Return a marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
-        number = self._ground if body == GROUND else self.objects[body]
-        create = getattr(self._items, f"MarkerBody{kind}")
+        """A marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
+        number, create = self._ground if body == GROUND else self.objects[body], getattr(items, f"MarkerBody{kind}")
         return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
 
     def _coordinate(self, body: str, number: int) -> Any:
-        """Return a marker on x, y or the angle of a body, or on the ground's zero."""
+        """A marker on x, y or the angle of a body, or on the ground's zero."""
         node, place = (self._ground_node, 0) if body == GROUND else (self.nodes[body], self.in_plane[number])
-        return self.mbs.AddMarker(self._items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
+        return self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
 
     def _add_pin(self, point: str, first: str, second: str) -> Any:
         """Hold P2 - P1 at zero, for the point of each body."""
-        return self.mbs.AddObject(
-            self._items.RevoluteJoint2D(markerNumbers=[self.at(first, point), self.at(second, point)])
-        )
+        return self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[self.at(first, point), self.at(second, point)]))
 
     def _add_guide(self, name: str, slide: Slide) -> Any:
         """Hold normal . (x, y) on the line of the ground's guide, and the angle at zero."""
@@ -171,13 +146,12 @@ class ExudynSystem:
         rows[:, self.in_plane] = (normal.real, normal.imag, 0), (0, 0, 1)
         return self._hold(name, rows, [(normal.conjugate() * com).real, 0.0])
 
-    def _hold(self, name: str, rows: NDArray[np.float64], values: list[float]) -> Any:
+    def _hold(self, name: str, rows: Array, values: list[float]) -> Any:
         """Hold linear combinations of a body's coordinates, shape (values, coordinates), at values."""
         nodes = (self._ground_node, self.nodes[name])
-        markers = [self.mbs.AddMarker(self._items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
-        return self.mbs.AddObject(
-            self._items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
-        )
+        markers = [self.mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=node)) for node in nodes]
+        held = items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
+        return self.mbs.AddObject(held)
 
     def _add_slot(self, body: Body, slide: Slide) -> Any:
         """Hold normal . (through - P) at zero, and the sine of the slider's angle less the carrier's.
@@ -186,19 +160,13 @@ class ExudynSystem:
         first point P.
         """
         along = self.along(body.name)
-        return self.mbs.AddObject(
-            self._items.PrismaticJoint2D(
-                markerNumbers=[
-                    self._marker(body.name, self.lever(body.name), "Rigid"),
-                    self._marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid"),
-                ],
-                axisMarker0=[along.real, along.imag, 0],
-                normalMarker1=[-along.imag, along.real, 0],
-            )
-        )
+        first = self._marker(body.name, self.lever(body.name), "Rigid")
+        second = self._marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid")
+        axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
+        return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))
 
     def _drive_markers(self) -> tuple[float, Any, Any, float]:
-        """Return a factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
+        """A factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
 
         The position is the angle of a crank. That of a slider is along . (x, y), but for a constant; the constraint
         has one coordinate without a factor, so its factor makes that of the larger part -1.
@@ -217,12 +185,10 @@ class ExudynSystem:
         factor, first, second, ratio = self._drive_markers()
         zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
-        constraint = self.mbs.AddObject(
-            self._items.CoordinateConstraint(
-                markerNumbers=[first, second],
-                factor1=ratio,
-                offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (drive.position(clock) - zero),
-                offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * drive.rate(clock),
-            )
+        held = items.CoordinateConstraint(
+            markerNumbers=[first, second],
+            factor1=ratio,
+            offsetUserFunction=lambda _mbs, clock, _item, _offset: factor * (drive.position(clock) - zero),
+            offsetUserFunction_t=lambda _mbs, clock, _item, _offset: factor * drive.rate(clock),
         )
-        return constraint, factor
+        return self.mbs.AddObject(held), factor

@@ -8,15 +8,12 @@ a leapfrog of order 2, whose rates belong to the middle of a step, and whose for
 """
 
 from importlib import metadata
-from typing import TYPE_CHECKING
 
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import MujocoSettings
-
-if TYPE_CHECKING:
-    from .simulation import MujocoSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
@@ -28,13 +25,13 @@ def version() -> str:
     return f"mujoco {metadata.version('mujoco')}"
 
 
-def build(scene: Scene, settings: MujocoSettings, request: Request) -> "MujocoSimulation":
-    """Model and assemble the linkage and follow it once through its way, see `scenes.engine.Engine.build`.
+def build(scene: Scene, settings: MujocoSettings, request: Request) -> Simulation:
+    """Model and assemble the linkage and follow it once through its way, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, a body has no mass, constraints repeat each other, or the request is for positions of
             the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
     """
-    from . import simulation
+    from .simulation import MujocoSimulation
 
-    return simulation.build(scene, settings, request)
+    return MujocoSimulation(scene, settings, request)

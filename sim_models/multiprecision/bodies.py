@@ -7,12 +7,12 @@ from flint import arb
 from scenes import Failure, Scene, Status
 from scenes.scene import Body
 
-from .rows import Point
+from .rows import PlaneVector
 
 FLAT = 1e-9  # rad; the side of a sketched triangle flatter than this is round-off
 
 
-def local_points(scene: Scene, body: Body) -> dict[str, Point]:
+def local_points(scene: Scene, body: Body) -> dict[str, PlaneVector]:
     """Return the points in the body's own frame, m; those given by lengths one after the other.
 
     Raises:
@@ -28,7 +28,7 @@ def local_points(scene: Scene, body: Body) -> dict[str, Point]:
     return local
 
 
-def _from_bases(scene: Scene, body: Body, local: dict[str, Point], point: str) -> Point:
+def _from_bases(scene: Scene, body: Body, local: dict[str, PlaneVector], point: str) -> PlaneVector:
     """Return C with |C - A| = a and |C - B| = b: by the law of cosines A + (t + i h) (B - A), c = |B - A|.
 
     t = (a^2 + c^2 - b^2) / (2 c^2), and |h| c is the height, h^2 = a^2 / c^2 - t^2.
@@ -60,7 +60,7 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
     return 1 if sine > 0 else -1
 
 
-def centre_of_mass(body: Body, local: dict[str, Point]) -> Point:
+def centre_of_mass(body: Body, local: dict[str, PlaneVector]) -> PlaneVector:
     """Return the centre of mass; that of a point, a uniform bar or a uniform plate is the mean of its corners."""
     if body.com is not None:
         return arb(body.com[0]), arb(body.com[1])
@@ -68,7 +68,7 @@ def centre_of_mass(body: Body, local: dict[str, Point]) -> Point:
     return sum(x, arb(0)) / len(x), sum(y, arb(0)) / len(y)
 
 
-def inertia(body: Body, mass: float, local: dict[str, Point]) -> arb:
+def inertia(body: Body, mass: float, local: dict[str, PlaneVector]) -> arb:
     """Return the inertia about the centre of mass: m l^2/12 for a bar, m (a^2 + b^2 + c^2)/36 for a triangle."""
     if body.inertia is not None:
         return arb(body.inertia)

@@ -9,12 +9,12 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Scene
-from scenes.groups import groups
+from scenes.model.groups import groups
 from scenes.scene import GROUND, Body
 
 from .bodies import centre_of_mass, inertia, local_points
 from .drive import law_of
-from .rows import Point, Rows, axis_vector
+from .rows import EquationRows, PlaneVector, axis_vector
 
 
 class LinkageEquations:
@@ -34,8 +34,8 @@ class LinkageEquations:
         self.scene = scene
         self.law = law_of(scene.drive)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
-        self.arms: dict[str, dict[str, Point]] = {}  # from the centre of mass to the points, in the body's frame
-        self._origins: dict[str, Point] = {}  # and to the frame's origin
+        self.arms: dict[str, dict[str, PlaneVector]] = {}  # from the centre of mass to the points, in the body's frame
+        self._origins: dict[str, PlaneVector] = {}  # and to the frame's origin
         self.mass: list[arb] = []  # of every coordinate, kg or kg m^2
         for name in self.index:
             body = scene.bodies[name]
@@ -50,16 +50,16 @@ class LinkageEquations:
         self.groups = groups(pattern)
         self.transposed_groups = groups([[i for i, row in enumerate(pattern) if j in row] for j in range(len(pattern))])
         self.points = self._points()
-        self.position = Rows(1, len(self.index))  # of the drive
+        self.position = EquationRows(1, len(self.index))  # of the drive
         self._add_drive(self.position, 0)
 
     def drive(self, value: float | arb) -> arb_mat:
-        """Return what f(q) has to be at a position of the drive, or f' at its rate, f'' at its acceleration."""
+        """Return the goal of f(q) at a position of the drive, or of f' at its rate, of f'' at its acceleration."""
         goal = arb_mat(self.constraints.k.nrows(), 1)
         goal[goal.nrows() - 1, 0] = arb(value)
         return goal
 
-    def add_point(self, rows: Rows, row: int, weight: Point, body: str, point: str) -> None:
+    def add_point(self, rows: EquationRows, row: int, weight: PlaneVector, body: str, point: str) -> None:
         """Add the projection w·p of a point of a body or of the ground to a row."""
         if body == GROUND:
             x, y = self.scene.ground[point]
@@ -67,9 +67,9 @@ class LinkageEquations:
         else:
             rows.add_point(row, weight, self.index[body], self.arms[body][point])
 
-    def displacement(self, body: str) -> Rows:
+    def displacement(self, body: str) -> EquationRows:
         """Return one row: the displacement of a slider on the ground along its guide from `through`, m."""
-        rows = Rows(1, len(self.index))
+        rows = EquationRows(1, len(self.index))
         self._add_displacement(rows, 0, body)
         return rows
 
@@ -91,12 +91,12 @@ class LinkageEquations:
         """The places of the ground's and the sketched points, m."""
         return dict(self.scene.ground) | dict(self.scene.sketch.points)
 
-    def _constraints(self) -> Rows:
+    def _constraints(self) -> EquationRows:
         scene = self.scene
         sliders = [body for body in scene.bodies.values() if body.slide is not None]
         count = 2 * len(scene.pins) + 2 * len(sliders) + 1
         moving = sum(body.slide is not None and body.slide.on != GROUND for body in sliders)
-        rows = Rows(count, len(self.index), moving, self.size)
+        rows = EquationRows(count, len(self.index), moving, self.size)
         for k, pin in enumerate(scene.pins):
             for axis in (0, 1):
                 self.add_point(rows, 2 * k + axis, axis_vector(axis), pin.second, pin.point)
@@ -106,7 +106,7 @@ class LinkageEquations:
         self._add_drive(rows, count - 1)
         return rows
 
-    def _add_slide(self, rows: Rows, row: int, body: Body) -> None:
+    def _add_slide(self, rows: EquationRows, row: int, body: Body) -> None:
         """Add the offset of a slider's first point F along the guide's normal n, and its angle from the guide.
 
         On a moving body with the frame z + e^{iθ}, the offset is n·(e^{-iθ} (F - z) - through). Since the frames are
@@ -130,29 +130,29 @@ class LinkageEquations:
         rows.add_angle(row, carrier, -lever)
         rows.add_angle(row + 1, carrier, arb(-1))
 
-    def _add_drive(self, rows: Rows, row: int) -> None:
+    def _add_drive(self, rows: EquationRows, row: int) -> None:
         """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
         if self.scene.driven_slide is None:
             rows.add_angle(row, self.index[self.scene.drive.body], arb(1))
         else:
             self._add_displacement(rows, row, self.scene.drive.body)
 
-    def _add_displacement(self, rows: Rows, row: int, body: str) -> None:
+    def _add_displacement(self, rows: EquationRows, row: int, body: str) -> None:
         slider = self.scene.bodies[body]
         assert slider.slide is not None
         along = arb(slider.slide.along[0]), arb(slider.slide.along[1])
         self.add_point(rows, row, along, body, slider.points[0])
         rows.k[row, 0] -= _dot(along, (arb(slider.slide.through[0]), arb(slider.slide.through[1])))
 
-    def _points(self) -> Rows:
+    def _points(self) -> EquationRows:
         """Return x and y of every moving point, two rows a point, as its first body carries it."""
         points = self.scene.moving_points
-        rows = Rows(2 * len(points), len(self.index))
+        rows = EquationRows(2 * len(points), len(self.index))
         for k, point in enumerate(points):
             for axis in (0, 1):
                 self.add_point(rows, 2 * k + axis, axis_vector(axis), self.scene.owners[point][0], point)
         return rows
 
 
-def _dot(u: Point, v: Point) -> arb:
+def _dot(u: PlaneVector, v: PlaneVector) -> arb:
     return u[0] * v[0] + u[1] * v[1]

@@ -5,23 +5,21 @@ the linkage's size. So every criterion here is on y alone, which has no unit: a 
 displacement by Δ sizes, or of one that is longer than the size by Δ of itself, is called a turn for short.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import partial
 from itertools import groupby
 from math import radians
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
 from scenes import Failure, ProcessorBudget, Status
+from scenes.model.motion import Samples
+from scenes.model.open_joint import open_joint
 
-from .blocks import solved
 from .constraints import LinkageEquations
-from .misfit import misfit
-from .rows import angles
-
-Array: TypeAlias = NDArray[np.float64]
+from .rows import angles, solved
 
 LARGEST_TURN = radians(6)  # of any body in one step: a crank's 72 positions a turn are one step each
 # The predicted turn of the fastest body where a continuation gives up. Rounding of the scene's doubles can make or undo
@@ -37,14 +35,14 @@ AIM = 0.4  # what that is to be in the next step
 LEAST_FACTOR, LARGEST_FACTOR = 0.5, 2.0  # of one step and the next
 
 
-class Motion(NamedTuple):
+class PoseRates(NamedTuple):
     """A pose, and its derivatives by the share of a way."""
 
     q: arb_mat
-    B: Array
-    inverse: Array  # of J
-    rate: Array
-    curvature: Array
+    B: Samples
+    inverse: Samples  # of J
+    rate: Samples
+    curvature: Samples
     turn: float  # the largest rate of y
 
 
@@ -109,7 +107,7 @@ class Continuation:
             raise Failure(Status.not_converged, f"the digits are too few to prove the pose at {self._place(q)}")
         return image
 
-    def _motion(self, q: arb_mat, left: arb_mat, goal: arb_mat) -> Motion:
+    def _motion(self, q: arb_mat, left: arb_mat, goal: arb_mat) -> PoseRates:
         """Return how a pose moves as f does by `left`."""
         B = self._varying(q)
         try:
@@ -118,9 +116,9 @@ class Continuation:
             raise self._singular(q, goal) from None
         rate = inverse @ _floats(left)
         curvature = inverse @ _floats(self.rows.centripetal(q, _balls(rate)))
-        return Motion(q, B, inverse, rate, curvature, self._largest_turn(rate, q))
+        return PoseRates(q, B, inverse, rate, curvature, self._largest_turn(rate, q))
 
-    def _step(self, motion: Motion, goal: arb_mat, share: float) -> tuple[arb_mat | None, float]:
+    def _step(self, motion: PoseRates, goal: arb_mat, share: float) -> tuple[arb_mat | None, float]:
         """Return the pose a step further and how much longer the next one may be.
 
         There is none where Newton does not contract or J changes too much, and the next try is as much shorter.
@@ -134,7 +132,7 @@ class Continuation:
         factor = max(LEAST_FACTOR, min(AIM / change, LARGEST_FACTOR)) if change > 0 else LARGEST_FACTOR
         return (reached if change <= HOMOTOPY else None), factor
 
-    def _relative(self, inverse: Array, change: Array) -> float:
+    def _relative(self, inverse: Samples, change: Samples) -> float:
         """Return how much J changes relative to itself where B changes by ΔB, given J^-1.
 
         det(J + t ΔB S) = det(J) det(1 + t S J^-1 ΔB). Where a norm of S J^-1 ΔB is less than one, no matrix on the line
@@ -167,7 +165,7 @@ class Continuation:
                 return None
         return None
 
-    def _varying(self, q: arb_mat) -> Array:
+    def _varying(self, q: arb_mat) -> Samples:
         """Return B in double precision."""
         angle = np.array([*map(float, angles(q))])
         B = np.zeros((len(self._C), len(self._S)))
@@ -176,7 +174,7 @@ class Continuation:
             B[place] = float(slope)
         return B
 
-    def _largest_turn(self, change: Array, q: arb_mat) -> float:
+    def _largest_turn(self, change: Samples, q: arb_mat) -> float:
         """Return the largest |Δy| of a change of pose q, that of a displacement longer than the size over itself."""
         moves, bodies = self._S @ change, len(self.linkage.index)
         if len(moves) > bodies:
@@ -190,7 +188,7 @@ class Continuation:
     def _singular(self, q: arb_mat, goal: arb_mat) -> Failure:
         """Return why no pose follows q on the way to the goal, and which joint stays open from there on."""
         here, there = float(self.linkage.position.value(q)[0, 0]), float(goal[goal.nrows() - 1, 0])
-        open_by = misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
+        open_by = _misfit(self.linkage, q, np.linspace(here, there, TRIALS)[1:])
         reason = f"the constraint Jacobian is singular at {self._place(q)}: the linkage locks or two branches meet"
         return Failure(Status.cannot_assemble, reason + open_by)
 
@@ -205,9 +203,33 @@ def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
             yield sorted(own)
 
 
-def _floats(balls: arb_mat) -> Array:
+def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
+    """Return which joint stays open, near a pose q, at the first position of the drive where one does, or nothing.
+
+    A sentence for the user, so in doubles.
+    """
+    scene = linkage.scene
+    sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
+    joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(scene.pins))}
+    joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
+    rows, units = linkage.constraints, np.array(linkage.units)
+
+    def gaps(at: Samples, position: float) -> Samples:
+        return _floats(rows.value(_balls(at)) - linkage.drive(position))
+
+    def jacobian(at: Samples) -> Samples:
+        return np.array(rows.jacobian(_balls(at)).tolist(), dtype=float)
+
+    for position in positions:
+        joint, gap = open_joint(partial(gaps, position=position), jacobian, _floats(q), units, joints, linkage.size)
+        if gap:
+            return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
+    return ""
+
+
+def _floats(balls: arb_mat) -> Samples:
     return np.array([float(ball) for ball in balls.entries()])
 
 
-def _balls(values: Array) -> arb_mat:
+def _balls(values: Samples) -> arb_mat:
     return arb_mat([[value] for value in values.tolist()])

@@ -129,7 +129,7 @@ def _inside(h: Sequence[arb], chords: Sequence[arb], first: int, last: int) -> l
 
 
 def _across(h: Sequence[arb], chords: Sequence[arb], M: Sequence[arb]) -> tuple[arb, arb]:
-    """Return what has to vanish at the ends of a periodic spline: a jump of M, and what is open of (1)."""
+    """Return the jump of M at the ends of a periodic spline, and by how much (1) is open there; both have to vanish."""
     bend = h[-1] * (M[-2] + 2 * M[-1]) + h[0] * (2 * M[0] + M[1])
     return M[-1] - M[0], bend - 6 * (chords[0] - chords[-1])
 

@@ -9,15 +9,11 @@ drive's positions are then rounded to doubles, at which the pose is found and re
 Engine: python-flint, imported only when a run is built.
 """
 
-from typing import TYPE_CHECKING
-
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import MultiprecisionSettings
-
-if TYPE_CHECKING:
-    from .simulation import MultiprecisionSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
@@ -31,13 +27,13 @@ def version() -> str:
     return f"python-flint {flint.__version__} (FLINT {flint.__FLINT_VERSION__})"
 
 
-def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
-    """Close the linkage on the sketch's branch and move it to the drive's start, see `scenes.engine.Engine.build`.
+def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> Simulation:
+    """Close the linkage on the sketch's branch and move it to the start, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `cannot_assemble`, the linkage cannot be assembled as sketched, or is singular on the way to the start,
             or within the cycle where the end of a press force's stroke is needed; `timed_out`.
     """
-    from . import simulation
+    from .simulation import MultiprecisionSimulation
 
-    return simulation.build(scene, settings, request)
+    return MultiprecisionSimulation(scene, settings, request)

@@ -10,8 +10,8 @@ from scenes import Failure, Status
 from scenes.loads import Force, ForceTable, PressForce, Spring
 
 from .constraints import LinkageEquations
-from .rows import Point, Rows, axis_vector
-from .stroke import closing_sign
+from .rows import EquationRows, PlaneVector, axis_vector
+from .start import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat], arb_mat]  # of q and its rate, each of shape (3 bodies, 1)
 
@@ -22,7 +22,7 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
     Q raises a Failure where the ends of a spring meet, so that it has no direction.
     """
     scene = linkage.scene
-    work = Rows(1, len(linkage.index))  # Σ F·p + Σ m g·r of all that is constant
+    work = EquationRows(1, len(linkage.index))  # Σ F·p + Σ m g·r of all that is constant
     others = [_spring(linkage, spring) for spring in scene.springs]
     for load in scene.loads:
         if isinstance(load, Force):
@@ -81,7 +81,7 @@ def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
 
 def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
     """Return the pull of a spring along d from its first point to its second: -k (1 - l / |d|) d on the second."""
-    rows = Rows(2, len(linkage.index))
+    rows = EquationRows(2, len(linkage.index))
     for axis in (0, 1):
         linkage.add_point(rows, axis, axis_vector(axis), *spring.second)
         linkage.add_point(rows, axis, axis_vector(axis, -1), *spring.first)
@@ -101,8 +101,8 @@ def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
     return force
 
 
-def _work(linkage: LinkageEquations, load: PressForce | ForceTable, force: Point) -> Rows:
+def _work(linkage: LinkageEquations, load: PressForce | ForceTable, force: PlaneVector) -> EquationRows:
     """Return one row: F·p of a load's point."""
-    work = Rows(1, len(linkage.index))
+    work = EquationRows(1, len(linkage.index))
     linkage.add_point(work, 0, force, load.body, load.at)
     return work

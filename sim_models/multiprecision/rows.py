@@ -15,33 +15,38 @@ further geometry:
 
 U' vanishes but for the slides on moving bodies, whose Coriolis term that is.
 
-Needs python-flint; every function works at the precision that the caller has set in `flint.ctx`.
+Systems with J are solved group by group, see `scenes.model.groups`. Needs python-flint; every function works at the
+precision that the caller has set in `flint.ctx`.
 """
 
-from typing import NamedTuple, TypeAlias
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, arb_mat
 
-Point: TypeAlias = tuple[arb, arb]
+from scenes.model.groups import DiagonalBlock
+
+PlaneVector: TypeAlias = tuple[arb, arb]
+AT_ONCE = 16  # equations: of so few at 50 digits, FLINT eliminates all in less time than their blocks are taken apart
 
 
-class Guide(NamedTuple):
+class GuideTerm(NamedTuple):
     """A term (e^{iθ} n)·d of a row: the way from one body's centre of mass to another's, on a turning direction n."""
 
     row: int
     column: int  # of B, the first of two
     carrier: int  # the body that turns n, and where the way begins
     slider: int
-    normal: Point  # n, in the carrier's frame
+    normal: PlaneVector  # n, in the carrier's frame
 
-    def way(self, q: arb_mat) -> Point:
+    def way(self, q: arb_mat) -> PlaneVector:
         """Return d = r_b - r_a of a pose, or its derivative of a rate."""
         a, b = 3 * self.carrier, 3 * self.slider
         return q[b, 0] - q[a, 0], q[b + 1, 0] - q[a + 1, 0]
 
 
-class Rows:
-    """Rows of the form (1) over the coordinates of `bodies` bodies; zero until terms are added.
+class EquationRows:
+    """EquationRows of the form (1) over the coordinates of `bodies` bodies; zero until terms are added.
 
     `guides` of them may be of slides on moving bodies, in a linkage of a given size, m.
     """
@@ -55,15 +60,15 @@ class Rows:
         self.moved_by = [[3 * i + 2] for i in range(bodies)]  # the columns of S by row
         for i in range(bodies):
             self.S[i, 3 * i + 2] = arb(1)
-        self._arms: dict[tuple[int, int], Point] = {}  # entries of U and V by row and body
-        self._guides: list[Guide] = []
+        self._arms: dict[tuple[int, int], PlaneVector] = {}  # entries of U and V by row and body
+        self._guides: list[GuideTerm] = []
         self._size = arb(size)
 
     def add_angle(self, row: int, body: int, factor: arb) -> None:
         """Add a body's angle θ times a factor to a row."""
         self.C[row, 3 * body + 2] += factor
 
-    def add_point(self, row: int, weight: Point, body: int, arm: Point) -> None:
+    def add_point(self, row: int, weight: PlaneVector, body: int, arm: PlaneVector) -> None:
         """Add the projection w·p of a body's point p = r + e^{iθ} s to a row, s being the `arm` in the body's frame."""
         self.C[row, 3 * body] += weight[0]
         self.C[row, 3 * body + 1] += weight[1]
@@ -72,13 +77,13 @@ class Rows:
         self.V[row, body] += v
         self._arms[row, body] = self.U[row, body], self.V[row, body]
 
-    def add_guide(self, row: int, normal: Point, carrier: int, slider: int) -> None:
+    def add_guide(self, row: int, normal: PlaneVector, carrier: int, slider: int) -> None:
         """Add the projection of the way from the carrier's to the slider's centre of mass on a normal of the carrier's.
 
         A row holds one such term at most.
         """
         column = self.U.ncols() + 2 * len(self._guides)
-        self._guides.append(Guide(row, column, carrier, slider, normal))
+        self._guides.append(GuideTerm(row, column, carrier, slider, normal))
         self._arms[row, carrier] = self.U[row, carrier], self.V[row, carrier]
         for axis in (0, 1):
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
@@ -157,12 +162,12 @@ def angles(q: arb_mat) -> list[arb]:
     return [q[k, 0] for k in range(2, q.nrows(), 3)]
 
 
-def axis_vector(axis: int, sign: int = 1) -> Point:
+def axis_vector(axis: int, sign: int = 1) -> PlaneVector:
     """Return the unit vector of x, 0, or y, 1."""
     return (arb(sign), arb(0)) if axis == 0 else (arb(0), arb(sign))
 
 
-def _lever(weight: Point, arm: Point) -> Point:
+def _lever(weight: PlaneVector, arm: PlaneVector) -> PlaneVector:
     """Return u and v of w·(e^{iθ} s) = u cos θ - v sin θ."""
     (wx, wy), (x, y) = weight, arm
     return wx * x + wy * y, wx * y - wy * x
@@ -175,3 +180,25 @@ def _sin_cos(q: arb_mat) -> tuple[list[arb], list[arb]]:
 
 def _column(entries: list[arb]) -> arb_mat:
     return arb_mat(len(entries), 1, entries)
+
+
+def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:
+    """Return the solution for a column by forward substitution, `how` as for FLINT's matrices.
+
+    Raises:
+        ZeroDivisionError: a block is singular, or is not proven to be regular.
+    """
+    if right.nrows() <= AT_ONCE:
+        return matrix.solve(right, **how)
+    solution = arb_mat(right.nrows(), 1)
+    for rows, columns, left in groups:
+        given = arb_mat(len(rows), 1, [right[i, 0] for i in rows])
+        if left:
+            given -= _part(matrix, rows, left) * arb_mat(len(left), 1, [solution[j, 0] for j in left])
+        for j, value in zip(columns, _part(matrix, rows, columns).solve(given, **how).entries(), strict=True):
+            solution[j, 0] = value
+    return solution
+
+
+def _part(matrix: arb_mat, rows: Sequence[int], columns: Sequence[int]) -> arb_mat:
+    return arb_mat(len(rows), len(columns), [matrix[i, j] for i in rows for j in columns])

@@ -16,7 +16,7 @@ class MultiprecisionSettings(Settings):
     seconds: Annotated[float, "of processor time at most, for the build and for each cycle or hundred samples"] = 20.0
 
     def seconds_for(self, request: Request) -> float:
-        """Return what the solution of a request may take of processor time, s."""
+        """Return how long the solution of a request may take, s of processor time."""
         cycles = request.turns if isinstance(request, Sampling) else 1
         return self.seconds * max(cycles, request.count / 100)
 

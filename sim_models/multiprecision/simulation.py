@@ -3,52 +3,38 @@
 from collections.abc import Mapping
 
 import numpy as np
-from flint import arb_mat, ctx
+from flint import ctx
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 
-from .channels import channels
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
-from .loads import GeneralisedForce, generalised_force
+from .loads import generalised_force
 from .settings import MultiprecisionSettings
-from .solution import Solution, proven_errors, solved
-from .start import start
-from .stroke import stroke_ends
+from .solution import Solution, channels, proven_errors, solution_in
+from .start import start, stroke_ends
 
 ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below a double's round-off
 
 
-def build(scene: Scene, settings: MultiprecisionSettings, request: Request) -> "MultiprecisionSimulation":
-    """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
-    budget = ProcessorBudget(settings.seconds, "the start from the sketch")
-    with ctx.workdps(settings.digits):  # puts back the precision it found
-        linkage = LinkageEquations(scene)
-        continuation = Continuation(linkage, settings.digits, budget)
-        at_start = start(linkage, continuation)
-        budget.task = "the end of the closing stroke"
-        force = generalised_force(linkage, stroke_ends(linkage, continuation, at_start))
-    return MultiprecisionSimulation(request, settings, linkage, force, at_start)
-
-
 class MultiprecisionSimulation:
-    """One prepared run, see `scenes.engine.Simulation`."""
+    """One prepared run, see `scenes.model.engine.Simulation`."""
 
-    def __init__(
-        self,
-        request: Request,
-        settings: MultiprecisionSettings,
-        linkage: LinkageEquations,
-        force: GeneralisedForce,
-        start: arb_mat,
-    ) -> None:
+    def __init__(self, scene: Scene, settings: MultiprecisionSettings, request: Request) -> None:
+        """Find the pose at the start, and the ends of press forces' strokes, see `engine.build`."""
         self._request, self._settings = request, settings
-        self._linkage, self._force, self._start = linkage, force, start
         self._commands: list[Command] = []
         self._solutions: list[Solution] = []
         self.counters: Mapping[str, int] = {}
         self.residuals: Mapping[str, float] = {}
+        budget = ProcessorBudget(settings.seconds, "the start from the sketch")
+        with ctx.workdps(settings.digits):  # puts back the precision that was there before
+            self._linkage = LinkageEquations(scene)
+            continuation = Continuation(self._linkage, settings.digits, budget)
+            self._start = start(self._linkage, continuation)
+            budget.task = "the end of the closing stroke"
+            self._force = generalised_force(self._linkage, stroke_ends(self._linkage, continuation, self._start))
 
     def solve(self) -> None:
         """Follow the pose through the samples and enclose each.
@@ -68,7 +54,7 @@ class MultiprecisionSimulation:
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)
                 pose = continuation.enclose(q, goal)
-                self._solutions.append(solved(linkage, self._force, pose, command.rate, command.acceleration))
+                self._solutions.append(solution_in(linkage, self._force, pose, command.rate, command.acceleration))
             self.residuals = proven_errors(linkage, self._solutions)
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):

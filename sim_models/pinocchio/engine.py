@@ -3,23 +3,29 @@
 Robots are trees: a tree of the linkage's joints has one coordinate a joint, and no constraint for it. The other joints
 close loops, and with the drive there are as many constraints as coordinates. Pinocchio's recursions give places,
 Jacobians, velocities and accelerations of all bodies from joint coordinates, and by Newton's and Euler's equations,
-from the tips of the tree to its root, the force in each of its joints.
+from the tips of the tree to its root, the force in each of its joints. Poses come from Newton's method on the
+constraints, or from accelerations that are integrated in time.
 """
 
+from functools import partial
 from importlib import metadata
-from typing import TYPE_CHECKING
 
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
-from . import settings as named
-from .settings import PinocchioSettings
+from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
-if TYPE_CHECKING:
-    from .simulation import PinocchioSimulation
+_baumgarte = partial(ladder, "Baumgarte", 2, drive_promise=0.1)
+FAST = DEFAULT = EXACT = NEWTON
+WORK_PRECISION = (*_baumgarte(72, 144, 360, 720), DEFAULT)
+LONG_WORK_PRECISION = _baumgarte(1440, 2880)
+ABLATIONS: tuple[PoseSettings, ...] = ()
+iterations_needed = None  # no step iterates
 
-DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
-WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
-at_steps, iterations_needed = named.at_steps, None  # no step iterates
+
+def at_steps(steps: int) -> PoseSettings:
+    """Return the settings of an integration with that many steps per cycle, for maps of stability."""
+    return _baumgarte(steps)[0]
 
 
 def version() -> str:
@@ -27,13 +33,13 @@ def version() -> str:
     return f"pinocchio {metadata.version('pin')}"
 
 
-def build(scene: Scene, settings: PinocchioSettings, request: Request) -> "PinocchioSimulation":
-    """Span the tree and find the pose at the start, see `scenes.engine.Engine.build`.
+def build(scene: Scene, settings: PoseSettings, request: Request) -> Simulation:
+    """Span the tree and find the pose at the start, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, constraints repeat each other, or steps of the time cannot meet positions of the drive;
             `cannot_assemble` or `not_converged`, no pose on the sketch's branch; `timed_out`.
     """
-    from . import simulation
+    from .simulation import PinocchioSimulation
 
-    return simulation.build(scene, settings, request)
+    return PinocchioSimulation(scene, settings, request)

@@ -1,28 +1,26 @@
 """The spanning tree of a linkage's joints as Pinocchio's model, and what its recursions give of every body.
 
-A body's joint frame has its origin where the joint holds the body, and the axes of the body's own frame. In the plane a
-place or a vector is a complex number, x + iy. Rows are by body in file order, the ground last; columns of Jacobians
-are by joint coordinate: the angle between two bodies, rad, or the displacement along a guide, m.
+A body moves with the frame of its joint, which has the axes of the body's own frame, and its origin where the joint
+holds the body. In the plane a place or a vector is a complex number, x + iy. Columns of Jacobians are by joint
+coordinate: the angle between two bodies, rad, or the displacement along a guide, m.
 """
 
-from collections.abc import Iterator
-from typing import Any, NamedTuple, TypeAlias
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio
-from numpy.typing import NDArray
 
-from scenes import Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from ..coordinates.bodies import framed_body
+from ..coordinates.bodies import MovingBody
+from ..coordinates.system import System
 
-Plane: TypeAlias = NDArray[np.complex128]
 WORLD = pinocchio.LOCAL_WORLD_ALIGNED
 
 
-class Joint(NamedTuple):
+class TreeJoint(NamedTuple):
     """A joint of the tree, by the channel of its pin, or by its slider."""
 
     name: str
@@ -37,110 +35,90 @@ class Joint(NamedTuple):
         """Whether it is a pin."""
         return self.along == 0
 
+    @property
+    def reversed(self) -> "TreeJoint":
+        """The same joint with its parent as the child."""
+        return TreeJoint(self.name, self.child, self.parent, self.anchor, self.at, -self.along)
 
-class Bodies(NamedTuple):
-    """All bodies at one time: the origins of their joint frames, m, and what these do."""
 
-    at: Plane
-    turn: Plane  # exp(i angle)
-    rate: Plane
-    spin: Samples
-    change: Plane
-    spin_rate: Samples
+class Wrench(NamedTuple):
+    """A force on a body, N, at a place, m, and a moment, N m."""
 
-    def place(self, row: int, arm: complex) -> complex:
-        """Return where a point of a body is, m, `arm` from its origin along its axes."""
-        return complex(self.at[row] + self.turn[row] * arm)
-
-    def velocity(self, row: int, arm: complex) -> complex:
-        """Return the velocity of a point, m/s."""
-        return complex(self.rate[row] + 1j * self.spin[row] * self.turn[row] * arm)
-
-    def acceleration(self, row: int, arm: complex) -> complex:
-        """Return the acceleration of a point, m/s^2."""
-        return complex(self.change[row] + (1j * self.spin_rate[row] - self.spin[row] ** 2) * self.turn[row] * arm)
+    body: str
+    at: complex
+    force: complex
+    moment: float = 0.0
 
 
 class Tree:
     """The tree of one scene; it holds Pinocchio's buffers."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Span the tree.
-
-        Raises:
-            Failure: see `bodies`.
-        """
-        self.scene = scene
-        self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
-        self.index = {name: row for row, name in enumerate((*scene.bodies, GROUND))}
-        self.joints = list(self._spanned())
-        self.anchors = {GROUND: 0j} | {joint.child: joint.anchor for joint in self.joints}
+    def __init__(self, linkage: System) -> None:
+        gravity = linkage.scene.gravity or (0, 0)
+        self.bodies, self.joints = linkage.bodies, list(_spanned(linkage))
         self.model: Any = pinocchio.Model()
-        self.model.gravity = pinocchio.Motion(_space(complex(*(scene.gravity or (0, 0)))), np.zeros(3))
-        self.number = {GROUND: 0}  # of a body's joint in Pinocchio
-        self.turns = np.zeros((len(self.index), len(self.joints)))  # of every body by coordinate: 0 or 1
-        for column, joint in enumerate(self.joints):
+        self.model.gravity = pinocchio.Motion(_space(complex(*gravity)), np.zeros(3))
+        self.number, self.anchors = {GROUND: 0}, {GROUND: 0j}  # of bodies' joints, and where these are in bodies
+        turns = {GROUND: np.zeros(len(self.joints))}
+        for joint, own in zip(self.joints, np.eye(len(self.joints)), strict=True):
             self.number[joint.child] = self._add(joint)
-            self.turns[self.index[joint.child]] = self.turns[self.index[joint.parent]]
-            self.turns[self.index[joint.child], column] = joint.turns
+            self.anchors[joint.child] = joint.anchor
+            turns[joint.child] = turns[joint.parent] + joint.turns * own
+        self.turns = np.array([*turns.values()])  # of every body by coordinate: 0 or 1
         self.data: Any = self.model.createData()
-        self._order = [self.number[name] for name in self.index]
 
-    def local(self, body: str, point: str) -> complex:
-        """Return a point in the frame of its body or of the ground, m."""
-        return complex(*(self.scene.ground[point] if body == GROUND else self.bodies[body].points[point]))
+    def moved(self, q: Samples, v: Samples, a: Samples) -> dict[str, MovingBody]:
+        """Return how bodies move, by joint coordinates and their rates, each of shape (n,)."""
+        pinocchio.forwardKinematics(self.model, self.data, q, v, a)
+        rates = [*map(self._velocity, self.number.values())], (self.turns @ v).tolist()
+        changes = [*map(self._acceleration, self.number.values())], (self.turns @ a).tolist()
+        return dict(zip(self.number, map(MovingBody, *self._places(q), *rates, *changes), strict=True))
 
-    def moved(self, q: Samples, v: Samples | None = None, a: Samples | None = None) -> Bodies:
-        """Return what the bodies do at joint coordinates and their rates, each of shape (n,); without, at rest."""
-        rate = change = np.zeros(len(self.index), np.complex128)
-        spin = spin_rate = np.zeros(len(self.index))
-        if v is None:
-            pinocchio.forwardKinematics(self.model, self.data, q)
-        else:
-            a = np.zeros(len(q)) if a is None else a
-            pinocchio.forwardKinematics(self.model, self.data, q, v, a)
-            rate, change = (self._linear(of) for of in (pinocchio.getVelocity, pinocchio.getClassicalAcceleration))
-            spin, spin_rate = self.turns @ v, self.turns @ a
-        places = [self.data.oMi[number] for number in self._order]
-        at = np.array([complex(*place.translation[:2]) for place in places])
-        turn = np.array([complex(*place.rotation[:2, 0]) for place in places])
-        return Bodies(at, turn, rate, spin, change, spin_rate)
+    def at_rest(self, q: Samples) -> dict[str, MovingBody]:
+        """Return where the bodies are."""
+        pinocchio.forwardKinematics(self.model, self.data, q)
+        return dict(zip(self.number, map(MovingBody, *self._places(q)), strict=True))
 
-    def jacobians(self, q: Samples) -> Plane:
-        """Return the derivatives of the joint frames' origins by the coordinates, shape (bodies + 1, n)."""
+    def by_coordinate(self, q: Samples) -> dict[str, MovingBody]:
+        """Return the bodies with the velocities, shape (n,), that each coordinate gives them at a rate of 1."""
         pinocchio.computeJointJacobians(self.model, self.data, q)
-        J = np.array([pinocchio.getJointJacobian(self.model, self.data, number, WORLD) for number in self._order])
-        return np.asarray(J[:, 0] + 1j * J[:, 1])
+        jacobians = (pinocchio.getJointJacobian(self.model, self.data, n, WORLD) for n in self.number.values())
+        velocities = (J[0] + 1j * J[1] for J in jacobians)
+        return dict(zip(self.number, map(MovingBody, *self._places(q), velocities, self.turns), strict=True))
 
-    def _linear(self, rate: Any) -> Plane:
-        linear = (rate(self.model, self.data, number, WORLD).linear for number in self._order)
-        return np.array([complex(x, y) for x, y, _ in linear])
+    def inverse_dynamics(
+        self, bodies: Mapping[str, MovingBody], motion: Sequence[Samples], wrenches: Iterable[Wrench]
+    ) -> Samples:
+        """Return the generalised forces that a motion q, v, a needs besides wrenches; Pinocchio keeps the joints'."""
+        linear, angular = dict.fromkeys(self.number, 0j), dict.fromkeys(self.number, 0.0)
+        for body, at, force, moment in wrenches:
+            linear[body] += force
+            angular[body] += moment + ((at - bodies[body].origin).conjugate() * force).imag
+        forces: Any = pinocchio.StdVec_Force()
+        forces.extend([pinocchio.Force.Zero()] * self.model.njoints)
+        for body, number in self.number.items():
+            own = linear[body] * bodies[body].turn.conjugate()
+            forces[number] = pinocchio.Force(_space(own), np.array([0.0, 0.0, angular[body]]))
+        return np.asarray(pinocchio.rnea(self.model, self.data, *motion, forces))
 
-    def _spanned(self) -> Iterator[Joint]:
-        """Yield joints that reach every body once, those nearest to the ground first."""
-        reached = [GROUND]
-        for body in reached:
-            for joint in self._from(body):
-                if joint.child not in reached:
-                    reached.append(joint.child)
-                    yield joint
+    def joint_force(self, joint: TreeJoint, bodies: Mapping[str, MovingBody]) -> tuple[complex, float]:
+        """Return the last force, and moment about the joint's frame, that the parent exerts on the child."""
+        exerted = self.data.f[self.number[joint.child]]
+        return complex(*exerted.linear[:2]) * bodies[joint.child].turn, exerted.angular[2]
 
-    def _from(self, body: str) -> Iterator[Joint]:
-        """Yield the joints of a body with others, the body as the parent."""
-        for pin in self.scene.pins:
-            if body in (pin.first, pin.second):
-                other = pin.second if body == pin.first else pin.first
-                yield Joint(pin.channel, body, other, self.local(body, pin.point), self.local(other, pin.point), 0j)
-        for name, slider in self.scene.bodies.items():
-            if slider.slide is not None and body in (name, slider.slide.on):
-                through, along = complex(*slider.slide.through), complex(*slider.slide.along)
-                first = self.local(name, slider.points[0])
-                if body == name:
-                    yield Joint(name, body, slider.slide.on, first, through, -along)
-                else:
-                    yield Joint(name, body, name, through, first, along)
+    def _places(self, q: Samples) -> tuple[list[complex], list[float], list[complex]]:
+        """Return origins, angles and exp(i angle) of the joints' frames."""
+        places = [self.data.oMi[number] for number in self.number.values()]
+        origins = [complex(*place.translation[:2]) for place in places]
+        return origins, (self.turns @ q).tolist(), [complex(*place.rotation[:2, 0]) for place in places]
 
-    def _add(self, joint: Joint) -> int:
+    def _velocity(self, number: int) -> complex:
+        return complex(*pinocchio.getVelocity(self.model, self.data, number, WORLD).linear[:2])
+
+    def _acceleration(self, number: int) -> complex:
+        return complex(*pinocchio.getClassicalAcceleration(self.model, self.data, number, WORLD).linear[:2])
+
+    def _add(self, joint: TreeJoint) -> int:
         """Add a joint with its child, and return its number."""
         kind = pinocchio.JointModelRZ() if joint.turns else pinocchio.JointModelPrismaticUnaligned(_space(joint.along))
         place = pinocchio.SE3(np.eye(3), _space(joint.at - self.anchors[joint.parent]))
@@ -150,6 +128,25 @@ class Tree:
         inertia = pinocchio.Inertia(body.mass, _space(complex(*body.com) - joint.anchor), about)
         self.model.appendBodyToJoint(number, inertia, pinocchio.SE3.Identity())
         return number
+
+
+def _spanned(linkage: System) -> Iterator[TreeJoint]:
+    """Yield joints that reach every body once, those nearest to the ground first."""
+    arms = linkage.arms
+    joints = [
+        TreeJoint(pin.channel, pin.first, pin.second, arms[pin.first, pin.point], arms[pin.second, pin.point], 0j)
+        for pin in linkage.scene.pins
+    ]
+    joints += (
+        TreeJoint(name, guide.carrier, name, guide.through, guide.first, guide.along)
+        for name, guide in linkage.guides.items()
+    )
+    reached = [GROUND]
+    for body in reached:
+        for joint in (way for own in joints for way in (own, own.reversed)):
+            if joint.parent == body and joint.child not in reached:
+                reached.append(joint.child)
+                yield joint
 
 
 def _space(vector: complex) -> Samples:

@@ -1,10 +1,11 @@
 """A scene's bodies: their points, masses and moments of inertia. Plane vectors are complex numbers x + iy."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 
 import numpy as np
+import pymunk
 
 from scenes import Failure, Scene, Status
 from scenes.scene import Body
@@ -12,7 +13,7 @@ from scenes.scene import Body
 
 @dataclass(frozen=True)
 class PymunkBody:
-    """A moving body: its points and its centre of mass in its own frame, m; in a kinematic scene it has no mass."""
+    """A moving body: points and centre of mass in a frame of its own, m; in a kinematic scene it has no mass."""
 
     points: Mapping[str, complex]
     com: complex
@@ -21,12 +22,17 @@ class PymunkBody:
 
     @property
     def size(self) -> float:
-        """Return the largest distance of two points, m."""
+        """The largest distance of two points, m."""
         return max(abs(p - q) for p in self.points.values() for q in self.points.values())
+
+    def about(self, origin: complex) -> "PymunkBody":
+        """The body in a frame with another origin, m."""
+        points = {point: place - origin for point, place in self.points.items()}
+        return replace(self, points=points, com=self.com - origin)
 
 
 def rigid(scene: Scene, body: Body) -> PymunkBody:
-    """Return a body of the scene.
+    """A body of the scene, in its frame there.
 
     Raises:
         Failure: cannot_assemble, its lengths do not close, or the sketch shows three of its points in line.
@@ -36,7 +42,7 @@ def rigid(scene: Scene, body: Body) -> PymunkBody:
 
 
 def _points(scene: Scene, body: Body) -> dict[str, complex]:
-    """Return the body's points in its own frame, m: as given, or each by its distances from two before it."""
+    """Place the body's points in its frame, m: as given, or each by its distances from two before it."""
     if body.local is not None:
         return {point: complex(*place) for point, place in body.local.items()}
     assert body.lengths is not None
@@ -47,13 +53,18 @@ def _points(scene: Scene, body: Body) -> dict[str, complex]:
     return frame
 
 
+def sketched(scene: Scene) -> dict[str, complex]:
+    """Where the sketch has the points, those of the ground too: name -> m."""
+    return {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+
+
 def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> complex:
-    """Return where c lies, m: at its distances from its bases a and b, on the side of a -> b that the sketch shows."""
+    """Place c, m, at its distances from its bases a and b, on the side of a -> b that the sketch shows."""
     assert body.lengths is not None
     a, b = body.bases(c)
     base = frame[b] - frame[a]
     ab, ac, bc = abs(base), body.lengths[frozenset((a, c))], body.lengths[frozenset((b, c))]
-    drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
+    drawn = sketched(scene)
     side = np.sign((np.conj(drawn[b] - drawn[a]) * (drawn[c] - drawn[a])).imag)
     if side == 0:
         raise Failure(
@@ -67,9 +78,7 @@ def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> com
 
 
 def _mass_properties(body: Body, points: Mapping[str, complex]) -> tuple[complex, float, float]:
-    """Return centre of mass, m, mass, kg, and moment of inertia about the centre of mass, kg m^2."""
-    import pymunk
-
+    """The centre of mass, m, the mass, kg, and the moment of inertia about the centre, kg m^2."""
     places = np.array([points[point] for point in body.corners])
     centroid = complex(places.mean())
     if body.mass is None:

@@ -8,40 +8,48 @@ every step (`error_bias` = 0; the default leaves an error of first order, enough
 The rates v_k belong to t_k + dt/2. Hence at t_k the velocity is (v_{k-1} + v_k) / 2, the acceleration (v_k - v_{k-1}) /
 dt and the reaction lambda_k, with errors in dt^2, dt^3 and so on, which Richardson extrapolation over dt, dt/2, dt/4
 and dt/8 removes one after the other. Where a motion law has a knot, the acceleration a kink, its mean over a step is
-off by the first order, which `drive` corrects. Loads, springs and reactions belong to the extrapolated motion: the
+off by the first order, which `channels` corrects. Loads, springs and reactions belong to the extrapolated motion: the
 kinks of a force table and the switch of a press force are where that has them. The accuracy of the last equation
 depends on the number of Gauss-Seidel sweeps, `iterations`: with too few the linkage flips to another branch, whatever
 dt. The masses determine how many are enough.
 """
 
+from typing import TYPE_CHECKING
+
 from scenes import Request, Scene
 
 from . import settings as named
-from . import simulation, sweeps, textbook
-from .settings import AnySettings, TextbookSettings
-from .simulation import PymunkSimulation
-from .textbook import TextbookSimulation
+from .settings import AnySettings, PymunkSettings
+
+if TYPE_CHECKING:
+    from .runs.simulation import PymunkSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
-WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
-at_steps, iterations_needed = named.at_steps, sweeps.iterations_needed
+WORK_PRECISION, LONG_WORK_PRECISION, at_steps = named.WORK_PRECISION, named.LONG_WORK_PRECISION, named.at_steps
 
 
 def version() -> str:
-    """Return the versions of pymunk and of Chipmunk, its C core."""
-    import pymunk
+    """The versions of pymunk and of Chipmunk, its C core."""
+    import pymunk  # late, here and below: nothing of it is loaded before it runs
 
     return f"pymunk {pymunk.version}, Chipmunk {pymunk.chipmunk_version.partition('-')[0]}"
 
 
-def build(scene: Scene, settings: AnySettings, request: Request) -> PymunkSimulation | TextbookSimulation:
-    """Prepare one run, or one for each level, from a consistent start, see `scenes.engine.Engine.build`.
+def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
+    """The number of sweeps that a step needs, see `sweeps`."""
+    from . import sweeps
+
+    return sweeps.iterations_needed(scene, settings)
+
+
+def build(scene: Scene, settings: AnySettings, request: Request) -> "PymunkSimulation":
+    """Prepare one run, or one for each level, from a consistent start, see `scenes.model.engine.Engine.build`.
 
     Raises:
         Failure: `unsupported`, pymunk has no body, joint, load or drive for something, or the request is for positions
             of the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch, with the drive's
             position.
     """
-    if isinstance(settings, TextbookSettings):
-        return textbook.build(scene, settings, request)
+    from .runs import simulation
+
     return simulation.build(scene, settings, request)

@@ -4,49 +4,40 @@ A pose is the places z of the bodies' origins and the turns exp(i theta) of thei
 numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
 """
 
+from cmath import exp
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
+import pymunk
 from numpy.typing import NDArray
 
-from scenes.scene import Force, ForceTable, PressForce
+from scenes.scene import GROUND, Force, ForceTable, PressForce
 
-from .constraints import LinkageConstraints, Plane
+from .constraints import LinkageConstraints, PlaneVector
+from .space import Bodies, pair
 
 Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
-
-
-def varying(linkage: LinkageConstraints) -> tuple[str, ...]:
-    """Return the bodies under forces that are not all constant."""
-    scene = linkage.scene
-    loaded = {load.body for load in scene.loads if not isinstance(load, Force)}
-    loaded |= {body for spring in scene.springs for body, _ in (spring.first, spring.second)}
-    return tuple(name for name in scene.bodies if name in loaded)
-
-
-def active_presses(
-    linkage: LinkageConstraints, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
-) -> list[NDArray[np.bool_]]:
-    """Return for each press force whether it acts; `ends` are those of their closing strokes, m."""
-    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
-    found = []
-    for load, end in zip(presses, ends, strict=True):
-        i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
-        rate = (along.conjugate() * velocity[i]).real  # it does not turn
-        found.append(load.acts(linkage.displacement(load.body, z[i], turn[i]), rate, end))
-    return found
+BodyForce: TypeAlias = tuple[
+    str, PlaneVector, PlaneVector
+]  # a body or the ground, the arm from its origin, m, the force, N
 
 
 def forces(
     linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
-) -> Iterator[tuple[str, Plane, Plane]]:
-    """Yield every force, N: its body, which may be the ground, its arm from that one's origin, m, and the force."""
-    index = linkage.index
+) -> Iterator[BodyForce]:
+    """Yield every force; of press forces, `active` has whether they act."""
+    yield from _of_loads(linkage, z, turn, active)
+    yield from _of_springs(linkage, z, turn)
+
+
+def _of_loads(
+    linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
+) -> Iterator[BodyForce]:
     presses = iter(active)
     for load in linkage.scene.loads:
-        i = index[load.body]
+        i = linkage.index[load.body]
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):
             force = load.along(linkage.displacement(load.body, z[i], turn[i]))
@@ -55,6 +46,10 @@ def forces(
             yield load.body, r, next(presses) * complex(*load.force)
         else:
             yield load.body, r, complex(*load.force)
+
+
+def _of_springs(linkage: LinkageConstraints, z: Planes, turn: Planes) -> Iterator[BodyForce]:
+    index = linkage.index
     for spring in linkage.scene.springs:
         (first, p), (second, q) = spring.first, spring.second
         r, s = linkage.arm(first, p) * turn[index[first]], linkage.arm(second, q) * turn[index[second]]
@@ -64,3 +59,76 @@ def forces(
         pull = spring.stiffness * (d - relaxed)
         yield first, r, pull
         yield second, s, -pull
+
+
+def active_presses(
+    linkage: LinkageConstraints, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
+) -> list[NDArray[np.bool_]]:
+    """Tell of each press force whether it acts; `ends` are those of their closing strokes, m."""
+    active = []
+    presses = (load for load in linkage.scene.loads if isinstance(load, PressForce))
+    for load, end in zip(presses, ends, strict=True):
+        i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
+        rate = (along.conjugate() * velocity[i]).real  # it does not turn
+        active.append(load.acts(linkage.displacement(load.body, z[i], turn[i]), rate, end))
+    return active
+
+
+class AppliedForces:
+    """All of them on the bodies that forces move, set before every step for the pose after it: pymunk clears them.
+
+    `active` are the press forces that acted in the last step. Plain Python: for a few bodies it is several times faster
+    than numpy.
+    """
+
+    def __init__(self, linkage: LinkageConstraints, bodies: Bodies, stroke_ends: Sequence[float], dt: float) -> None:
+        scene = linkage.scene
+        self._linkage, self._stroke_ends, self._dt = linkage, stroke_ends, dt
+        moved = {name: body for name, body in bodies.items() if not linkage.moved[name].prescribed}
+        loaded = {load.body for load in scene.loads}
+        sprung = {name for spring in scene.springs for name, _ in (spring.first, spring.second)}
+        varying = sprung | {load.body for load in scene.loads if not isinstance(load, Force)}
+        self._varying = {name: body for name, body in moved.items() if name in varying}
+        constant = {name: body for name, body in moved.items() if name in loaded - varying}
+        self._constant = [(body, *_constant(linkage, name, body)) for name, body in constant.items()]
+        involved = loaded | sprung if varying else set()
+        self._involved = [(linkage.index[name], body) for name, body in bodies.items() if name in involved]
+        self._before = {i: complex(*body.velocity) for i, body in self._involved}
+        self.active: list[NDArray[np.bool_]] = []
+
+    def apply(self) -> None:
+        """Set the forces of the next instant."""
+        dt = self._dt
+        for body, force, moment in self._constant:
+            body.force = force
+            if moment:
+                body.torque = (moment * exp(-1j * (body.angle + dt * body.angular_velocity))).imag
+        if self._involved:
+            self._apply_varying()
+
+    def _apply_varying(self) -> None:
+        """Set those of bodies under forces that are not all constant, by rates extrapolated over half a step."""
+        dt, ground = self._dt, self._linkage.index[GROUND]
+        z, turn, rate = {ground: 0j}, {ground: 1 + 0j}, {}
+        for i, body in self._involved:
+            velocity = complex(*body.velocity)
+            z[i] = complex(*body.position) + dt * velocity
+            turn[i] = exp(1j * (body.angle + dt * body.angular_velocity))
+            rate[i] = 1.5 * velocity - 0.5 * self._before[i]
+            self._before[i] = velocity
+        self.active = active_presses(self._linkage, z, turn, rate, self._stroke_ends)
+        total = dict.fromkeys(self._varying, (0j, 0.0))
+        for name, r, force in forces(self._linkage, z, turn, self.active):
+            if name in total:
+                sum_, moment = total[name]
+                total[name] = sum_ + force, moment + (r.conjugate() * force).imag
+        for name, (force, moment) in total.items():
+            self._varying[name].force, self._varying[name].torque = pair(force), moment
+
+
+def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tuple[tuple[float, float], complex]:
+    """Sum up a body's constant forces f, and their conj(arm) f, which is zero for a body that cannot turn."""
+    loads = [load for load in linkage.scene.loads if isinstance(load, Force) and load.body == name]
+    force = sum((complex(*load.force) for load in loads), 0j)
+    moment = sum((linkage.arm(name, load.at).conjugate() * complex(*load.force) for load in loads), 0j)
+    return pair(force), 0j if body.moment == np.inf else moment

@@ -15,15 +15,17 @@ other pins only turn it. Over the shipped scenes, at their worst poses, a sweep 
 0.73 to 0.999 of an error with the bodies' own masses, 0.12 to 0.993 with ballast, 0.003 to 0.69 with fictitious ones.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import combinations
-from math import inf, isfinite
+from math import fsum, inf, isfinite, isinf
+from typing import TypeAlias
 
-from scenes import Failure, Scene, Status
+from scenes import Failure, Request, Scene, Status
+from scenes.model.groups import groups
 from scenes.scene import GROUND, Pin
 
 from .bodies import PymunkBody
+from .settings import PymunkSettings
 
 BALLAST = 10.0  # times the mass of all bodies; more makes no scene of the library converge visibly faster
 RATIO = 1e-2  # of masses that hardly disturb each other; smaller ones leave the sweeps' convergence as it is
@@ -37,12 +39,30 @@ class Inertia:
     mass: float  # kg; infinite for a body whose motion is prescribed
     moment: float  # kg m^2, about the origin; infinite where the body cannot turn
 
+    @property
+    def prescribed(self) -> bool:
+        """Whether the drive prescribes the body's motion."""
+        return isinf(self.mass)
 
-Inertias = Mapping[str, Inertia]
+
+Inertias: TypeAlias = Mapping[str, Inertia]
+Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
+
+
+def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
+    """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
+    return request.wants_forces(scene) and not settings.fictitious
+
+
+def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masses:
+    """Choose the masses that these settings give the linkage."""
+    if settings.extra == "motor":
+        return own_masses
+    return ballasted_masses if loaded(scene, settings, request) else fictitious_masses
 
 
 def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Return the bodies' own inertias, the driven one's too.
+    """Take the bodies' own inertias, the driven one's too.
 
     Raises:
         Failure: unsupported, pymunk cannot move or turn a body of this inertia.
@@ -52,7 +72,7 @@ def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
 
 
 def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Return the bodies' own inertias with ballast at pins to the ground and to the driven body, which is moved.
+    """Take the bodies' own inertias with ballast at pins to the ground and to the driven body, which is moved.
 
     Raises:
         Failure: unsupported, pymunk cannot move or turn a body of this inertia.
@@ -81,11 +101,11 @@ def held(scene: Scene) -> dict[str, Pin]:
 
 
 def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Return masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
-    found = {scene.drive.body: _driven(scene, rigids)}
+    """Choose masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
+    chosen = {scene.drive.body: _driven(scene, rigids)}
     scale = 1.0
-    for group in groups(scene):
-        earlier = {GROUND, *found}
+    for group in assur_groups(scene):
+        earlier = {GROUND, *chosen}
         for name in group:
             body, mass = rigids[name], scale
             size = body.size or _size(rigids)
@@ -97,46 +117,42 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
             on = name
             while (slide := scene.bodies[on].slide) is not None and slide.on != GROUND:
                 on, moment = slide.on, RATIO * moment  # so that the gear hardly turns the carrier
-            found[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
+            chosen[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
         scale *= RATIO**3
-    return found
+    return chosen
 
 
-def groups(scene: Scene) -> Iterator[tuple[str, ...]]:
-    """Yield the Assur groups: the smallest sets of bodies determined by joints with each other and with those before.
+def assur_groups(scene: Scene) -> Iterator[tuple[str, ...]]:
+    """Yield the bodies that are determined together, by joints with each other and with those before.
 
     Each joint takes two freedoms, each body has three. The order of the bodies in a group is that of the file.
     """
-    joints = [{pin.first, pin.second} for pin in scene.pins]
-    joints += [{body.name, body.slide.on} for body in scene.bodies.values() if body.slide is not None]
-    known = {GROUND, scene.drive.body}
-
-    def fixed(chosen: tuple[str, ...]) -> bool:
-        inside = known.union(chosen)
-        return 2 * sum(joint <= inside and not joint <= known for joint in joints) == 3 * len(chosen)
-
-    while rest := [name for name in scene.bodies if name not in known]:
-        sizes = range(2, len(rest) + 1, 2)
-        group = next(chosen for size in sizes for chosen in combinations(rest, size) if fixed(chosen))
-        yield group
-        known.update(group)
+    bodies, driven = [*scene.bodies], scene.drive.body
+    columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(bodies)} | {GROUND: range(0)}
+    joints = [(pin.first, pin.second) for pin in scene.pins]
+    joints += [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+    pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
+    for block in groups([*pattern, columns[driven]]):
+        together = {bodies[column // 3] for column in block.columns} - {driven}
+        if together:
+            yield tuple(sorted(together, key=bodies.index))
 
 
 def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
-    """Return the driven body's: a crank about its pivot on the ground, about which pymunk turns it exactly."""
+    """Prescribe the driven body's motion: a crank's about its pivot on the ground, about which pymunk turns it."""
     body = rigids[scene.drive.body]
     pivots = [place for point, place in body.points.items() if point in scene.ground]
     return Inertia(pivots[0] if scene.driven_slide is None else body.com, inf, inf)
 
 
 def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> dict[str, Inertia]:
-    """Return inertias by which each body can be turned on its own.
+    """Choose moments by which each body can be turned on its own.
 
     Bodies that slides keep parallel to the ground cannot turn. Others that slides keep parallel turn as one, so only
     the sum of their moments counts for the motion and the forces; each gets the same part, since pymunk cannot turn a
     point mass. Where the drive turns them, any moment will do.
     """
-    found = {}
+    movable = {}
     for name, inertia in inertias.items():
         group = scene.aligned[name]
         if GROUND in group:
@@ -144,9 +160,9 @@ def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, Pymun
         elif scene.drive.body in group:
             moment = inertia.moment or inertia.mass * _size(rigids) ** 2
         else:
-            moment = sum(inertias[other].moment for other in group) / len(group)
-        found[name] = replace(inertia, moment=moment)
-    return found
+            moment = fsum(inertias[other].moment for other in group) / len(group)
+        movable[name] = replace(inertia, moment=moment)
+    return movable
 
 
 def _movable(inertias: dict[str, Inertia]) -> dict[str, Inertia]:

@@ -8,8 +8,8 @@ from scenes import Failure, Settings, Status
 
 # Features that no scene needs, to measure what they cost: a shape on each body, which collide with nothing; a crank
 # that is simulated and turned by a motor; a Python function in every step; every body read by its own properties.
-Extra: TypeAlias = Literal["", "shapes", "motor", "callback", "properties"]
-EXTRAS: Mapping[Extra, str] = {
+PymunkExtra: TypeAlias = Literal["", "shapes", "motor", "callback", "properties"]
+EXTRAS: Mapping[PymunkExtra, str] = {
     "shapes": "a shape on every body",
     "callback": "a Python callback each step",
     "properties": "read by properties",
@@ -30,7 +30,7 @@ class PymunkSettings(Settings):
     iterations: Annotated[int, "Gauss-Seidel sweeps over all joints per step"]
     correction: Annotated[float | None, "part of a joint's error that a step corrects; none: pymunk's default"] = 1.0
     fictitious: Annotated[bool, "masses with which sweeps converge fast, in place of the true ones"] = False
-    extra: Annotated[Extra, "what is modelled besides"] = ""
+    extra: Annotated[PymunkExtra, "what is modelled besides"] = ""
 
     def __post_init__(self) -> None:
         # Without sweeps, pymunk's C core ends the whole process.
@@ -38,15 +38,15 @@ class PymunkSettings(Settings):
             raise ValueError(f"expected steps and iterations of at least 1 and 1 to {LEVELS} levels, found {self}")
         if self.correction is not None and not 0 < self.correction <= 1:
             raise ValueError(f"expected a correction of more than 0 and at most 1, found {self.correction}")
-        if self.extra not in get_args(Extra):
-            raise ValueError(f"expected nothing extra or one of {get_args(Extra)}, found '{self.extra}'")
+        if self.extra not in get_args(PymunkExtra):
+            raise ValueError(f"expected nothing extra or one of {get_args(PymunkExtra)}, found '{self.extra}'")
 
     def corrected(self, dt: float) -> float:
-        """Return the part of a joint's error that a step of dt, s, corrects."""
+        """The part of a joint's error that a step of dt, s, corrects."""
         return float(1 - self.error_bias(dt) ** dt)
 
     def error_bias(self, dt: float) -> float:
-        """Return the part of a joint's error left after a second, pymunk's parameter, for steps of dt, s.
+        """The part of a joint's error left after a second, pymunk's parameter, for steps of dt, s.
 
         Raises:
             Failure: unsupported, so small a number that pymunk would correct the whole error.
@@ -54,10 +54,10 @@ class PymunkSettings(Settings):
         if self.correction is None:
             return ERROR_BIAS
         left = 1 - self.correction
-        found = float(left ** (1 / dt))
-        if left and not found:
+        bias = float(left ** (1 / dt))
+        if left and not bias:
             raise Failure(Status.unsupported, f"pymunk cannot leave {left:g} of an error over in steps of {dt:.3g} s")
-        return found
+        return bias
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def _default_correction(steps: int) -> PymunkSettings:
 
 
 def _textbook(steps: int) -> TextbookSettings:
-    """Return a first script's settings; unconverged sweeps and a slack correction add up to no known order."""
+    """A first script's settings; unconverged sweeps and a slack correction add up to no known order."""
     note = "as a new user meets it: the engine's own defaults, all links dynamic, a motor on the crank"
     label = f"textbook, {steps} steps"
     return TextbookSettings(label, steps, family="textbook", note=note, drive_promise=0.1)
@@ -133,5 +133,5 @@ ABLATIONS: tuple[PymunkSettings, ...] = tuple(
 
 
 def at_steps(steps: int, iterations: int = DEFAULT.iterations) -> PymunkSettings:
-    """Return the settings of one run with that many steps per cycle and sweeps per step, for maps of stability."""
+    """The settings of one run with that many steps per cycle and sweeps per step, for maps of stability."""
     return _run(steps, 1, iterations)

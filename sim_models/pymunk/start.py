@@ -12,12 +12,13 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Scene, Status
-from scenes.motion import Samples
+from scenes.model.motion import Samples
+from scenes.model.open_joint import open_joint
 from scenes.scene import GROUND
 
-from .constraints import LinkageConstraints, Masses, Poses, determinant_sign
-from .masses import fictitious_masses
-from .misfit import misfit
+from .bodies import sketched
+from .constraints import LinkageConstraints, PoseArray, determinant_sign
+from .masses import Masses, fictitious_masses
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
 LARGEST_PART = 1 / 72  # of the drive's range in one continuation step, or of a longer way to it
@@ -31,12 +32,13 @@ CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above
 TURNS_FULLY = 2 * pi - 1e-6  # rad; a turn less all roundings
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
-Place: TypeAlias = tuple[float, Poses]  # a position of the drive, rad or m, and the pose there
+Posed: TypeAlias = tuple[LinkageConstraints, PoseArray]
+DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad or m, and the pose there
 
 
 @lru_cache(SCENES)
-def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, Poses]:
-    """Return the linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene.
+def begun(scene: Scene, masses: Masses) -> Posed:
+    """The linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene.
 
     Raises:
         Failure: as `LinkageConstraints`, and as `start`.
@@ -45,21 +47,21 @@ def begun(scene: Scene, masses: Masses) -> tuple[LinkageConstraints, Poses]:
     return linkage, start(linkage)
 
 
-def start(linkage: LinkageConstraints) -> Poses:
-    """Return the pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
+def start(linkage: LinkageConstraints) -> PoseArray:
+    """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
 
     Raises:
         Failure: cannot_assemble, or nearly singular not_converged, here or somewhere on the drive's way.
     """
-    sketched = _sketched(linkage)
-    q = _sketch(linkage, sketched)
-    gaps = linkage.gaps(q, np.array([sketched]))
-    *_, (_, q) = _follow(linkage, q, lambda s: (sketched, (1 - s) * gaps), LARGEST_CLOSING)
-    return move(linkage, q, sketched, linkage.scene.drive.start)
+    position = _sketched_position(linkage.scene)
+    q = _sketch(linkage, position)
+    gaps = linkage.gaps(q, np.array([position]))
+    *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), LARGEST_CLOSING)
+    return move(linkage, q, position, linkage.scene.drive.start)
 
 
-def move(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Poses:
-    """Return the pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m.
+def move(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> PoseArray:
+    """The pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m.
 
     Raises:
         Failure: cannot_assemble, with the drive's position.
@@ -68,7 +70,7 @@ def move(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Po
     return q
 
 
-def rates(linkage: LinkageConstraints, q: Poses, drive_rate: float) -> Poses:
+def rates(linkage: LinkageConstraints, q: PoseArray, drive_rate: float) -> PoseArray:
     """Return dq/dt on the constraints, shape (1, bodies, 3)."""
     prescribed = np.zeros(q.size)
     prescribed[-1] = drive_rate
@@ -78,55 +80,47 @@ def rates(linkage: LinkageConstraints, q: Poses, drive_rate: float) -> Poses:
 # --- the sketch ------------------------------------------------------------------------------------------------------
 
 
-def _sketched(linkage: LinkageConstraints) -> float:
-    """Return the sketch's position of the drive: of a crank, by whole turns next to the middle of its range.
+def _sketched_position(scene: Scene) -> float:
+    """The sketch's position of the drive: of a crank, by whole turns next to the middle of its range.
 
     One that turns fully has no end to lock beyond, and may go the shorter way to its start.
     """
-    drive, position = linkage.scene.drive, linkage.scene.sketch.drive
-    if linkage.scene.driven_slide is not None:
+    drive, position = scene.drive, scene.sketch.drive
+    if scene.driven_slide is not None:
         return position
     low, high = drive.extent
     near = drive.start if high - low > TURNS_FULLY else (low + high) / 2
     return near - remainder(near - position, 2 * pi)
 
 
-def _sketch(linkage: LinkageConstraints, position: float) -> Poses:
-    """Return the pose that fits the sketch best, body by body, shape (1, bodies, 3); its joints are open."""
-    scene = linkage.scene
-    drawn = {point: complex(*place) for point, place in [*scene.ground.items(), *scene.sketch.points.items()]}
-    known = {
-        name: np.array([(arm, drawn[point]) for point, arm in member.arms.items() if point in drawn]).reshape(-1, 2)
+def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
+    """Lay every body on the sketch as well as it fits, shape (1, bodies, 3); the joints are open.
+
+    A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
+    """
+    scene, drawn = linkage.scene, sketched(linkage.scene)
+    shown = {
+        name: np.array([(arm, drawn[point]) for point, arm in member.points.items() if point in drawn]).reshape(-1, 2).T
         for name, member in linkage.members.items()
     }
-    q = np.zeros((1, len(known), 3))
-    for name, i in linkage.index.items():
-        if name == GROUND:
-            continue
+    q = np.zeros((1, len(shown), 3))
+    for pose, (name, (arms, places)) in zip(q[0], shown.items(), strict=True):
         group = scene.aligned[name]
-        if GROUND in group:
-            theta = 0.0
-        elif scene.drive.body in group:
-            theta = position
-        else:
-            theta = _angle(known[other] for other in group)
-        q[0, i, 2] = theta
-        if len(known[name]):
-            z = (known[name][:, 1] - known[name][:, 0] * np.exp(1j * theta)).mean()
-            q[0, i, :2] = z.real, z.imag
+        if scene.drive.body in group and GROUND not in group:
+            pose[2] = position
+        elif GROUND not in group:
+            fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[other] for other in sorted(group)) if len(a))
+            pose[2] = np.angle(sum(fits))
+        if len(arms):
+            z = (places - arms * np.exp(1j * pose[2])).mean()
+            pose[:2] = z.real, z.imag
 
     # A body with no point in the sketch is only on guides, whose constraints are linear in its position.
-    unknown = [3 * linkage.index[name] + axis for name in known if not len(known[name]) for axis in (0, 1)]
+    unknown = [3 * i + axis for i, (arms, _) in enumerate(shown.values()) if not len(arms) for axis in (0, 1)]
     if unknown:
         columns = linkage.jacobian(q)[0][:, unknown]
         q.reshape(-1)[unknown] -= np.linalg.lstsq(columns, linkage.gaps(q, np.array([position]))[0])[0]
     return q
-
-
-def _angle(known: Iterable[Samples]) -> float:
-    """Return the common angle, rad, that fits bodies best, from arms and places, m, of the points of each."""
-    fits = [np.vdot(arms - arms.mean(), places - places.mean()) for arms, places in (k.T for k in known if len(k))]
-    return float(np.angle(sum(fits)))
 
 
 def check_way(scene: Scene) -> None:
@@ -135,13 +129,13 @@ def check_way(scene: Scene) -> None:
     Raises:
         Failure: cannot_assemble, or nearly singular not_converged, somewhere on the way, with the drive's position.
     """
-    if found := _obstacle(scene):
-        raise Failure(*found)
+    if obstacle := _obstacle(scene):
+        raise Failure(*obstacle)
 
 
 @lru_cache(SCENES)
 def _obstacle(scene: Scene) -> tuple[Status, str] | None:
-    """Return what is in the way, or nothing; once a scene, whose settings fail one by one."""
+    """Find what is in the way, once a scene, whose settings fail one by one."""
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     try:
         for end in scene.drive.extent:
@@ -151,8 +145,8 @@ def _obstacle(scene: Scene) -> tuple[Status, str] | None:
     return None
 
 
-def assembles(linkage: LinkageConstraints, q: Poses, positions: Samples) -> bool:
-    """Return whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there.
+def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> bool:
+    """Tell whether n poses are near ones that close all joints, and those nearest the drive's ends near ones there.
 
     `positions` are the drive's, rad or m, shape (n,).
     """
@@ -165,7 +159,7 @@ def assembles(linkage: LinkageConstraints, q: Poses, positions: Samples) -> bool
 # --- continuation ----------------------------------------------------------------------------------------------------
 
 
-def way(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Iterator[Place]:
+def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> Iterator[DrivePlace]:
     """Yield the places on the way from one position of the drive, where the pose is q, to another."""
     low, high = linkage.scene.drive.extent
     unit = 1.0 if linkage.scene.driven_slide is None else linkage.size
@@ -175,8 +169,8 @@ def way(linkage: LinkageConstraints, q: Poses, here: float, there: float) -> Ite
 
 
 def _follow(
-    linkage: LinkageConstraints, q: Poses, path: Callable[[float], tuple[float, Samples]], largest: float
-) -> Iterator[Place]:
+    linkage: LinkageConstraints, q: PoseArray, path: Callable[[float], tuple[float, Samples]], largest: float
+) -> Iterator[DrivePlace]:
     """Yield the places, the last at s = 1, that solve C(q) = gaps on a path s -> (position, gaps), 0 <= s <= 1."""
     here = determinant_sign(linkage.jacobian(q))
     budget = ProcessorBudget(SECONDS, f"the way to {linkage.scene.where(path(1.0)[0])}")
@@ -185,9 +179,9 @@ def _follow(
         ahead = min(1.0, s + step)
         position, gaps = path(ahead)
         budget.check(f"{s:.2%} of it is done, in steps of {step:.1e} of it")
-        found = _newton(linkage, q, np.array([position]), gaps)
-        if found is not None and determinant_sign(linkage.jacobian(found)) == here:
-            q, s, step = found, ahead, min(largest, 2 * step)
+        pose = _newton(linkage, q, np.array([position]), gaps)
+        if pose is not None and determinant_sign(linkage.jacobian(pose)) == here:
+            q, s, step = pose, ahead, min(largest, 2 * step)
             yield position, q
         elif step > SMALLEST_STEP:
             step /= 2
@@ -195,19 +189,40 @@ def _follow(
             raise _stuck(linkage, q, position, gaps, path(min(1.0, s + largest))[0])
 
 
-def _stuck(linkage: LinkageConstraints, q: Poses, position: float, gaps: Samples, ahead: float) -> Failure:
-    """Return why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
+def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Samples, ahead: float) -> Failure:
+    """Tell why there is no next place: none exists, or two are too close together; `ahead` is a step further."""
     where = linkage.scene.where(position)
     if _newton(linkage, q, np.array([position]), gaps, PATIENT_NEWTON_STEPS) is None:
-        open_by = misfit(linkage, q, np.linspace(position, ahead, TRIALS)[1:])
+        open_by = _misfit(linkage, q, np.linspace(position, ahead, TRIALS)[1:])
         return Failure(Status.cannot_assemble, f"the bodies cannot be put together at {where}{open_by}")
     return Failure(Status.not_converged, f"two ways to put the bodies together are too close to distinguish at {where}")
 
 
+def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float]) -> str:
+    """Name the joint that stays open when all others close, near q at the first position where one does."""
+    scene = linkage.scene
+    joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(linkage.slides, start=len(scene.pins))}
+    joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
+    units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
+
+    def jacobian(at: Samples) -> Samples:
+        return np.asarray(linkage.jacobian(at.reshape(q.shape))[0])
+
+    for position in positions:
+
+        def gaps(at: Samples, position: float = position) -> Samples:
+            return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
+
+        joint, gap = open_joint(gaps, jacobian, q.ravel(), units, joints, linkage.size)
+        if gap:
+            return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
+    return ""
+
+
 def _newton(
-    linkage: LinkageConstraints, q: Poses, positions: Samples, gaps: Samples, steps: int = NEWTON_STEPS
-) -> Poses | None:
-    """Return the solutions of C(q) = gaps near n poses q, shape (n, bodies, 3), or None if any has none."""
+    linkage: LinkageConstraints, q: PoseArray, positions: Samples, gaps: Samples, steps: int = NEWTON_STEPS
+) -> PoseArray | None:
+    """The solutions of C(q) = gaps near n poses q, shape (n, bodies, 3), or None if any has none."""
     for _ in range(steps):
         excess = linkage.gaps(q, positions) - gaps
         if np.abs(excess).max() <= CLOSED * linkage.size:

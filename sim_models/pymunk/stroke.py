@@ -7,16 +7,16 @@ from itertools import pairwise
 from scenes import Scene
 from scenes.scene import PressForce
 
-from .constraints import LinkageConstraints, Poses, planes
+from .constraints import LinkageConstraints, PoseArray, planes
 from .masses import fictitious_masses
-from .start import SCENES, Place, begun, move, rates, way
+from .start import SCENES, DrivePlace, begun, move, rates, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 
 
 @lru_cache(SCENES)
 def stroke_ends(scene: Scene) -> Sequence[float]:
-    """Return where the closing strokes of the press forces end, m; once a scene, since its whole way is searched.
+    """Where the closing strokes of the press forces end, m; once a scene, since its whole way is searched.
 
     Raises:
         Failure: cannot_assemble somewhere on the way, with the drive's position.
@@ -32,15 +32,15 @@ def stroke_ends(scene: Scene) -> Sequence[float]:
     return [ends[load.body, load.closing] for load in presses]
 
 
-def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Place]) -> float:
-    """Return the slider's largest displacement in its closing direction, m; between places it has a dead point."""
+def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[DrivePlace]) -> float:
+    """The slider's largest displacement in its closing direction, m; between places it has a dead point."""
     i, along = linkage.index[load.body], linkage.slides[load.body].along
 
-    def closing(q: Poses) -> float:
+    def closing(q: PoseArray) -> float:
         z, turn = planes(q[0, i])
         return load.closing * float(linkage.displacement(load.body, z, turn))
 
-    def opens(q: Poses, forward: float) -> bool:
+    def opens(q: PoseArray, forward: float) -> bool:
         return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
 
     furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))

@@ -10,78 +10,68 @@ rho**sweeps <= 1 / (1 + beta), whatever dt: a smaller step does not help.
 
 from collections.abc import Iterator
 from math import ceil, inf, log, log1p
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pymunk
 from numpy.typing import NDArray
 
 from scenes import Sampling, Scene
 
-from .constraints import LinkageConstraints, Poses
-from .settings import Extra, PymunkSettings
-from .simulation import masses_of
+from .constraints import LinkageConstraints, PoseArray
+from .masses import masses_of
+from .settings import PymunkExtra, PymunkSettings
 from .space import Model, pair
 from .start import begun, way
 
-if TYPE_CHECKING:
-    import pymunk
-
 
 def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
-    """Return the number of sweeps with which the steps are stable throughout the drive's range, infinite with none.
+    """The number of sweeps with which the steps are stable throughout the drive's range, infinite with none.
 
     It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
 
     Raises:
         Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
     """
-    linkage, pose = begun(scene, masses_of(scene, settings, Sampling()))
-    rho = max(rho for _, rho in contractions(linkage, pose))
+    rho = max(contractions(*begun(scene, masses_of(scene, settings, Sampling()))))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
 
 
 def sweeps_needed(rho: float, correction: float) -> float:
-    """Return the least number of sweeps for which steps that correct that part of an error are stable."""
+    """The least number of sweeps for which steps that correct that part of an error are stable."""
     if not 0 < rho < 1:
         return 1.0 if rho == 0 else inf
     return float(max(1, ceil(log1p(correction) / -log(rho))))
 
 
-def contractions(linkage: LinkageConstraints, pose: Poses) -> Iterator[tuple[float, float]]:
-    """Yield places of the drive, rad or m, through its whole range, and rho there; `pose` is that at its start.
+def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
+    """Yield rho at places of the drive through its whole range; `pose` is that at its start.
 
     Raises:
         Failure: cannot_assemble, with the drive's position.
     """
     drive = linkage.scene.drive
-    extra: Extra = "" if linkage.members[drive.body].prescribed else "motor"
-    model = Model(linkage, pose, np.zeros_like(pose), 0.0, extra)
-    places = [(drive.start, pose)]
-    for end in drive.extent:
-        places += way(linkage, pose, drive.start, end)
-    for position, q in places:
-        for body, (x, y, theta) in zip(model.bodies.values(), q[0], strict=True):
-            body.position, body.angle = (x, y), theta
-        yield position, contraction(model.space)
+    extra: PymunkExtra = "" if linkage.moved[drive.body].prescribed else "motor"
+    still = np.zeros_like(pose)
+    model = Model(linkage, pose, still, 0.0, extra)
+    for q in (pose, *(q for end in drive.extent for _, q in way(linkage, pose, drive.start, end))):
+        model.place(q, still)
+        yield contraction(model.space)
 
 
-def contraction(space: "pymunk.Space") -> float:
+def contraction(space: pymunk.Space) -> float:
     """Return rho, the part of an error that a sweep over the joints leaves in the long run, in the present pose."""
-    import pymunk
-
     bodies = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
-    columns = {body: slice(3 * i, 3 * i + 3) for i, body in enumerate(bodies)}
-    ease = np.repeat([1 / body.mass for body in bodies], 3)
-    ease[2::3] = [1 / body.moment for body in bodies]
-
+    if not space.constraints:
+        return 0.0
+    ease = np.array([[1 / body.mass, 1 / body.mass, 1 / body.moment] for body in bodies]).ravel()
     joints = []
     for joint in space.constraints:
         rows = _rows(joint)
-        wide = np.zeros((rows.shape[1], 3 * len(bodies)))
+        wide = np.zeros((rows.shape[1], len(bodies), 3))
         for body, own in zip((joint.a, joint.b), rows, strict=True):
-            if body in columns:
-                wide[:, columns[body]] = own
-        joints.append(wide)
+            if body in bodies:
+                wide[:, bodies.index(body)] = own
+        joints.append(wide.reshape(len(wide), -1))
     J = np.concatenate(joints)
     owner = np.repeat(np.arange(len(joints)), [len(rows) for rows in joints])
     A = J * ease @ J.T
@@ -89,14 +79,12 @@ def contraction(space: "pymunk.Space") -> float:
     return float(np.abs(np.linalg.eigvals(np.linalg.solve(A * done, A * ~done))).max())
 
 
-def _rows(joint: "pymunk.Constraint") -> NDArray[np.float64]:
-    """Return the velocities that a joint corrects at once, by the rates of its two bodies: shape (2, k, 3).
+def _rows(joint: pymunk.Constraint) -> NDArray[np.float64]:
+    """The velocities that a joint corrects at once, by the rates of its two bodies: shape (2, k, 3).
 
     Chipmunk solves a pivot as a 2 x 2 block. It does so with a groove too, and then keeps the normal's part; so a
     groove whose normal is an axis of that block, as here, is a block of one.
     """
-    import pymunk
-
     if isinstance(joint, pymunk.PivotJoint):
         ends = (joint.a, joint.anchor_a), (joint.b, joint.anchor_b)
         (r, s) = (complex(*anchor.rotated(body.angle)) for body, anchor in ends)

@@ -10,21 +10,22 @@ from numpy.typing import NDArray
 
 import analytic
 import scenes
-from analytic import continuation
-from analytic.decomposition import Decomposition, _Placed, decompose, larger_group, members
-from analytic.group_equations import Group
-from analytic.kinematics import followed
-from analytic.motion_range import motion_range
+from analytic.core import continuation
+from analytic.core.decomposition import decompose
+from analytic.core.kinematics import followed
 from analytic.solve import Solver, prepared
-from compare.engines.reference import found, relative_errors
-from compare.engines.travel import travels
+from analytic.way.motion_range import motion_range
 from compare.judge.checks import checks
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import uncertified
+from compare.mechanics.scales import relative_errors, travels
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import channels
+from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from tests import absolute_coordinates, scene_files
 from tests.agreement import off_50_digits
 
+from .newton import as_one_group
 from .test_mechanisms import FLIPPED, flipped
 
 TURN = np.radians(np.arange(720) / 2)  # half-degree steps, without the end
@@ -42,7 +43,7 @@ def solve(class_iii: Scene) -> Solver:
 
 def test_power_balance(class_iii: Scene, solve: Solver) -> None:
     motion = solve(TURN)
-    for check in checks(class_iii, motion, travels(class_iii, motion)):
+    for check in checks(Mechanics(class_iii), motion, travels(class_iii, motion)):
         assert check.worst <= 1e-12, check  # roundings only, as above
     torque = motion["drive.torque"]  # weights and a constant force give back what they take
     assert abs(torque.mean()) <= 1e-12 * np.abs(torque).max()
@@ -64,10 +65,9 @@ CLOSED_FORMS = {
 def test_dyads_as_one_group(name: str) -> None:
     """The closed form against Newton's method on all after the driver: no formula in common but the bodies' own."""
     scene = scene_files.load(name)
-    by_dyads = decompose(scene)
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
-    by_newton = prepared(scene, replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),)))(position)
-    scale = found(scene).scale
+    by_newton = prepared(scene, as_one_group(scene))(position)
+    scale = uncertified(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         # near 30 deg rod and guide of the busy scene are almost square, which multiplies roundings by thousands
         assert error.max() <= 1e-11, channel
@@ -77,25 +77,11 @@ def test_dyads_as_one_group(name: str) -> None:
 def test_the_last_dyad_as_a_group_that_a_placed_body_slides_on(name: str) -> None:
     """The coupler slides on the block or the yoke, which is of the group, and takes what the guide does to it."""
     scene = flipped(scene_files.load(name), *FLIPPED[name])
-    by_dyads = decompose(scene)
-    *before, last = by_dyads.groups
-    placed = _Placed(scene, by_dyads.bodies)
-    for body in by_dyads.carries:
-        if body not in members(last):
-            placed.add(body)
-    groups = (*before, larger_group(placed, members(last)))
     position = np.linspace(*scene.drive.extent, 720, endpoint=False)
-    by_newton = prepared(scene, replace(by_dyads, groups=groups))(position)
-    scale = found(scene).scale
+    by_newton = prepared(scene, as_one_group(scene, -1))(position)
+    scale = uncertified(scene).scale
     for channel, error in relative_errors(by_newton, analytic.solve(scene, position), scale).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings of each
-
-
-def all_but_the_driver(scene: Scene, linkage: Decomposition) -> Group:
-    placed = _Placed(scene, linkage.bodies)
-    driver, *others = linkage.carries
-    placed.add(driver)
-    return larger_group(placed, tuple(others))
 
 
 # --- among dyads ------------------------------------------------------------------------------------------------------
@@ -108,13 +94,8 @@ def test_between_dyads_in_any_order(order: Sequence[int]) -> None:
     dyad, newton, last = analytic.route(scene).removeprefix("crank, ").split(", ")
     assert (dyad, last) == ("RRR", "RRP")
     assert set(newton.removeprefix("Newton on ").split("-")) == {"coupler", "plate", "upper", "lower"}
-    for channel, error in off_50_digits(found(scene), Sampling(24)).items():
+    for channel, error in off_50_digits(uncertified(scene), Sampling(24)).items():
         assert error.max() <= 1e-12, channel  # a few dozen roundings, all groups well clear of lock
-
-
-def test_route(class_iii: Scene, toggle_press: Scene) -> None:
-    assert analytic.route(class_iii) == "crank, Newton on coupler-plate-upper-lower"
-    assert analytic.route(toggle_press) == "closed form: crank, RRR, RRP"
 
 
 def test_one_angle_at_a_time(class_iii: Scene, solve: Solver) -> None:

@@ -7,21 +7,19 @@ import pytest
 
 import analytic
 import scenes
-from analytic import compiled
+from analytic.recorded.arithmetics import machine_code
 from scenes import Failure, Motion
+from scenes.model.motion import channels as known
 from tests.comparisons import SLOW
 
 # Of a channel's peak: roundings in another order, times the conditioning of the worst shipped pose, the clamps' next to
 # their lock. There both routes are 1.2e-13 off the 50-digit oracle; elsewhere they are within 1e-14 of each other.
 SAME = 5e-13
-DYADS = tuple(name for name in scenes.shipped() if analytic.route(scenes.load(name)).startswith("closed form"))
+ROUTES = pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=SLOW)], ids=["numpy", "numba"])
 
 
-@pytest.fixture(params=[False, pytest.param(True, marks=SLOW)], ids=["numpy", "numba"])
-def _route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    if request.param:
-        pytest.importorskip("numba")
-    monkeypatch.setattr(compiled, "COMPILES", request.param)
+@pytest.fixture(autouse=True)
+def _kernels_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
 
@@ -32,20 +30,21 @@ def assert_same(found: Motion, expected: Motion) -> None:
         assert off <= SAME * max(np.abs(samples).max(), 1e-9), channel
 
 
-@pytest.mark.parametrize("name", DYADS)
-def test_straight_line_of_every_scene(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiled, "COMPILES", False)
+@pytest.mark.parametrize("name", scenes.shipped())
+def test_straight_line_of_every_scene(name: str) -> None:
     scene = scenes.load(name)
     time = np.linspace(0, scene.drive.cycle, 61)
     position = scene.drive.at(time).position
-    assert_same(analytic.fast_solver(scene)(position, time), analytic.solve(scene, position, time))
+    channels = set(known(scene))
+    line = analytic.fast_solver(scene, channels, compiled=False)
+    assert_same(line(position, time), analytic.solve(scene, position, time, channels))
 
 
-@pytest.mark.usefixtures("_route")
-def test_one_machine_and_many() -> None:
+@ROUTES
+def test_one_machine_and_many(*, compiled: bool) -> None:
     """Of those that do not assemble the core has the say, as of one that no file could describe."""
     scene = scenes.load("toggle_press")
-    fast = analytic.fast_solver(scene)
+    fast = analytic.fast_solver(scene, compiled=compiled)
     position = np.linspace(0, 6, 200)
     assert_same(fast(position), analytic.solve(scene, position))
     assert_same(fast(position[:1]), analytic.solve(scene, position[:1]))
@@ -63,39 +62,36 @@ def test_one_machine_and_many() -> None:
         assert off <= SAME * max(np.nanmax(np.abs(samples)), 1e-9), channel
 
 
-def test_what_does_not_reach_is_named_by_the_core(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiled, "COMPILES", False)
+def test_what_does_not_reach_is_named_by_the_core() -> None:
     scene = scenes.load("toggle_press", {"bodies.rocker.lengths.O-P3": 200.0})
     with pytest.raises(Failure, match="P5 cannot be reached"):
-        analytic.fast_solver(scene)(np.linspace(0, 6, 50))
+        analytic.fast_solver(scene, compiled=False)(np.linspace(0, 6, 50))
 
 
-@pytest.mark.usefixtures("_route")
-def test_an_open_branch_is_named_where_nothing_wanted_hangs_on_it() -> None:
+@ROUTES
+def test_an_open_branch_is_named_where_nothing_wanted_hangs_on_it(*, compiled: bool) -> None:
     """The second machine's C lies on the sketched A."""
     scene = scenes.load("four_bar")
     length, (x, y) = scene.units["length"][1], scene.sketch.points["A"]
     changes = {"ground.points.C.0": [0.2 / length, x / length], "ground.points.C.1": [0.0, y / length]}
-    many = analytic.fast_solver(scene, {"A.x"}).many(changes, [0.0, 1.0])
+    many = analytic.fast_solver(scene, {"A.x"}, compiled=compiled).many(changes, [0.0, 1.0])
     assert [status.name for status in many.status] == ["ok", "unsupported"]
     assert many.reason == analytic.solve_many(scene, changes, [0.0, 1.0], channels={"A.x"}).reason
     assert set(many.samples) == {"time", "crank_angle", "A.x"}
 
 
 @SLOW
-def test_machine_code_is_kept_by_its_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_machine_code_is_kept_by_its_text(tmp_path: Path) -> None:
     """Another machine of the topology takes the same code; a kept file that was spoilt is written anew."""
     pytest.importorskip("numba")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(compiled, "COMPILES", True)
     for length in (250.0, 260.0):
         scene = scenes.load("four_bar", {"bodies.rocker.lengths.C-B": length})
-        analytic.fast_solver(scene, {"B.x"})(np.linspace(0, 1, 3))
+        analytic.fast_solver(scene, {"B.x"}, compiled=True)(np.linspace(0, 1, 3))
     (kept,) = (tmp_path / "linkage-crosscheck").glob("*.py")
     text = kept.read_text(encoding="utf-8")
     kept.write_text("raise SystemExit", encoding="utf-8")
-    compiled.kernel_of.cache_clear()
-    found = analytic.fast_solver(scene, {"B.x"})(np.linspace(0, 1, 3))
+    machine_code.kernel_of.cache_clear()
+    found = analytic.fast_solver(scene, {"B.x"}, compiled=True)(np.linspace(0, 1, 3))
     assert kept.read_text(encoding="utf-8") == text
     assert found["B.x"] == pytest.approx(analytic.solve(scene, np.linspace(0, 1, 3))["B.x"], rel=1e-12)
 
@@ -105,8 +101,6 @@ def test_machine_code_is_kept_by_its_text(tmp_path: Path, monkeypatch: pytest.Mo
 def test_where_nothing_can_be_kept(trouble: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The code is made anew, and nothing is left anywhere; files where folders should be stop root too."""
     pytest.importorskip("numba")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(compiled, "COMPILES", True)
     scene, angles = scenes.load("four_bar"), np.linspace(0, 1, 4)
     if trouble == "a file for a folder":
         (tmp_path / "linkage-crosscheck").write_text("", encoding="utf-8")
@@ -120,7 +114,7 @@ def test_where_nothing_can_be_kept(trouble: str, tmp_path: Path, monkeypatch: py
         for place in (folder / "__pycache__", tmp_path / "numba"):
             place.write_text("", encoding="utf-8")
     before = sorted(path.name for path in tmp_path.iterdir())
-    compiled.kernel_of.cache_clear()
-    found = analytic.fast_solver(scene, {"B.x"})(angles)
+    machine_code.kernel_of.cache_clear()
+    found = analytic.fast_solver(scene, {"B.x"}, compiled=True)(angles)
     assert found["B.x"] == pytest.approx(analytic.solve(scene, angles)["B.x"], rel=1e-12)
     assert sorted(path.name for path in tmp_path.iterdir()) == before

@@ -17,6 +17,8 @@ ROUTES = {
     "carried_block": "closed form: crank, RRR, RRP",
     "driven_toggle": "closed form: driven slider, RRR, RRP",
     "slotted_class_iii": "crank, Newton on coupler-plate-upper-block",
+    "class_iii": "crank, Newton on coupler-plate-upper-lower",
+    "toggle_press": "closed form: crank, RRR, RRP",
 }
 
 

@@ -11,7 +11,6 @@ import pytest
 import analytic
 import scenes
 from scenes import Sampling, Scene
-from scenes.machines import numbers_of
 from sim_models.multiprecision.engine import DEFAULT, build
 from tests.comparisons import SLOW
 
@@ -31,7 +30,7 @@ def oracle(scene: Scene) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in QUICK else SLOW) for name in scenes.shipped()])
 def test_along_a_direction(name: str) -> None:
     scene = scenes.load(name)
-    paths = [path for path in numbers_of(scene) if not path.startswith("drive.")]
+    paths = sorted(path for path in scene.numbers if not path.startswith("drive."))
     nominal = np.array(scenes.numbers_in(name, paths))
     size = np.where(nominal == 0, np.abs(nominal).max() * 1e-3, nominal)
     direction = size * np.random.default_rng(len(name)).uniform(-0.1, 0.1, len(nominal))

@@ -7,14 +7,13 @@ import pytest
 
 import analytic
 import scenes
-from analytic import continuation
-from analytic.decomposition import decompose
+from analytic.core import continuation
 from analytic.solve import prepared
-from compare.engines.reference import found as uncertified
+from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Sampling, hard
 from tests.agreement import off_50_digits
 
-from .test_class_iii import all_but_the_driver
+from .newton import as_one_group
 
 EPS = 2.0**-52
 
@@ -57,8 +56,7 @@ def test_a_block_without_inertia_takes_no_moment() -> None:
 def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
     """The dyad as a group, against its closed form: the branch is followed through where it turns in no time."""
     scene = next(step for step in hard.ladder(name).rungs if step.label == label).scene()
-    by_dyads = decompose(scene)
-    by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
+    by_newton = as_one_group(scene)
     least, most = scene.drive.extent
     position = np.linspace(least, most, 3601)
     nearest = position[analytic.solve(scene, position)["B.to_lock"].argmin()]
@@ -76,8 +74,7 @@ def test_newton_passes_close_by_a_lock(name: str, label: str) -> None:
 def test_what_keeps_newton_on_its_branch(monkeypatch: pytest.MonkeyPatch, guard: str) -> None:
     """Without the sign of the determinant it ends on the other branch; without looking back it leaps over the lock."""
     scene = next(step for step in hard.ladder("lock_rrr_folded").rungs if step.label == "1e-7").scene()
-    by_dyads = decompose(scene)
-    by_newton = replace(by_dyads, groups=(all_but_the_driver(scene, by_dyads),))
+    by_newton = as_one_group(scene)
     position = np.linspace(*scene.drive.extent, 3601)
     prepared(scene, by_newton)(position)
     monkeypatch.setattr(continuation, "STRIDE", 1)  # so that steps meet the lock where it can be leapt over

@@ -7,10 +7,9 @@ import pytest
 
 import analytic
 import scenes
-from analytic.dead_points import displacement
-from analytic.decomposition import decompose
-from analytic.inverse import Stroke
-from analytic.kinematics import followed
+from analytic.core.decomposition import decompose
+from analytic.core.kinematics import followed
+from analytic.way.slider import InverseStroke, displacement
 from scenes import Failure, InputError, Scene, Status
 from tests import scene_files
 
@@ -43,22 +42,11 @@ def test_there_and_back(toggle_press: Scene) -> None:
     assert np.abs(analytic.solve(toggle_press, down.position)["P5.y"] - motion["P5.y"]).max() <= 1e-15
 
 
-def test_strokes_end_at_dead_points(toggle_press: Scene) -> None:
+def test_strokes_end_at_dead_points_and_out_of_reach_is_not_a_number(toggle_press: Scene) -> None:
     displaced = displacement(toggle_press, followed(toggle_press, decompose(toggle_press)), "P5")
-    for stroke in analytic.inverse(toggle_press, -1.0):
-        assert np.abs(displaced(np.array([stroke.start, stroke.end]))[1]).max() <= 1e-14
-
-
-def test_out_of_reach_is_not_a_number(toggle_press: Scene) -> None:
     for stroke in analytic.inverse(toggle_press, [-1.2, -1.0, -0.9]):
-        assert np.isnan(stroke.position).tolist() == [True, False, True]
-        assert np.isnan(stroke.rate).tolist() == [True, False, True]
-
-
-def test_a_point_that_does_not_slide() -> None:
-    scene = scene_files.load("slider_crank", {"output": {"point": "A"}})
-    with pytest.raises(InputError, match="A is on no body that slides"):
-        analytic.inverse(scene, 1.0)
+        assert np.abs(displaced(np.array([stroke.start, stroke.end]))[1]).max() <= 1e-14
+        assert np.isnan([stroke.position, stroke.rate]).tolist() == [[True, False, True]] * 2
 
 
 SHORT_ROD = {"bodies.rod.lengths.A-B": 0.5}
@@ -71,17 +59,24 @@ IDLE = {
 }
 
 
-@pytest.mark.parametrize("ends", [{}, {"drive.start": 0.5, "drive.end": 1.5}])
-def test_a_slider_that_never_moves(ends: scene_files.Changes) -> None:
-    """A bar from the ground to a slider of its own: neither tells where the crank is."""
-    with pytest.raises(InputError, match="S stands still wherever the drive is"):
-        analytic.inverse(scene_files.load("slider_crank", IDLE | ends), 1.4)
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"output": {"point": "A"}}, "A is on no body that slides"),
+        # A bar from the ground to a slider of its own: neither tells where the crank is.
+        (IDLE, "S stands still wherever the drive is"),
+        (IDLE | {"drive.start": 0.5, "drive.end": 1.5}, "S stands still wherever the drive is"),
+    ],
+)
+def test_a_point_that_tells_nothing_of_the_drive(changes: scene_files.Changes, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        analytic.inverse(scene_files.load("slider_crank", changes), 1.4)
 
 
 # --- not round the turn -----------------------------------------------------------------------------------------------
 
 
-def driven_as_told(scene: Scene, stroke: Stroke, moved: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+def driven_as_told(scene: Scene, stroke: InverseStroke, moved: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
     """Return how far the drive that a stroke asks for is from moving the output as it moved, relative to its range.
 
     Position, velocity and acceleration follow from displacements by chain rule: s, s' x', s' x'' + s'' x'^2.

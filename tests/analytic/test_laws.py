@@ -7,13 +7,13 @@ from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
 import analytic
-from analytic.decomposition import _Placed, decompose, larger_group, members
+from analytic.core.decomposition import decompose
 from analytic.solve import prepared
-from compare.engines.travel import travels
 from compare.judge.checks import checks
-from compare.judge.errors import SHOWN_GROUPS
+from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
+from compare.mechanics.scales import travels
 from scenes import Sampling, Scene
-from scenes.motion import Samples, channels, force_channels
+from scenes.model.motion import Samples, channels, force_channels
 from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
 from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, solve, where
@@ -21,6 +21,7 @@ from tests.comparisons import all_checks
 from tests.linkage_scenes import linkages, loads_on
 from tests.linkages import numbers, xy
 
+from .newton import as_one_group
 from .views import Change
 
 SOLVED = ("estimate", *SHOWN_GROUPS)
@@ -110,7 +111,7 @@ def test_masses_do_not_change_the_motion(scene: Scene) -> None:
 @given(linkages())
 def test_joints_close_and_forces_and_power_balance(scene: Scene) -> None:
     motion = solve(scene)
-    found = checks(scene, motion, travels(scene, motion))
+    found = checks(Mechanics(scene), motion, travels(scene, motion))
     assert {c.check for c in found} == all_checks(scene)
     for c in found:  # what is summed up rounds, at 5e-15; what is solved for, by its condition
         assert c.worst <= (FORCES if c.check in SOLVED else MOTION), c
@@ -157,14 +158,8 @@ def own_time(scene: Scene, position: Samples, time: Samples) -> Samples:
 @given(scene=linkages(), first=st.integers(0, 1))
 def test_closed_form_and_newton_agree(scene: Scene, first: int) -> None:
     """The last dyads as one larger group, on what the others have placed: no formula in common but the bodies' own."""
-    linkage = decompose(scene)
-    dyads = linkage.groups[: min(first, len(linkage.groups) - 1)]
-    placed = _Placed(scene, linkage.bodies)
-    for body in ("driver", *(body for dyad in dyads for body in members(dyad))):
-        placed.add(body)
-    group = larger_group(placed, tuple(body for body in linkage.carries if body not in placed))
-    time = instants(scene)
-    by_newton = prepared(scene, replace(linkage, groups=(*dyads, group)))(scene.drive.at(time).position, time)
+    linkage, time = as_one_group(scene, min(first, len(decompose(scene).groups) - 1)), instants(scene)
+    by_newton = prepared(scene, linkage)(scene.drive.at(time).position, time)
     motion = solve(scene)
     assert_agree(scene, by_newton, {c: motion[c] for c in channels(scene)})
 

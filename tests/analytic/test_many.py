@@ -9,12 +9,11 @@ from numpy.typing import ArrayLike
 
 import analytic
 import scenes
-from analytic import continuation
-from analytic.decomposition import decompose
-from analytic.kinematics import followed
-from analytic.motion_range import motion_range
+from analytic.core import continuation
+from analytic.core.decomposition import decompose
+from analytic.core.kinematics import followed
+from analytic.way.motion_range import motion_range
 from scenes import Failure, InputError, Scene, Status
-from scenes.machines import numbers_of
 from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files
 
@@ -26,7 +25,7 @@ CLOSE = 1e-10  # of a channel's peak: roundings, times what a scene's conditioni
 def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     """Return other numbers at all paths, off by a share, or by it of a unit where they are zero."""
     draw = np.random.default_rng(seed)
-    written = [path for path in numbers_of(scene) if path != "drive.start"]  # which some files leave out
+    written = [path for path in scene.numbers if path != "drive.start"]  # which some files leave out
     nominal = np.array(scenes.numbers_in(scene_files.path(scene.name), written))
     size = np.where(nominal == 0, 1.0, nominal)
     others = nominal + size * share * draw.uniform(-1, 1, (COUNT, len(nominal)))
@@ -50,6 +49,15 @@ def test_each_machine_is_as_one_of_a_file(name: str) -> None:
             assert off <= CLOSE * max(np.abs(samples).max(), 1e-9), channel
 
 
+def test_one_part_of_a_direction_turns_the_guide() -> None:
+    """Its other part is another one too, of a direction that has the length one."""
+    along, position = "bodies.slider.slides.along.0", np.linspace(0, 6, 7)
+    many = analytic.solve_many(scenes.load("toggle_press"), {along: [0.0, 0.1]}, position)
+    one = analytic.solve(scenes.load("toggle_press", {along: 0.1}), position)
+    for channel, samples in one.samples.items():
+        assert np.abs(many[channel][1] - samples).max() <= CLOSE * max(np.abs(samples).max(), 1e-9), channel
+
+
 def test_a_machine_that_fails_spoils_no_other() -> None:
     scene = scenes.load("toggle_press")
     position = np.linspace(0, 2 * np.pi, 91)
@@ -66,9 +74,9 @@ def test_a_machine_that_fails_spoils_no_other() -> None:
         3: ("mass", "-1"),
     }.items():
         assert all(word in many.reason[machine] for word in words), many.reason[machine]
+    alone = analytic.solve_many(scene, {path: numbers[:1] for path, numbers in changes.items()}, position)
     for machine in (0, 4):
-        one = analytic.solve(scene, position)
-        assert all(np.array_equal(many[channel][machine], one[channel]) for channel in one.samples)
+        assert all(np.array_equal(many[channel][machine], samples[0]) for channel, samples in alone.samples.items())
     reached = np.isfinite(many["P5.y"][1])
     assert 0 < reached.sum() < len(position)
     assert not reached[np.isnan(many["drive.torque"][1])].any()
@@ -177,9 +185,9 @@ def test_a_speed_that_no_file_may_have_is_refused(name: str, end: float | None) 
     speeds = [60.0, 0.0, -60.0, np.nan, 60.0]
     with warnings.catch_warnings(action="error"):
         many = analytic.solve_many(scene, {"drive.speed": speeds}, [0.1])
-    refused = {1: "speed other than zero, found 0", 3: "found nan"}
+    refused = {1: "a number other than zero, found 0", 3: "found nan"}
     if end is not None:
-        refused[2] = f"a position that the speed leads to, found {np.degrees(drive.start) + end:g}"
+        refused[2] = f"below 'start', {np.degrees(drive.start):g} deg, found {np.degrees(drive.start) + end:g} deg"
     for machine, (status, why) in enumerate(zip(many.status, many.reason, strict=True)):
         assert (status is Status.ok) == (machine not in refused), why
         assert refused.get(machine, "") in why
@@ -211,7 +219,10 @@ def test_positions_and_instants_of_another_shape(position: ArrayLike, time: Arra
     with pytest.raises(InputError, match="expected the shape"):
         analytic.solve(scene, position, time)
     if np.ndim(position) < 2:
-        for route in (analytic.fast_solver(scene), lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at)):
+        for route in (
+            analytic.fast_solver(scene),
+            lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at),
+        ):
             with pytest.raises(InputError, match="expected the shape"):
                 route(position, time)
 

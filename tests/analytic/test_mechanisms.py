@@ -9,9 +9,9 @@ import pytest
 import analytic
 import scenes
 from compare.engines.registry import Solve
-from compare.judge.errors import GROUPS
+from compare.mechanics.mechanics import GROUPS
 from scenes import Sampling, Scene
-from scenes.motion import Samples, channels, quantity
+from scenes.model.motion import Samples, channels, quantity
 from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
 from tests.agreement import errors, off_50_digits

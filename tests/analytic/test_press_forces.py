@@ -8,9 +8,10 @@ import pytest
 
 import analytic
 import scenes
-from analytic.dead_points import dead_points, displacement, guide_of, stroke_end
-from analytic.decomposition import decompose
-from analytic.kinematics import followed
+from analytic.core.decomposition import decompose
+from analytic.core.geometry import guide_of
+from analytic.core.kinematics import followed
+from analytic.way.slider import dead_points, displacement, stroke_end
 from scenes import InputError, Scene
 from scenes.scene import PressForce
 from tests import scene_files

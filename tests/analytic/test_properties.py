@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import analytic
 from scenes import Motion, Scene
-from scenes.consistency import check
-from scenes.motion import Samples, channels
+from scenes.file.consistency import check
+from scenes.model.motion import Samples, channels
 from scenes.scene import (
     GROUND,
     Body,

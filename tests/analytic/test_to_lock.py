@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 import analytic
 import scenes
-from analytic.decomposition import decompose
-from analytic.group_equations import Group
-from analytic.kinematics import followed
-from analytic.motion_range import motion_range
+from analytic.core.decomposition import decompose
+from analytic.core.group_equations import Group
+from analytic.core.kinematics import followed
+from analytic.way.motion_range import motion_range
 from scenes import Failure, Motion, Scene
 from scenes.scene import Slide
 from tests import scene_files

@@ -8,7 +8,7 @@ from compare.engines import registry
 from compare.judge.floor import establish
 from compare.judge.measure import measure
 from scenes import Sampling, Scene
-from scenes.motion import channels
+from scenes.model.motion import channels
 from tests import scene_files
 from tests.agreement import errors, worst
 

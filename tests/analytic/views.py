@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import channels, quantity
+from scenes.model.motion import channels, quantity
 from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, PressForce, Slide, Spring, Vector
 from tests.agreement import Channels
 from tests.linkages import xy

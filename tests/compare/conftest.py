@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from compare.report import files
+from compare.report.output import files
 from compare.study import Study
 from scenes import load
 from tests.comparisons import studied

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from compare.arguments import sampling
+from compare.cli.arguments import sampling
 from compare.run import main
 from scenes import Scene
 from tests import scene_files
@@ -30,7 +30,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--turns", "9" * 5000], ["--turns", "from 1 to 10000", "99…'"]),
         (["--samples", "100000", "--turns", "10000"], ["25000000 values", "1000000001 samples of 53 channels"]),
         (["--samples", "36000", "--turns", "15"], ["25000000 values at most", "--channels"]),
-        (["--new", ""], ["--new", "is not a name"]),
+        (["new", ""], ["expected", "new NAME"]),
         (["two\nlines\x1b"], [r"two lines\x1b: no such scene"]),
         (["x" * 5000], ["xxx…: cannot be read (File name too long)"]),
         (["a\0b"], [r"a\x00b: cannot be read (embedded null byte)"]),
@@ -68,6 +68,7 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--vary", "drive.speed=1:2:3", "--workers", "2", "--scheduler", "a:1"], ["--scheduler", "--workers"]),
         (["--vary", "drive.speed=1:2:3", "--scheduler", "x://a"], ["--scheduler x://a", "none answers"]),
         (["--accuracy", "best"], ["--accuracy", "fast, balanced, exact", "'best'"]),
+        (["--accuracy", "fasst"], ["--accuracy", "found 'fasst'; did you mean 'fast'?"]),
         (["--accuracy", "-1e-3"], ["--accuracy"]),
         (["--channels", "P5.y,P5.z"], ["--channels", "toggle_press", "P5.z", "did you mean 'P5.y'"]),
         (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
@@ -119,7 +120,7 @@ def test_a_write_that_fails_leaves_the_old_report(tmp_path: Path, monkeypatch: p
     def disk_full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("compare.report.files.page", disk_full)
+    monkeypatch.setattr("compare.report.output.files.page", disk_full)
     assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 2
     assert (target / "report.html").read_text(encoding="utf-8") == "the old one"
     assert [path.name for path in target.iterdir()] == ["report.html"]

@@ -12,15 +12,15 @@ import pytest
 
 import compare
 from benchmarks.faults import write as write_faults
-from compare.hard.case import Case, examine
-from compare.hard.stability import over_sweeps
-from compare.report.page import page as report_page
+from compare.measure.hard.case import Case, examine
+from compare.measure.hard.stability import over_sweeps
+from compare.report.pages.report import page as report_page
 from compare.run import main
 from compare.study import Study
 from papers.audit import audit
 from papers.audit import write as write_audit
 from papers.clamp.formulas import SCHEME_4
-from papers.clamp.optimisation.report import Outcome
+from papers.clamp.optimisation.report import DesignStudy
 from papers.clamp.optimisation.report import write as write_design
 from papers.clamp.optimisation.study import Effort, study
 from tests import scene_files
@@ -71,7 +71,7 @@ def _many(name: str, *arguments: str) -> Callable[[Study, Path], Path]:
 
 
 def _design(_: Study, folder: Path) -> Path:
-    outcome = Outcome(study(Effort(2, 0), (1.0,), lambda _: None), [], {"ahead": SCHEME_4}, 1.0)
+    outcome = DesignStudy(study(Effort(2, 0), (1.0,), lambda _: None), [], {"ahead": SCHEME_4}, 1.0)
     return write_design(outcome, folder) / "design.html"
 
 
@@ -136,7 +136,7 @@ def drag(plot: "Locator", start: float, end: float) -> None:
 
 
 def shares(of: list[float], within: list[float]) -> tuple[float, ...]:
-    """Return where a range begins and ends within another, as shares of that."""
+    """Where a range begins and ends within another, as shares of that."""
     return tuple((end - within[0]) / (within[1] - within[0]) for end in of)
 
 

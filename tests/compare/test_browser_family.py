@@ -32,7 +32,7 @@ GROUND = "document.querySelector('#chosen [data-point=O]:not([data-turn])').getA
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of a family whose first member cannot run."""
+    """The folder of a family whose first member cannot run."""
     out = tmp_path_factory.mktemp("family")
     asked = ["--vary", f"{ROCKER}=250:310:4", "--engines", "analytic,pymunk", "--samples", "36"]
     assert main(["toggle_press", *asked, "--out", str(out)]) == 0

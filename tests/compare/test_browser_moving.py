@@ -10,7 +10,7 @@ import pytest
 
 from compare.report.linkage.drawing import Drawing
 from compare.study import Study
-from scenes.motion import header
+from scenes.model.motion import header
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -23,30 +23,33 @@ NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
 TO_PX = 1.5  # px: half of a line's width, and what a browser rounds
 
 
+TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
 def scrub(page: "Page", row: int) -> None:
     page.locator("#linkage [type=range]").fill(str(row))
 
 
 def places(page: "Page") -> dict[str, complex]:
-    """Return where the picture shows every point, in its units."""
-    found: dict[str, str] = page.evaluate(
+    """Where the picture shows every point, in its units."""
+    transforms: dict[str, str] = page.evaluate(
         "Object.fromEntries([...document.querySelectorAll('#linkage [data-point]:has(.name)')]"
         ".map(g => [g.dataset.point, g.getAttribute('transform')]))"
     )
-    return {point: complex(*map(float, re.findall(NUMBER, place))) for point, place in found.items()}
+    return {point: complex(*map(float, re.findall(NUMBER, place))) for point, place in transforms.items()}
 
 
 def cursors(page: "Page") -> list[dict[str, Any]]:
-    """Return of every plot over the crank angle where its cursor is, and the ends of its axis; px, degrees."""
-    found: list[dict[str, Any]] = page.evaluate(
+    """Of every plot over the crank angle where its cursor is, and the ends of its axis; px, degrees."""
+    plots: list[dict[str, Any]] = page.evaluate(
         """[...document.querySelectorAll('.plot:has(.cursor)')].map(plot => {
           const line = plot.querySelector('.cursor').getBoundingClientRect();
           const drawn = plot.querySelectorAll('.nsewdrag')[0].getBoundingClientRect();
           return { at: line.left + line.width / 2, top: line.top - drawn.top, start: drawn.left, end: drawn.right,
             range: plot._fullLayout.xaxis2.range, height: line.height };
-        }).filter(found => found.height)"""
+        }).filter(plot => plot.height)"""
     )
-    return found
+    return plots
 
 
 def test_scrubbing_moves_the_linkage(report: "Page", press_study: Study) -> None:
@@ -79,10 +82,10 @@ def test_a_body_turns_with_its_points(report: "Page") -> None:
 def test_all_cursors_follow(report: "Page") -> None:
     for row in (10, ROW):
         scrub(report, row)
-        found = cursors(report)
-        assert len(found) == 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
+        plots = cursors(report)
+        assert len(plots) == 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
         angle = 360 * row / 72
-        for plot in found:
+        for plot in plots:
             least, largest = plot["range"]
             share = (angle - least) / (largest - least)
             assert abs(plot["start"] + share * (plot["end"] - plot["start"]) - plot["at"]) < TO_PX
@@ -102,6 +105,7 @@ def test_the_values_shown_are_those_of_the_files(
     """To the digits shown; what is packed is rounded to 2e-9 of a channel's peak."""
     section = report.locator("section", has=report.locator("> h3", has_text=re.compile(f"^{re.escape(title)}$")))
     section.scroll_into_view_if_needed()
+    report.evaluate(TWO_FRAMES)  # after which the page knows that the section is in view
     for row in (7, ROW):
         scrub(report, row)
         for engine in ENGINES:
@@ -205,8 +209,8 @@ def test_magnified_differences(report: "Page", press_study: Study) -> None:
     motion = press_study.motions["pymunk"]
     state = press_study.motion
 
-    def vector(found: Any) -> complex:
-        return complex(found["P5.x"][ROW], found["P5.y"][ROW])
+    def vector(of: Any) -> complex:
+        return complex(of["P5.x"][ROW], of["P5.y"][ROW])
 
     magnified = vector(state) + float(str(chosen)) * (vector(motion) - vector(state))
     expected = complex(drawing.units(np.array([magnified]))[0])

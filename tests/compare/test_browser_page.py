@@ -32,12 +32,12 @@ CONTRASTS = """() => {
     .reduce((sum, c, k) => sum + [0.2126, 0.7152, 0.0722][k] * c, 0);
   const behind = element => {
     for (let e = element; e; e = e.parentElement) {
-      const found = rgba(getComputedStyle(e).backgroundColor);
-      if (found[3] === 255) return found;
+      const fill = rgba(getComputedStyle(e).backgroundColor);
+      if (fill[3] === 255) return fill;
     }
     return [255, 255, 255];
   };
-  const found = {}, walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const contrasts = {}, walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   while (walker.nextNode()) {
     const element = walker.currentNode.parentElement, style = getComputedStyle(element);
     if (!walker.currentNode.data.trim() || !element.getClientRects().length || style.visibility === 'hidden') continue;
@@ -45,9 +45,9 @@ CONTRASTS = """() => {
     const [text, ground] = [rgba(element.closest('svg') ? style.fill : style.color), behind(element)];
     const [light, dark] = [luminance(text), luminance(ground)].sort((a, b) => b - a);
     const name = `${text.slice(0, 3)} on ${ground.slice(0, 3)}: ${walker.currentNode.data.trim().slice(0, 30)}`;
-    found[`${text} on ${ground}`] = [(light + 0.05) / (dark + 0.05), name];
+    contrasts[`${text} on ${ground}`] = [(light + 0.05) / (dark + 0.05), name];
   }
-  return Object.values(found);
+  return Object.values(contrasts);
 }"""
 
 
@@ -88,9 +88,9 @@ def test_no_sideways_scrolling(report: "Page", width: int) -> None:
 def test_all_text_is_legible(report: "Page", scheme: Any) -> None:
     """Texts of figures and of the linkage too, against the ground behind them."""
     report.emulate_media(color_scheme=scheme)
-    found = report.evaluate(CONTRASTS)
-    assert len(found) >= 8
-    assert [name for contrast, name in found if not (contrast >= LEGIBLE)] == []
+    contrasts = report.evaluate(CONTRASTS)
+    assert len(contrasts) >= 8
+    assert [name for contrast, name in contrasts if not (contrast >= LEGIBLE)] == []
     report.emulate_media(color_scheme="light")
 
 
@@ -153,7 +153,7 @@ def test_first_paint_is_no_later_than_three_empty_pages(browser: "Browser", pres
 
 
 def first_paint(browser: "Browser", path: Path) -> float:
-    """Return the time to the first contentful paint, ms."""
+    """The time to the first contentful paint, ms."""
     page = browser.new_page()
     page.goto(path.as_uri(), wait_until="commit")
     page.wait_for_function("performance.getEntriesByName('first-contentful-paint').length")

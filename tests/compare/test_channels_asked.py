@@ -10,9 +10,8 @@ import pandas as pd
 import pytest
 
 import scenes
-from compare.arguments import accuracy, matching
+from compare.cli.arguments import accuracy, matching
 from compare.engines import registry, runner
-from compare.engines.reference import Reference, found
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
@@ -20,11 +19,14 @@ from compare.judge.measure import assess
 from compare.judge.peaks.peaks import peaks
 from compare.judge.triage import sentences
 from compare.judge.verdict import compared, judged
-from compare.report import files as output
-from compare.report import tables
-from compare.report.curves import Panel, panels
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import Reference, uncertified
+from compare.mechanics.round_off import explain
+from compare.report.figures.curves import Panel, panels
+from compare.report.output import files as output
+from compare.report.tables import study as tables
 from scenes import InputError, Motion, Request, Sampling, Settings, Status
-from scenes.motion import channels, header
+from scenes.model.motion import channels, header
 from tests import scene_files
 from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, studied
 
@@ -132,16 +134,17 @@ def motion_of(reference: Reference, *patterns: str) -> Motion:
 )
 def test_checks_that_have_their_channels(reference: Reference, patterns: list[str], made: set[str]) -> None:
     motion = motion_of(reference, *patterns)
-    assert {check.of for check in checks(reference.scene, motion, reference.travel) if check.check != "drive"} == made
+    found = checks(reference.mechanics, motion, reference.travel)
+    assert {check.of for check in found if check.check != "drive"} == made
     whole = reference.at(motion["crank_angle"], motion["time"])
-    everything = checks(reference.scene, whole, reference.travel)
+    everything = checks(reference.mechanics, whole, reference.travel)
     assert {check.check for check in everything} == all_checks(reference.scene)
 
 
 def test_a_slot_needs_its_carrier(studies: Studies) -> None:
     few = studies("shaper", "block.*")
     assert {check.check for check in few.measurements[0].checks} == {"drive"}
-    made = checks(few.scene, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.travel)
+    made = checks(few.reference.mechanics, motion_of(few.reference, "*.x", "*.y", "*.angle"), few.reference.travel)
     assert {check.of for check in made if check.check == "closure"} == set(few.scene.bodies)
 
 
@@ -154,7 +157,7 @@ def test_a_wrong_run_is_noticed_by_what_is_left(reference: Reference, patterns: 
     moved = {c: motion[c] + 0.1 * reference.stroke for c in ("P5.x", "P5.y") if c in motion}
     wrong = Motion(dict(motion.samples) | moved)
     run = Run("stub", None, Status.ok, motion=wrong)
-    made = checks(scene, wrong, reference.travel)
+    made = checks(Mechanics(scene), wrong, reference.travel)
     comparison = compare(reference, SAMPLING, wrong)
     verdict = compared(judged(run, made), scene, comparison, comparison.commanded)
     assert verdict.status is status
@@ -165,7 +168,7 @@ def test_one_channel_of_a_press_on_its_switch() -> None:
 
     The middle sample is the lower dead point, where the press force ends and rounding decides whether it acts.
     """
-    pressing = found(scene_files.load("crank_press", {"drive.start": 90}))
+    pressing = uncertified(scene_files.load("crank_press", {"drive.start": 90}))
     scene = pressing.scene
     without = of_scene(pressing, replace(scene, loads=()))
     on, off = (commanded(reference) for reference in (pressing, without))
@@ -178,7 +181,7 @@ def test_one_channel_of_a_press_on_its_switch() -> None:
             right = {c: np.where(on_switch, side[c], on[c]) for c in few.wanted(scene)}
             spoilt = right | {channel: 1.1 * right[channel] + 0.1 * pressing.scale[channel]}
             runs = (Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=Motion(m)) for m in (right, spoilt))
-            well, badly = (assess(pressing, few, run) for run in runs)
+            well, badly = (assess(pressing, few, run, explain(pressing, few)) for run in runs)
             assert well.run.status is Status.ok, well.run.reason
             assert badly.run.status is not Status.ok, channel
             assert len(sentences(pressing, few, [badly], set())) <= 1  # of one number a cause may be unknown
@@ -211,7 +214,7 @@ def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
             return real(self.name).build(scene, settings, request)
 
     monkeypatch.setattr(registry, "engine", Spy)
-    monkeypatch.setattr("compare.study.workers", lambda *_: nullcontext(runner))  # to see the engines at work
+    monkeypatch.setattr("compare.study.workers", lambda *_: nullcontext(runner.HERE))  # to see the engines at work
     few = frozenset({"P5.y"})
     studied(scenes.load("toggle_press"), sampling=Sampling(72, channels=few))
     assert {name for name, _ in seen} == {"analytic", "multiprecision"}

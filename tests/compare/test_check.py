@@ -66,7 +66,7 @@ def test_the_force_of_the_drive_is_a_group_of_its_own(key: str) -> None:
 
 
 def test_no_clock_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("compare.engines.workers.Workers.timed", None)
+    monkeypatch.setattr("compare.engines.processes.workers.Workers.timed", None)
     result = compare.check("four_bar", engines=("analytic",), samples=72, accuracy=1e-4)
     assert result.ok
     assert "cheapest measured to be within 0.0001" in result.reasons[0]

@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
-from compare.command_line import TRACEBACK, Parser, command
+from compare.cli.command import TRACEBACK, Parser, command
 from scenes import InputError
 from tests.comparisons import SLOW
 
 COMMANDS = ("compare.run", "benchmarks.faults", "papers.audit", "papers.optimise")
-START = "import os, signal, sys; from compare.command_line import command, shown_progress, starting\n"
+START = "import os, signal, sys; from compare.cli.command import command, shown_progress, starting\n"
 IMPORTING = START + "with starting('__main__'):\n    {}\n"
 RUNNING = IMPORTING.format("pass") + "def run():\n    {}\n    return 0\nsys.exit(command(run)())"
 
@@ -36,32 +36,45 @@ def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) 
 # --- what ends a program, while it imports and later ------------------------------------------------------------------
 
 
+MEMORY = "not enough memory: ask for fewer samples or turns, or raise the limit"
+KILL = "os.kill(os.getpid(), signal.{})"
+TURNED = "try: " + KILL + "\n    except BaseException: raise ImportError from None"
+ENDS = {
+    KILL.format("SIGINT"): (130, STOPPED),
+    KILL.format("SIGTERM"): (143, ENDED),
+    TURNED.format("SIGINT"): (130, STOPPED),
+    TURNED.format("SIGTERM"): (143, ENDED),
+    "import no_such_package": (2, "cannot be imported: No module named 'no_such_package'"),
+    "raise MemoryError": (2, MEMORY),
+    "bytearray(10**18)": (2, MEMORY),
+    "raise OSError(12, 'Cannot allocate memory')": (2, "not enough memory: [Errno 12] Cannot allocate memory"),
+    "raise KeyError('a\\nb')": (70, f"internal error: KeyError: 'a\\nb'; {TRACEBACK}=1 shows where"),
+    "raise ValueError('a\\nb')": (70, f"internal error: ValueError: a b; {TRACEBACK}=1 shows where"),
+}
+
+
 @pytest.mark.parametrize("program", [IMPORTING, RUNNING])
+@pytest.mark.parametrize("stop", ENDS)
+def test_one_line_and_a_status(program: str, stop: str) -> None:
+    status, line = ENDS[stop]
+    assert ended(program.format(stop)) == (status, "", f"{line}\n")
+
+
 @pytest.mark.parametrize(
     ("stop", "status", "line"),
     [
-        ("os.kill(os.getpid(), signal.SIGINT)", 130, STOPPED),
-        ("os.kill(os.getpid(), signal.SIGTERM)", 143, ENDED),
-        ("import no_such_package", 2, "cannot be imported: No module named 'no_such_package'"),
-        (
-            "try: os.kill(os.getpid(), signal.SIGINT)\n    except BaseException: raise ImportError from None",
-            130,
-            STOPPED,
-        ),
-        (
-            "try: os.kill(os.getpid(), signal.SIGTERM)\n    except BaseException: raise ImportError from None",
-            143,
-            ENDED,
-        ),
-        ("raise MemoryError", 2, "not enough memory: ask for fewer samples or turns, or raise the limit"),
-        ("bytearray(10**18)", 2, "not enough memory: ask for fewer samples or turns, or raise the limit"),
-        ("raise OSError(12, 'Cannot allocate memory')", 2, "not enough memory: [Errno 12] Cannot allocate memory"),
-        ("raise KeyError('a\\nb')", 70, f"internal error: KeyError: 'a\\nb'; {TRACEBACK}=1 shows where"),
-        ("raise ValueError('a\\nb')", 70, f"internal error: ValueError: a b; {TRACEBACK}=1 shows where"),
+        (InputError("mine.toml: no such file"), 2, "mine.toml: no such file"),
+        (KeyboardInterrupt("stopped; half is written"), 130, "stopped; half is written"),
+        (SystemExit("usage"), 70, f"internal error: SystemExit: usage; {TRACEBACK}=1 shows where"),
     ],
 )
-def test_one_line_and_a_status(program: str, stop: str, status: int, line: str) -> None:
-    assert ended(program.format(stop)) == (status, "", f"{line}\n")
+def test_what_stops_a_command(stop: BaseException, status: int, line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    @command
+    def main() -> int:
+        raise stop
+
+    assert main() == status
+    assert capsys.readouterr() == ("", f"{line}\n")
 
 
 def test_a_stop_of_code_from_a_string_ends_a_module_that_is_run_with_the_same_status(tmp_path: Path) -> None:
@@ -90,8 +103,8 @@ def test_a_second_stop_while_the_first_ends_the_program_does_nothing(program: st
 
 
 def test_what_terminates_a_program_lets_it_clean_up() -> None:
-    code = "try: os.kill(os.getpid(), signal.SIGTERM)\n    finally: print('clean')"
-    assert ended(RUNNING.format(code)) == (143, "clean\n", "terminated; nothing more was written\n")
+    code = f"try: {KILL.format('SIGTERM')}\n    finally: print('clean')"
+    assert ended(RUNNING.format(code)) == (143, "clean\n", f"{ENDED}\n")
 
 
 def test_the_place_of_an_internal_error_is_shown_on_request() -> None:
@@ -107,46 +120,45 @@ def test_nothing_heavy_is_imported_before_a_stop_is_reported() -> None:
     assert ended(code) == (0, "set()\n", "")
 
 
-def test_too_little_memory_is_found_at_once() -> None:
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_AS, (400 * 2**20, 400 * 2**20))
+def test_what_windows_lacks_is_not_needed_to_start() -> None:
+    """Processes are not begun there in this test, only everything is imported that a run imports."""
+    lacking = "del time.clock_gettime; sys.modules |= dict.fromkeys(('fcntl', 'grp', 'pwd', 'resource'))"
+    assert ended(f"import sys, time; {lacking}; import compare.run, compare.cli.report") == (0, "", "")
 
+
+def little_memory() -> None:
+    """Let the process have less address space than imports need."""
+    resource.setrlimit(resource.RLIMIT_AS, (400 * 2**20, 400 * 2**20))
+
+
+def test_too_little_memory_is_found_at_once() -> None:
     line = "not enough memory: the limit is 400 MB, and 512 MB of address space are needed\n"
-    assert ended(IMPORTING.format("print('imported')"), preexec_fn=limit) == (2, "", line)
+    assert ended(IMPORTING.format("print('imported')"), preexec_fn=little_memory) == (2, "", line)
 
 
 # --- streams ----------------------------------------------------------------------------------------------------------
 
 
-def test_output_that_cannot_be_written_costs_no_work() -> None:
-    """The rest is still done, in which much or little is printed."""
-    for size in (1, 10**6):
-        with Path("/dev/full").open("w") as full:
-            code = RUNNING.format(f"print('x' * {size}); print('x' * {size}); print('done', file=sys.stderr)")
-            status, _, err = ended(code, stdout=full)
-        assert status == 2
-        assert err == "done\nstandard output: No space left on device; what was to be printed is lost\n"
-
-
-def test_the_status_of_a_check_outlives_its_output() -> None:
-    code = RUNNING.format("print('x' * 10**6); return 1")
+@pytest.mark.parametrize("size", [1, 10**6])
+def test_output_that_cannot_be_written_costs_no_work(size: int) -> None:
+    """The rest is still done, in which much or little is printed, and the status is that of the work."""
+    code, writes = f"print('x' * {size}); print('done', file=sys.stderr)", f"print('x' * {size}); "
+    lost = "standard output: No space left on device; what was to be printed is lost"
     with Path("/dev/full").open("w") as full:
-        assert ended(code, stdout=full)[0] == 1
+        assert ended(RUNNING.format(writes + code), stdout=full) == (2, None, f"done\n{lost}\n")
+        assert ended(RUNNING.format(f"{writes}return 1"), stdout=full)[0] == 1
     reader, writer = os.pipe()
     os.close(reader)
-    for size in (1, 10**6):
-        code = RUNNING.format(f"print('x' * {size}); return 1")
-        assert ended(code, stdout=writer) == (1, None, "")
+    assert ended(RUNNING.format(f"{writes}return 1"), stdout=writer) == (1, None, "")
     os.close(writer)
 
 
-@pytest.mark.parametrize("closed", [(2,), (1, 2), (0, 1, 2)])
-def test_streams_that_are_closed(closed: tuple[int, ...], tmp_path: Path) -> None:
-    """A file that is opened then does not get what is printed, by whoever prints to the descriptors."""
+@pytest.mark.parametrize("closed", [2, 1, 0])
+def test_streams_that_are_closed(closed: int, tmp_path: Path) -> None:
+    """That one and all after it: a file that is opened then does not get what is printed to the descriptors."""
 
     def close() -> None:
-        for descriptor in closed:
-            os.close(descriptor)
+        os.closerange(closed, 3)
 
     file = tmp_path / "file"
     work = f"f = open({str(file)!r}, 'w'); os.write(2, b'stray'); os.write(1, b''); f.write('whole'); raise ValueError"
@@ -155,12 +167,10 @@ def test_streams_that_are_closed(closed: tuple[int, ...], tmp_path: Path) -> Non
     assert file.read_text(encoding="utf-8") == "whole"
 
 
-def test_an_error_that_cannot_be_printed_keeps_its_status() -> None:
+def test_what_cannot_be_printed() -> None:
+    """An error keeps its status, and a letter that the output does not have is spelt."""
     with Path("/dev/full").open("w") as full:
         assert ended(RUNNING.format("raise ValueError"), stderr=full)[0] == 70
-
-
-def test_letters_that_an_output_does_not_have() -> None:
     code = RUNNING.format("print('\\u03b8 is an angle')")
     assert ended(code, {"PYTHONIOENCODING": "ascii"}) == (0, "\\u03b8 is an angle\n", "")
 
@@ -212,6 +222,11 @@ def test_an_exit_that_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     assert "usage" in capsys.readouterr().out
 
 
+def test_bad_arguments_are_named_with_the_usage() -> None:
+    with pytest.raises(InputError, match=r"arguments: unrecognized arguments: x; usage: run \[--out DIR\]"):
+        Parser("run", "run [--out DIR]").parse_args(["x"])
+
+
 # --- the real ones ----------------------------------------------------------------------------------------------------
 
 
@@ -219,30 +234,20 @@ def test_an_exit_that_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("module", COMMANDS)
 def test_every_command_ends_in_one_line(module: str, tmp_path: Path) -> None:
     """While it imports, by Ctrl-C and SIGTERM; by a name that no folder can have, and little memory."""
-    base = [sys.executable, "-m", module]
 
-    def end(*arguments: str, **options: Any) -> tuple[int, str]:
-        done = subprocess.run([*base, *arguments], capture_output=True, text=True, check=False, timeout=60, **options)
-        assert done.stdout == ""
-        return done.returncode, done.stderr
+    def end(status: int, *arguments: str, stop: int = 0, after: float = 0.0, **options: Any) -> None:
+        command = [sys.executable, "-m", module, *arguments]
+        options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+        with subprocess.Popen(command, cwd=tmp_path, **options) as process:
+            if stop:
+                sleep(after)
+                os.killpg(process.pid, stop)
+            out, err = process.communicate(timeout=60)
+        assert (process.returncode, err.count("\n")) == (status, 1), err
+        assert stop or not out, "what is refused prints no result; what is stopped may have some by then"
 
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_AS, (400 * 2**20, 400 * 2**20))
-
-    for (status, err), expected in (
-        (end("--out", "x" * 300, cwd=tmp_path), 2),
-        (end(preexec_fn=limit, cwd=tmp_path), 2),
-        (stopped(base, SIGINT, 0.3, tmp_path), 130),
-        (stopped(base, SIGTERM, 0.6, tmp_path), 143),
-    ):
-        assert status == expected, err
-        assert err.count("\n") == 1, err
+    end(2, "--out", "x" * 300)
+    end(2, preexec_fn=little_memory)
+    end(130, stop=SIGINT, after=0.3)
+    end(143, stop=SIGTERM, after=0.6)
     assert list(tmp_path.iterdir()) == []
-
-
-def stopped(arguments: list[str], signal: int, after: float, folder: Path) -> tuple[int, str]:
-    """Return how a command ends that gets a signal after some seconds."""
-    with subprocess.Popen(arguments, cwd=folder, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
-        sleep(after)
-        os.killpg(process.pid, signal)
-        return process.wait(60), process.communicate()[1]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from compare.report.placing import placed
+from compare.report.output.placing import placed
 from tests.comparisons import SLOW
 from tests.killed import compared, completed, digests, killed
 
@@ -17,7 +17,7 @@ KILLS, MOST_KILLS = 6, 40  # one in three meets a folder that is being written
 WRITER = """
 from itertools import count
 from pathlib import Path
-from compare.report.placing import placed
+from compare.report.output.placing import placed
 for number in count():
     with placed(Path({out!r}), "name", ("*.csv",)) as aside:
         for file in range(20):
@@ -33,18 +33,18 @@ def test_a_kill_leaves_a_whole_result(tmp_path: Path) -> None:
         for file in range(20):
             (aside / f"{file}.csv").write_text("older", encoding="utf-8")
     (place / "notes.txt").write_text("the user's", encoding="utf-8")
-    begun, leftovers, kills = completed(["-c", "import compare.report.placing"]), 0, 0
+    begun, leftovers, kills = completed(["-c", "import compare.report.output.placing"]), 0, 0
     while kills < KILLS or not leftovers:
         kills += 1
         assert kills <= MOST_KILLS, "no kill met a folder that was being written"
-        found = killed(["-c", WRITER.format(out=str(tmp_path))], place, begun + draw.uniform(0.1, 1.0))
-        assert not found.finished
-        assert found.processes == 0
+        run = killed(["-c", WRITER.format(out=str(tmp_path))], place, begun + draw.uniform(0.1, 1.0))
+        assert not run.finished
+        assert run.processes == 0
         files = {path.name: path.read_text(encoding="utf-8") for path in place.iterdir()}
         assert files.pop("notes.txt") == "the user's"
         assert len(files) == 20
         assert len({*files.values()}) == 1
-        leftovers += len(found.left)
+        leftovers += len(run.left)
     with placed(tmp_path, "name", OWN) as aside:
         (aside / "0.csv").write_text("", encoding="utf-8")
     assert list(tmp_path.iterdir()) == [place]

@@ -7,9 +7,9 @@ import pytest
 import compare
 import scenes
 from compare.engines import registry
-from compare.judge.judgement import Judgement
+from compare.judge.agreement import Judgement
 from compare.run import main
-from scenes.motion import kinematic_channels
+from scenes.model.motion import kinematic_channels
 from tests.comparisons import SLOW
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 WITHOUT = {  # packages, the part of plotly that checks figures, what is for families, failures and `--check`
     *("dask", "exudyn", "flint", "narwhals", "numpy.ma", "pandas", "pint"),
     *("plotly.graph_objects", "pymunk", "rich", "scipy"),
-    *("compare.family.family", "compare.judge.canaries", "compare.hard.case", "compare.judge.triage"),
+    *("compare.measure.many.family", "compare.judge.canaries", "compare.measure.hard.case", "compare.judge.triage"),
 }
 CODE = "import sys; from compare.run import main; main(sys.argv[1:]); print(*sys.modules)"
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from compare.family.family import INVALID, Member
+from compare.measure.many.family import INVALID, Member
 from compare.run import main
 from tests import scene_files
 
 ASKED = [str(scene_files.path("slider_crank")), "--engines", "analytic", "--samples", "8", "--open"]
-NO_MEMBERS = "compare.family.going_on.members", lambda *_: [Member({"drive.speed": 1.0}, INVALID, "not run")]
+NO_MEMBERS = "compare.measure.many.going_on.members", lambda *_: [Member({"drive.speed": 1.0}, INVALID, "not run")]
 FAMILY = ["--vary", "drive.speed=1:2:2"]
 
 
@@ -39,7 +39,7 @@ def test_a_page_that_is_not_written_is_not_opened(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(*NO_MEMBERS)
-    monkeypatch.setattr("compare.report.family.page.page", full)
+    monkeypatch.setattr("compare.report.pages.many.family_page", full)
     assert main([*ASKED, *FAMILY, "--out", str(tmp_path / "out")]) == 2
     assert not opened.exists()
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from compare import prediction
-from compare.prediction import announce, predicted
+from compare.cli import cost as prediction
+from compare.cli.cost import announce, predicted
 from compare.run import main
 from scenes import InputError, Sampling, load
 from tests.chain import chain

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,11 @@ import pandas as pd
 import pytest
 
 from compare.engines import registry
-from compare.report.files import _write_motion
+from compare.measure.speed.timing import LEAST_ROUNDS, PATIENCE
+from compare.report.output.files import _write_motion
 from compare.run import main
-from compare.speed.timing import LEAST_ROUNDS, PATIENCE
 from scenes import Motion, Scene
-from scenes.motion import channels, header
+from scenes.model.motion import channels, header
 from tests import scene_files
 
 
@@ -54,7 +55,7 @@ def test_a_motion_file_is_the_text_that_pandas_writes(
     block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ten rows, in blocks of which the last may be short."""
-    monkeypatch.setattr("compare.report.files.BLOCK", block)
+    monkeypatch.setattr("compare.report.output.files.BLOCK", block)
     numbers = [0.0, -0.0, 1.0, -1e22, 1e16, 5e-324, 0.1 + 0.2, 1 / 3, -1.7976931348623157e308, np.pi]
     motion = Motion({"time": np.arange(10) / 360, "P5.y": np.array(numbers), "P3/rod.fx": np.zeros(10)})
     _write_motion(motion, tmp_path / "motion.csv")
@@ -190,11 +191,24 @@ def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> Non
     assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"], "the folder aside must go"
 
 
-def test_list(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--list"]) == 0
+@pytest.mark.parametrize("words", [["list"], ["--list"], ["four_bar", "--list"]])
+def test_list(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 0
     said = capsys.readouterr().out
     for name in ("toggle_press", *registry.ENTRIES):
         assert name in said
+
+
+@pytest.mark.parametrize("words", [["version"], ["--version"]])
+def test_version(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 0
+    assert capsys.readouterr().out == f"linkage-crosscheck {version('linkage-crosscheck')}\n"
+
+
+@pytest.mark.parametrize("words", [["new"], ["new", "a", "b"], ["map", "four_bar"], ["map", "a", "b", "c=d.csv"]])
+def test_a_command_of_other_words_shows_its_own(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith(f"arguments: expected python -m compare.run {words[0]} ")
 
 
 # --- tolerances -------------------------------------------------------------------------------------------------------
@@ -240,7 +254,7 @@ def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
 
 @pytest.mark.usefixtures("few_settings")
 def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--new", str(tmp_path / "mine")]) == 0
+    assert main(["new", str(tmp_path / "mine")]) == 0
     file = tmp_path / "mine.toml"
     assert str(file) in capsys.readouterr().out
     assert main([str(file), "--check", "--out", str(tmp_path)]) == 0

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from signal import SIGINT, default_int_handler, getsignal, raise_signal
 
@@ -10,11 +10,11 @@ import pytest
 
 import scenes
 from compare.engines import registry
+from compare.engines.processes.stopping import Stopped, stoppable
 from compare.engines.registry import DEFAULT_ENGINES
-from compare.engines.stopping import Stopped, kept, stoppable
-from compare.report.files import REPORT, _may_be_complete
+from compare.measure.speed.timing import Budget
+from compare.report.output.files import REPORT, _may_be_complete
 from compare.run import main
-from compare.speed.timing import Budget
 from compare.study import study
 from scenes import Motion, Sampling
 from tests.comparisons import Plug, only_few_settings
@@ -28,15 +28,6 @@ def test_the_first_asks_and_the_second_stops() -> None:
         with pytest.raises(KeyboardInterrupt):
             raise_signal(SIGINT)
     assert getsignal(SIGINT) is default_int_handler
-
-
-def test_what_came_before_a_stop_is_kept() -> None:
-    def items() -> Iterator[int]:
-        yield 1
-        yield 2
-        raise Stopped
-
-    assert list(kept(items())) == [1, 2]
 
 
 def stopped_after(words: str) -> list[str]:
@@ -56,23 +47,13 @@ def stopped_after(words: str) -> list[str]:
 
 
 def test_a_study_that_is_stopped_says_what_is_left_out() -> None:
-    engines = list(DEFAULT_ENGINES)
-    settings = 4 * len(engines)
-    none, some = f"0 of {settings} settings", f"3 of {settings} settings"
-    assert stopped_after("running analytic") == [
-        "analytic",
-        "0",
-        "stopped before running exudyn, pymunk",
-        f"stopped when {none} had been measured, and none timed",
-    ]
-    assert stopped_after("running pymunk") == [*engines, "0", f"stopped when {none} had been measured, and none timed"]
-    *_, third = registry.engine("analytic").WORK_PRECISION[:3]
-    assert stopped_after(f"analytic, {third.label}") == [
-        *engines,
-        "3",
-        f"stopped when {some} had been measured, and none timed",
-    ]
-    assert stopped_after("timing") == [*engines, str(settings)]
+    engines, of = [*DEFAULT_ENGINES], 4 * len(DEFAULT_ENGINES)
+    none, three = (f"stopped when {n} of {of} settings had been measured, and none timed" for n in (0, 3))
+    third = registry.engine("analytic").WORK_PRECISION[2].label
+    assert stopped_after("running analytic") == ["analytic", "0", "stopped before running exudyn, pymunk", none]
+    assert stopped_after("running pymunk") == [*engines, "0", none]
+    assert stopped_after(f"analytic, {third}") == [*engines, "3", three]
+    assert stopped_after("timing") == [*engines, str(of)]
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -115,21 +96,13 @@ def is_complete(place: Path) -> bool:
     return bool(json.loads((place / "summary.json").read_text(encoding="utf-8"))["complete"])
 
 
-@pytest.mark.parametrize(
-    ("files", "complete"),
-    [
-        ({}, False),
-        ({"notes.txt": ""}, False),
-        ({"report.html": ""}, True),  # by another version, or another program
-        ({"summary.json": "{}"}, True),
-        ({"summary.json": '{"complete": true}'}, True),
-        ({"summary.json": '{"complete": false}', "report.html": ""}, False),
-        ({"summary.json": "[" * 100_000}, True),
-        ({"summary.json": "null"}, True),
-        ({"summary.json": "\udcff"}, True),
-    ],
-)
-def test_what_may_be_complete_is_not_replaced(files: Mapping[str, str], complete: bool, tmp_path: Path) -> None:
+SUMMARIES = ("{}", '{"complete": true}', "[" * 10**5, "null", "\udcff")
+NOT_COMPLETE = [{}, {"notes.txt": ""}, {"summary.json": '{"complete": false}', "report.html": ""}]
+MAY_BE = [{"report.html": ""}, *({"summary.json": text} for text in SUMMARIES)]  # also by another version or program
+
+
+@pytest.mark.parametrize("files", [*NOT_COMPLETE, *MAY_BE])
+def test_what_may_be_complete_is_not_replaced(files: Mapping[str, str], tmp_path: Path) -> None:
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8", errors="surrogateescape")
-    assert _may_be_complete(tmp_path, REPORT) is complete
+    assert _may_be_complete(tmp_path, REPORT) is (files in MAY_BE)

@@ -9,10 +9,10 @@ import numpy as np
 
 from compare.engines import registry
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.evidence import Kind
-from compare.judge.perturbation import put
+from compare.judge.causes.cause import Kind
 from scenes import Failure, Motion
-from scenes.motion import Samples
+from scenes.model.motion import Samples
+from scenes.numbers import put
 
 from .fault import Clean, Fault
 from .read_out import signs, vectors_in_other_frames
@@ -85,7 +85,9 @@ def _breathing(clean: Clean) -> Iterator[Fault]:
     bars = [(name, pair) for name, body in scene.bodies.items() for pair in body.lengths or ()]
     for by in (0.01, 5 * clean.promise):
         for name, pair in clean.some(bars, f"breathing {by}"):
-            longer = put(scene, ("bodies", name, "lengths", pair), (1 + by) * (scene.bodies[name].lengths or {})[pair])
+            longer = put(
+                scene, {("bodies", name, "lengths", pair): (1 + by) * (scene.bodies[name].lengths or {})[pair]}
+            )
             try:
                 wrong = registry.reference(longer)(clean.true[clean.drive], time)
             except Failure:

@@ -8,14 +8,14 @@ from zlib import crc32
 
 import numpy as np
 
-from compare.engines.motion_vectors import MotionVectors
-from compare.engines.reference import sizes
-from compare.judge.canaries.clean import CleanRun
 from compare.judge.canaries.sizes import apart
+from compare.judge.canaries.thinned import CleanRun
 from compare.judge.causes.parts import stem
-from compare.judge.errors import GROUPS
+from compare.mechanics.mechanics import GROUPS
+from compare.mechanics.motion_vectors import MotionVectors
+from compare.mechanics.scales import sizes
 from scenes import Motion, Scene, Settings
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 
 Item = TypeVar("Item")
 

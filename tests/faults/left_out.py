@@ -7,12 +7,12 @@ from functools import partial
 import numpy as np
 
 from compare.engines import registry
-from compare.engines.motion_vectors import MotionVectors, Vectors, inertia
-from compare.engines.press_switches import press_forces
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
+from compare.mechanics.bodies import inertia
+from compare.mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from scenes import Motion
-from scenes.motion import force_channels
+from scenes.model.motion import force_channels
 from scenes.scene import GROUND, Force
 
 from .fault import Clean, Fault

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from compare.report.html import render
+from compare.report.pages.html import render
 
 from .rates import let_through, rates
 from .table import Record

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 import pandas as pd
 
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
 
 from .table import Record
 

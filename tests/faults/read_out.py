@@ -8,11 +8,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compare.engines.motion_vectors import Vectors, first_point
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
+from compare.mechanics.bodies import first_point
+from compare.mechanics.motion_vectors import Vectors
 from scenes import Motion
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 from scenes.scene import GROUND
 
 from .fault import OF_BODIES, OF_POINTS, Clean, Fault

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
 from compare.judge.causes.parts import common, stem
-from compare.judge.errors import GROUPS
+from compare.mechanics.mechanics import GROUPS
 from scenes import Failure, Motion
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed
 
 from .fault import OF_BODIES, Clean, Fault

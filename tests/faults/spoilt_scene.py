@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from compare.engines.motion_vectors import distances, inertia
-from compare.judge.causes.evidence import Kind
-from compare.judge.causes.geometry import rescaled
-from compare.judge.perturbation import put
+from compare.judge.causes.cause import Kind
+from compare.mechanics.bodies import distances, inertia
+from compare.mechanics.perturbation import inputs
 from scenes import Scene
+from scenes.numbers import put
 from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce
 
 from .fault import Clean, Fault
@@ -57,8 +57,8 @@ def masses(clean: Clean) -> Iterator[Fault]:
                     yield fault(f"centre of mass {way} the body", by, Kind.com, name, **changes)
     for one, other in clean.some(pairwise(heavy), "swapped"):
         if scene.bodies[one].mass != scene.bodies[other].mass:
-            spoilt = put(scene, ("bodies", one, "mass"), scene.bodies[other].mass or 0.0)
-            spoilt = put(spoilt, ("bodies", other, "mass"), scene.bodies[one].mass or 0.0)
+            masses = {one: scene.bodies[other].mass or 0.0, other: scene.bodies[one].mass or 0.0}
+            spoilt = put(scene, {("bodies", name, "mass"): mass for name, mass in masses.items()})
             yield Fault("inertia", "the masses of two bodies swapped", 1, Kind.mass, one, scene=spoilt)
     for kind, factor in {"no masses at all": 0.0, "all masses": 1.1, "all masses in g": 1e3}.items():
         spoilt = scene
@@ -112,30 +112,37 @@ def geometry(clean: Clean) -> Iterator[Fault]:
     for by in (0.03, 0.003, 5 * clean.promise, -0.01):
         for name, pair in clean.some(bars, f"length {by}"):
             length = (scene.bodies[name].lengths or {})[pair]
-            spoilt = put(scene, ("bodies", name, "lengths", pair), (1 + by) * length)
+            spoilt = put(scene, {("bodies", name, "lengths", pair): (1 + by) * length})
             yield fault("length", by, Kind.length, name, spoilt)
         for name, point in clean.some(arms, f"point {by}"):
             x, y = (scene.bodies[name].local or {})[point]
             for way, dx, dy in (("along", by * x, by * y), ("across", -by * y, by * x)):
-                spoilt = put(scene, ("bodies", name, "local", point), (x + dx, y + dy))
+                spoilt = put(scene, {("bodies", name, "local", point): (x + dx, y + dy)})
                 yield fault(f"a body's point, {way}", by, Kind.length, name, spoilt)
         for point in clean.some(used, f"ground {by}"):
             x, y = scene.ground[point]
             for axis, dx, dy in (("x", by * size, 0.0), ("y", 0.0, by * size)):
-                spoilt = put(scene, ("ground", point), (x + dx, y + dy))
+                spoilt = put(scene, {("ground", point): (x + dx, y + dy)})
                 yield fault(f"a ground point: {axis}", by, Kind.place, point, spoilt)
         for name in clean.some(guides, f"guide {by}"):
             slide = scene.bodies[name].slide
             assert slide is not None
             along = complex(*slide.along)
             beside = complex(*slide.through) + 1j * along * by * size
-            spoilt = put(scene, ("bodies", name, "slide", "through"), (beside.real, beside.imag))
+            spoilt = put(scene, {("bodies", name, "slide", "through"): (beside.real, beside.imag)})
             yield fault("a guide beside its place", by, Kind.guide, name, spoilt)
             turned = along * np.exp(1j * by)
-            spoilt = put(scene, ("bodies", name, "slide", "along"), (float(turned.real), float(turned.imag)))
+            spoilt = put(scene, {("bodies", name, "slide", "along"): (float(turned.real), float(turned.imag))})
             yield fault("a guide's direction", by, Kind.guide, name, spoilt)
     for by in (0.1, 5 * clean.promise):
         yield fault("the whole linkage's scale", by, Kind.length, "all", rescaled(scene, 1 + by))
+
+
+def rescaled(scene: Scene, by: float) -> Scene:
+    """Return the whole linkage larger or smaller; its forces and speeds stay."""
+    larger = {one.at: one.each(lambda length: by * length) for one in inputs(scene) if one.dimension == "length"}
+    other: Scene = put(scene, larger)
+    return other
 
 
 def drives(clean: Clean) -> Iterator[Fault]:
@@ -143,13 +150,13 @@ def drives(clean: Clean) -> Iterator[Fault]:
     scene, drive = clean.scene, clean.scene.drive
 
     def fault(kind: str, by: float, *changed: Any) -> Fault:
-        return Fault("time", kind, by, Kind.drive, "drive", scene=put(scene, ("drive", *changed[:-1]), changed[-1]))
+        return Fault("time", kind, by, Kind.drive, "drive", scene=put(scene, {("drive", *changed[:-1]): changed[-1]}))
 
     for by in (0.01, 1e-4, 1e-7):
         if isinstance(drive, ConstantSpeed):
             yield fault("another speed of the drive", by, "speed", (1 + by) * drive.speed)
             if scene.driven_slide is None:
-                other = put(scene, ("drive", "start"), drive.start + by)  # at one speed the same as a lag
+                other = put(scene, {("drive", "start"): drive.start + by})  # at one speed the same as a lag
                 yield Fault("time", "another start of the drive", by, Kind.lag, "all", scene=other)
         else:
             middle = len(drive.positions) // 2
@@ -208,5 +215,5 @@ def _springs(clean: Clean) -> Iterator[Fault]:
         yield Fault("load", "a spring missing", 1, Kind.spring, place, scene=replace(scene, springs=without))
         for by in (-2.0, *SIZES):
             for what in ("stiffness", "length"):
-                spoilt = put(scene, ("springs", number, what), (1 + by) * getattr(spring, what))
+                spoilt = put(scene, {("springs", number, what): (1 + by) * getattr(spring, what)})
                 yield Fault("load", f"a spring's {what}", by, Kind.spring, place, scene=spoilt)

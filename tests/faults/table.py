@@ -5,13 +5,16 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import TypeAlias
 
-from compare.engines.isolation import Ended, Limits, isolated
-from compare.engines.reference import found
+from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.isolation import isolated
 from compare.engines.runner import Run, run
+from compare.judge.causes.cause import UNKNOWN
+from compare.judge.causes.words import words
 from compare.judge.gates import missed
 from compare.judge.measure import Measurement, assess, measure
-from compare.judge.round_off import explain
-from compare.judge.triage import UNKNOWN, cause
+from compare.judge.triage import cause
+from compare.mechanics.reference import uncertified
+from compare.mechanics.round_off import explain
 from scenes import InputError, Motion, Sampling, Status, load
 
 from .catalogue import catalogue
@@ -63,7 +66,7 @@ def judged_faults(item: Item, every: int = len(ENGINES)) -> list[Record]:
         InputError: the clean run is not ok.
     """
     name, engine = item
-    reference = found(load(name))
+    reference = uncertified(load(name))
     explained = explain(reference, SAMPLING)
     whole = measure(reference, engine, SAMPLING, explained=explained)
     if whole.run.status is not Status.ok:
@@ -88,7 +91,7 @@ def _outcome(fault: Fault, clean: Run) -> Run:
 
 def _record(fault: Fault, clean: Clean, motion: Motion, judged: Measurement) -> Record:
     named = UNKNOWN if judged.run.status is Status.ok else cause(clean.reference, SAMPLING, motion)
-    causes = [(str(kind), place) for kind, place in ((named.kind, named.place), *named.others)]
+    causes = [(str(one.kind), one.place) for one in (named, *named.others)]
     true = str(fault.cause), fault.place
     kind, place = true if true in causes else causes[0]  # of several that explain it as well
     return Record(
@@ -96,5 +99,5 @@ def _record(fault: Fault, clean: Clean, motion: Motion, judged: Measurement) -> 
         above(fault, clean, motion),
         bool(missed([judged], [])),
         f"{judged.run.found_by}: {judged.run.status.name}",
-        *(place, kind, *reversed(true), named.sentence),
+        *(place, kind, *reversed(true), words(clean.scene, named)),
     )

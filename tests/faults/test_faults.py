@@ -10,7 +10,8 @@ import pytest
 
 from benchmarks.faults import main, write
 from compare.engines.runner import run
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
+from compare.judge.causes.words import words
 from compare.judge.measure import measure
 from compare.judge.triage import cause
 from scenes import Motion
@@ -98,7 +99,7 @@ def test_what_is_left_out_and_where_loads_act_is_named(family: str, references: 
     for fault in faults:
         assert fault.spoil is not None
         named = cause(reference, SAMPLING, fault.spoil())
-        assert (named.kind, named.place) == (fault.cause, fault.place), named.sentence
+        assert (named.kind, named.place) == (fault.cause, fault.place), words(reference.scene, named)
     assert faults
 
 

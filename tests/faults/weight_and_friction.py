@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.evidence import Kind
-from scenes.motion import Samples
+from compare.judge.causes.cause import Kind
+from scenes.model.motion import Samples
 from scenes.scene import PressForce
 
 from .fault import Clean, Fault

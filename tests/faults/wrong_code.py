@@ -10,30 +10,34 @@ from typing import TypeAlias, cast
 import numpy as np
 
 from compare.engines import registry
-from compare.engines.isolation import Ended, Limits, isolated
-from compare.engines.reference import found
+from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.isolation import isolated
 from compare.engines.registry import REFERENCE
 from compare.engines.runner import Run, Runs, run
+from compare.judge.agreement import Judgement
 from compare.judge.canaries.canaries import canaries
 from compare.judge.canaries.spoilt_motion import shifted
 from compare.judge.canaries.thinned import CLEAR
-from compare.judge.causes.evidence import Kind
-from compare.judge.errors import GROUPS
-from compare.judge.escalation import offers
+from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
 from compare.judge.gates import gates, missed
-from compare.judge.judgement import Judgement, judgement
-from compare.judge.measure import assess
-from compare.judge.round_off import explain
+from compare.judge.judgement import judgement
+from compare.judge.measure import assess, offers
+from compare.mechanics.mechanics import GROUPS
+from compare.mechanics.reference import uncertified
+from compare.mechanics.round_off import explain
 from scenes import Motion, Settings, Status, load
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 
 from .catalogue import catalogue
 from .fault import Clean, Fault, above
 from .mutants import Mutant, applied, mutants
 from .table import SAMPLING, Record
 
-CORE = ("dyads", "placing", "kinematics", "kinetostatics", "group_equations", "newton_group", "channels")
+CORE = (
+    *("core.dyads", "core.placing", "core.kinematics", "core.kinetostatics"),
+    *("core.group_equations", "core.newton_group", "channels"),
+)
 SHARED = {
     "scenes.loads": (),
     "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.after", "MotionLaw.at", "MotionLaw._trend"),
@@ -43,10 +47,10 @@ COMPARISON = {
     "compare.judge.verdict": ("limits", "judged", "compared"),
     "compare.judge.errors": ("compare", "error_table", "worst_of"),
     "compare.judge.gates": ("Gate.missed", "gates", "missed"),
-    "compare.judge.checks": ("checks", "_drive", "_gaps", "_newton_euler", "_power", "_flips"),
-    "compare.judge.round_off": ("Explained.left_over", "Explained.error"),
+    "compare.judge.checks": ("checks", "_drive", "_gaps", "_balances", "_newton_euler", "_powers", "_flips"),
+    "compare.mechanics.round_off": ("Explained.left_over", "Explained.error"),
     "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),
-    "compare.engines.reference": ("relative_errors", "sizes", "_distance", "force_scales", "kinematic_scales"),
+    "compare.mechanics.scales": ("relative_errors", "sizes", "_distance", "force_scales", "_kinematic"),
 }
 FAULTS = 25  # of each engine's motion, that a comparison with a wrong line is tried with
 ROUNDING = 10  # times what doubles explain: the core's limit, besides its promise
@@ -148,7 +152,7 @@ def _offers(engine: str) -> tuple[Sequence[Settings], str]:
 @cache
 def _clean(name: str) -> Clean:
     """Return the core's own run of a scene, held to what doubles explain."""
-    reference = found(load(name))
+    reference = uncertified(load(name))
     explained = explain(reference, SAMPLING)
     core = run(REFERENCE, reference.scene, SAMPLING)
     assert core.settings is not None
@@ -161,7 +165,7 @@ def _clean(name: str) -> Clean:
 @cache
 def _to_be_refused(name: str) -> tuple[Judgement, tuple[Run, ...]]:
     """Return a scene's judgement, and spoilt runs that it refuses: by large faults, and barely beyond what may be."""
-    clean = judgement(found(load(name)), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
+    clean = judgement(uncertified(load(name)), registry.DEFAULT_ENGINES, SAMPLING, _offers, lambda _: None)
     spoilt = []
     for measured in clean.measurements:
         of = Clean(clean.reference, SAMPLING, measured.run)
@@ -185,7 +189,7 @@ def _canaried(item: Item) -> Record | None:
     runs = {m.run.engine: m.run for m in right.measurements}
     with applied(mutant):
         try:
-            wrong = judgement(found(right.scene), [*runs], SAMPLING, _offers, lambda _: None, known(runs))
+            wrong = judgement(uncertified(right.scene), [*runs], SAMPLING, _offers, lambda _: None, known(runs))
             refused, noticed = bool(wrong.misses), "; ".join([*wrong.missed, *canaries(wrong)])
             is_above = refused or any(_passes(wrong, one) for one in spoilt)
         except Exception as error:  # which no user can overlook

@@ -33,17 +33,17 @@ class Angle:
 
     @property
     def turned(self) -> NDArray[np.complex128]:
-        """Return the derivative of the unit vector."""
+        """The derivative of the unit vector."""
         return 1j * self.rate * self.unit
 
     @property
     def twice(self) -> NDArray[np.complex128]:
-        """Return the second derivative of the unit vector."""
+        """The second derivative of the unit vector."""
         return (1j * self.second - self.rate**2) * self.unit
 
 
 def angles(theta: Array) -> Array:
-    """Return theta_1 to theta_5, shape (5, n), for crank angles of shape (n,)."""
+    """The angles theta_1 to theta_5, shape (5, n), for crank angles of shape (n,)."""
     p2 = P1 + CRANK * np.exp(1j * theta)
     distance, towards = abs(p2), np.angle(p2)
     p3 = ROCKER * np.exp(1j * (towards - np.arccos((distance**2 + ROCKER**2 - SIDE**2) / (2 * distance * ROCKER))))
@@ -54,7 +54,7 @@ def angles(theta: Array) -> Array:
 
 
 def moving(theta: Array, omega: Array, alpha: Array) -> list[Angle]:
-    """Return theta and theta_1 to theta_5 with their rates, by differences."""
+    """Theta and theta_1 to theta_5 with their rates, by differences."""
     around = np.array([np.angle(np.exp(1j * angles(theta + k * STEP))) for k in (-2, -1, 0, 1, 2)])
     around = around[2] + np.remainder(around - around[2] + np.pi, 2 * np.pi) - np.pi
     first = np.tensordot([1, -8, 0, 8, -1], around, axes=1) / (12 * STEP)
@@ -64,7 +64,7 @@ def moving(theta: Array, omega: Array, alpha: Array) -> list[Angle]:
 
 
 def printed(t: list[Angle]) -> dict[str, Array]:
-    """Return some of the printed equations, left side less right side, with terms of the closed loop moved together."""
+    """Some of the printed equations, left side less right side, with terms of the closed loop moved together."""
     crank, rocker, two, three, _, rod = t
     y = -P1.imag
     slider = ROCKER * rocker.unit + SIDE * three.unit + ROD * rod.unit
@@ -83,7 +83,7 @@ def printed(t: list[Angle]) -> dict[str, Array]:
 
 
 def half_angle_roots(t: list[Angle]) -> dict[str, tuple[Array, Array]]:
-    """Return the roots with + and - of the printed (8) and (14), by the form atan2(B, A) +- arccos(-C/|A, B|)."""
+    """The roots with + and - of the printed (8) and (14), by the form atan2(B, A) +- arccos(-C/|A, B|)."""
     crank, _, two, _, _, _ = t
     x, y = CRANK * crank.unit.real + P1.real, CRANK * crank.unit.imag + P1.imag
     c1 = SIDE**2 - ROCKER**2 - x**2 - y**2
@@ -95,7 +95,7 @@ def half_angle_roots(t: list[Angle]) -> dict[str, tuple[Array, Array]]:
 
 
 def _roots(A: Array, B: Array, C: Array) -> tuple[Array, Array]:
-    """Return the angles at which A cos + B sin + C = 0: 2 atan((B +- root) / (A - C)) in another form."""
+    """The angles at which A cos + B sin + C = 0: 2 atan((B +- root) / (A - C)) in another form."""
     towards, apart = np.arctan2(B, A), np.arccos(-C / np.hypot(A, B))
     return towards + apart, towards - apart
 
@@ -117,22 +117,22 @@ class Clamp:
     alpha_max: float
 
     def crosshead(self, alpha: Array) -> Array:
-        """Return x of E, which trails D, for alpha in degrees."""
+        """X of E, which trails D, for alpha in degrees."""
         d = self.L5 * np.exp(1j * np.radians(alpha + self.theta + self.gamma))
         return np.asarray(d.real - np.sqrt(self.L4**2 - (self.Hb - d.imag) ** 2))
 
     def platen(self, alpha: Array) -> Array:
-        """Return x of C, which leads B, for alpha in degrees."""
+        """X of C, which leads B, for alpha in degrees."""
         b = self.L1 * np.exp(1j * np.radians(alpha + self.theta))
         level = (self.L1 + self.L2) * np.sin(np.radians(self.theta))
         return np.asarray(b.real + np.sqrt(self.L2**2 - (b.imag - level) ** 2))
 
     def ratio(self, alpha: Array) -> Array:
-        """Return v_m / v_o from the places alone."""
+        """V_m / v_o from the places alone."""
         return _slope(self.platen, alpha) / _slope(self.crosshead, alpha)
 
     def acceleration(self, alpha: Array, speed: float) -> Array:
-        """Return a_m, mm/s^2, at a constant speed of the crosshead, mm/s: v_o d(R_V)/dt."""
+        """A_m, mm/s^2, at a constant speed of the crosshead, mm/s: v_o d(R_V)/dt."""
         return speed**2 * _slope(self.ratio, alpha, 0.05) / _slope(self.crosshead, alpha)
 
     @property
@@ -142,7 +142,7 @@ class Clamp:
 
 
 def _slope(of: Callable[[Array], Array], at: Array, step: float = 0.02) -> Array:
-    """Return the derivative by six-point differences, per degree."""
+    """The derivative by six-point differences, per degree."""
     h = step * np.arange(1, 4)
     weights = np.array([3 / 4, -3 / 20, 1 / 60]) / step
     return np.asarray(sum(w * (of(at + k) - of(at - k)) for w, k in zip(weights, h, strict=True)))

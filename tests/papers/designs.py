@@ -9,6 +9,6 @@ AHEAD_IN_SIX = closed(Design(*(UNITS * [369.2, 415, np.nan, 138.072, 280, 244.76
 
 
 def some_designs(count: int) -> Design:
-    """Return designs within the bounds that assemble, values of shape (count,)."""
+    """Designs within the bounds that assemble, values of shape (count,)."""
     designs = in_box(np.random.default_rng(1).random((8, 20 * count)))
     return Design(*(values[assembles(designs)][:count] for values in designs))

@@ -3,12 +3,14 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
-from papers.audit import audit, main, write
+from papers import audit as audit_command
+from papers import optimise
+from papers.audit import audit, write
 from papers.claims import Claim, Verdict
 from papers.page import overview
 from tests.pages import check_figures
@@ -57,9 +59,12 @@ def test_how_many_claims_came_out_how(audited: Audited) -> None:
     }
 
 
-@pytest.mark.parametrize("arguments", [["--ou", "x", "y"], ["--out"], ["--out", __file__]])
-def test_bad_input_is_named_in_one_line(arguments: Sequence[str], capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("main", [audit_command.main, optimise.main])
+@pytest.mark.parametrize("arguments", [["--ou", "x", "y"], ["--out"], ["--out", __file__], ["extra"]])
+def test_bad_input_is_named_in_one_line(
+    main: Callable[[list[str]], int], arguments: Sequence[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(list(arguments)) == 2
-    found = capsys.readouterr()
-    assert found.out == ""
-    assert len(found.err.splitlines()) == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert len(printed.err.splitlines()) == 1

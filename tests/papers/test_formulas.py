@@ -40,6 +40,13 @@ def solved(scene: Scene, d: Design, alpha: Array) -> Motion:
     return analytic.solve(scene, position, (position - scene.drive.start) / 0.1)
 
 
+def multiplied(scene: Scene, d: Design) -> float:
+    """The force on the platen over that of the drive, by Newton and Euler and not by velocities."""
+    massless = {body.name: replace(body, mass=0.0) for body in scene.bodies.values()}
+    at_rest = replace(scene, bodies=massless, loads=(Force("platen", "C", (-1.0, 0.0)),))
+    return float(1 / solved(at_rest, d, np.array([RATED]))["drive.force"][0])
+
+
 @pytest.mark.parametrize(("name", "length"), [("initial", 1354.00096), ("scheme 4", 1346.53005)])
 def test_l3_closes_the_triangle(name: str, length: float) -> None:
     assert abs(measure("L_sum", PUBLISHED[name]) - length) <= 5e-6  # mm, the digits given
@@ -50,12 +57,15 @@ def test_formulas_are_the_motion_of_the_shipped_scene(name: str) -> None:
     d, scene = PUBLISHED[name], load(SCENES[name])
     alpha = np.linspace(d.alpha_max, 0.0, 501)
     motion, pose = solved(scene, d, alpha), at(d, alpha)
+    assert np.abs(1e3 * np.array(scene.drive.extent) - crosshead(pose)[[0, -1]]).max() <= 1e-12  # mm; as many digits
+    assert (motion["D.x"] > motion["E.x"]).all()  # E is on the tail side of D throughout
     assert np.abs(1e3 * motion["C.x"] - platen(pose)).max() <= 1e-11  # mm, rounding
     assert np.abs(motion["C.vx"] / motion["E.vx"] - velocity_ratio(pose)).max() <= 1e-13  # rounding
     per_mm = 1e-3 * motion["C.ax"] / 0.1**2
     assert np.abs(per_mm - acceleration(pose)).max() <= 1e-14  # of 1e-2, rounding
     assert abs(measure("S_m", d) - 1e3 * np.ptp(motion["C.x"])) <= 1e-11
     assert abs(measure("a_m range", d) / np.ptp(per_mm) - 1) <= 1e-4  # of 501 samples
+    assert abs(multiplied(scene, d) - measure("M_P", d)) <= 1e-11
 
 
 @pytest.mark.parametrize("number", range(3))
@@ -66,10 +76,7 @@ def test_formulas_are_the_motion_of_any_design(number: int) -> None:
     ratio = (motion["C.x"][-1] - motion["C.x"][0]) / (scene.drive.extent[1] - scene.drive.extent[0])
     assert abs(ratio - measure("R_S", d)) <= 1e-13
     assert abs(motion["E.vx"][2] / motion["C.vx"][2] - measure("M_P", d)) <= 1e-11  # of 20, rounding near the lock
-    massless = {body.name: replace(body, mass=0.0) for body in scene.bodies.values()}
-    at_rest = replace(scene, bodies=massless, loads=(Force("platen", "C", (-1.0, 0.0)),))
-    thrust = solved(at_rest, d, np.array([RATED]))["drive.force"][0]
-    assert abs(1 / thrust - measure("M_P", d)) <= 1e-11  # a force ratio by Newton and Euler, not by velocities
+    assert abs(multiplied(scene, d) - measure("M_P", d)) <= 1e-11
     (dies,) = scene.loads
     assert isinstance(dies, ForceTable)
     assert abs(np.mean(dies.displacements) - motion["C.x"][-1]) <= 1e-13  # met where it locks
@@ -108,7 +115,7 @@ def test_phi_is_largest_at_an_end_of_the_stroke() -> None:
 def test_the_sizes_amount_to_the_clearance() -> None:
     for clearance in (BOTH, ALONE):
         d_B, d_D, d_E, H_s = clearance.sizes.values()
-        found = H_s / 2 - d_B, H_s / 2 - d_D, (d_B + d_D) / 2, (d_D + d_E) / 2
-        assert np.abs(np.subtract(found, (clearance.B, clearance.D, clearance.L3, clearance.L4))).max() <= 1e-12
+        gaps = H_s / 2 - d_B, H_s / 2 - d_D, (d_B + d_D) / 2, (d_D + d_E) / 2
+        assert np.abs(np.subtract(gaps, (clearance.B, clearance.D, clearance.L3, clearance.L4))).max() <= 1e-12
     assert tightest(INITIAL).D == 69.5
     assert (BOTH.B, BOTH.D, BOTH.L4) == (129, 69.5, 120)

@@ -17,13 +17,13 @@ from scipy.optimize import brentq
 
 import scenes
 from compare.engines import runner
-from compare.engines.isolation import Limits
+from compare.engines.processes.inside import Limits
 from papers.clamp.constraints import ALONE, BOTH, Clearance, slacks
 from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, acceleration, at, closed
 from papers.clamp.measures import MEASURES, measure
 from papers.clamp.optimisation.problem import LOWER, UPPER, VARIABLES, Limit, Problem, gains, in_box
 from papers.clamp.optimisation.recheck import ENGINES, rechecks
-from papers.clamp.optimisation.report import Outcome, write
+from papers.clamp.optimisation.report import DesignStudy, write
 from papers.clamp.optimisation.search import FEASIBLE, Optimum, restart, search
 from papers.clamp.optimisation.study import (
     AHEAD,
@@ -39,7 +39,6 @@ from papers.clamp.optimisation.study import (
     study,
 )
 from papers.clamp.optimisation.tables import findings, improved
-from papers.optimise import main
 from tests.deaths import children
 
 from .designs import AHEAD_IN_SIX
@@ -56,7 +55,7 @@ def six() -> Optimum:
 
 
 def by_differences(problem: Problem, u: Array) -> Array:
-    """Return the gradients of all rows, (rows, 8), by central differences extrapolated to no step, good to 1e-9."""
+    """The gradients of all rows, (rows, 8), by central differences extrapolated to no step, good to 1e-9."""
     steps = 4e-3 / 2.0 ** np.arange(5)
     table = [
         (problem.rows(in_box(u[:, None] + h * np.eye(8))) - problem.rows(in_box(u[:, None] - h * np.eye(8)))) / (2 * h)
@@ -150,8 +149,8 @@ def test_what_that_design_is_worse_in_is_named(six: Optimum) -> None:
     assert "S_m is 623.7 mm, over the printed 600" in sentence
     assert "L1/L2 is 0.890, over the printed 0.85" in sentence
     start, peak_valley, a_m = (float(change) for change in re.findall(r" ([+-][\d.]+) %", sentence))
-    found, rival = (np.ptp(acceleration(at(d, np.linspace(0, d.alpha_max, 100_001)))) for d in (six.design, SCHEME_4))
-    assert a_m == pytest.approx(100 * (found / rival - 1), abs=1e-4)
+    ours, rival = (np.ptp(acceleration(at(d, np.linspace(0, d.alpha_max, 100_001)))) for d in (six.design, SCHEME_4))
+    assert a_m == pytest.approx(100 * (ours / rival - 1), abs=1e-4)
     assert (start, a_m) == (7.9679, 0.0015)
     assert abs(peak_valley) <= 2e-4  # a tie
 
@@ -160,10 +159,10 @@ def test_an_optimum_that_evolution_can_improve_is_reported() -> None:
     problem = fixed_ratio(1.0)
     true = search(problem, 2)
     worse = replace(true, value=0.99 * true.value)
-    found = restart(problem, worse, 0)
-    assert abs(found + 1 / 0.99 - 1) <= 1e-6
+    short_by = restart(problem, worse, 0)
+    assert abs(short_by + 1 / 0.99 - 1) <= 1e-6
     assert abs(restart(problem, true, 0)) <= 1e-6
-    points = [Point(MAIN, "", problem, optimum, (short,)) for optimum, short in ((true, 0.0), (worse, found))]
+    points = [Point(MAIN, "", problem, optimum, (short,)) for optimum, short in ((true, 0.0), (worse, short_by))]
     assert improved(points) == points[1:]
 
 
@@ -184,19 +183,19 @@ def test_the_dynamic_models_confirm_a_design(monkeypatch: pytest.MonkeyPatch) ->
     d = search(fixed_ratio(1.1), 4).design
     rows = list(rechecks({"curve": d}, ENGINES, lambda _: None))
     assert [(row.design, row.engine) for row in rows] == [("curve", engine) for engine in ENGINES]
-    for found in rows:
-        assert found.status == "ok"
-        assert abs(found.R_S - measure("R_S", d)) <= 1e-8
-        assert abs(found.M_P / measure("M_P", d) - 1) <= 1e-4  # inertia takes 6e-5
-        assert abs(found.R_V_max / measure("R_V max", d) - 1) <= 1e-5  # of 3600 samples
+    for row in rows:
+        assert row.status == "ok"
+        assert abs(row.R_S - measure("R_S", d)) <= 1e-8
+        assert abs(row.M_P / measure("M_P", d) - 1) <= 1e-4  # inertia takes 6e-5
+        assert abs(row.R_V_max / measure("R_V max", d) - 1) <= 1e-5  # of 3600 samples
 
 
 def test_a_run_that_fails_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
     failed = runner.Run("exudyn", None, scenes.Status.diverged)
-    monkeypatch.setattr("compare.engines.runner.run", lambda *_: failed)
-    (found,) = rechecks({"design": SCHEME_4}, ["exudyn"], lambda _: None)
-    assert found.status == "diverged"
-    assert np.isnan([found.M_P, found.R_S, found.R_V_max]).all()
+    monkeypatch.setattr("compare.engines.runner.HERE.run", lambda *_: failed)
+    (row,) = rechecks({"design": SCHEME_4}, ["exudyn"], lambda _: None)
+    assert row.status == "diverged"
+    assert np.isnan([row.M_P, row.R_S, row.R_V_max]).all()
 
 
 def test_ctrl_c_ends_the_searches(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -227,19 +226,13 @@ def test_study_and_report(tmp_path: Path) -> None:
     assert len(done) == len(points)
     assert all(f" of {len(points)} points: " in text for text in done)
     assert {MAIN, LENGTHS, AHEAD} <= {point.set for point in points}
-    folder = write(Outcome(points, [], {"ahead": AHEAD_IN_SIX}, 1.0), tmp_path)
+    folder = write(DesignStudy(points, [], {"ahead": AHEAD_IN_SIX}, 1.0), tmp_path)
     assert sorted(path.name for path in folder.iterdir()) == ["design.csv", "design.html", "design.json"]
-    found = json.loads((folder / "design.json").read_text())
-    assert [point["set"] for point in found["points"]] == [point.set for point in points]
-    assert abs(found["published"][1]["M_P"] - 22.738335) <= 5e-7
+    written = json.loads((folder / "design.json").read_text())
+    assert [point["set"] for point in written["points"]] == [point.set for point in points]
+    assert abs(written["published"][1]["M_P"] - 22.738335) <= 5e-7
     with (folder / "design.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 + len(points)
     assert set(VARIABLES) <= rows[0].keys()
     assert "26.8741" in (folder / "design.html").read_text()
-
-
-@pytest.mark.parametrize("arguments", [["--out"], ["--out", __file__], ["extra"]])
-def test_bad_input_is_named_in_one_line(arguments: Sequence[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(list(arguments)) == 2
-    assert capsys.readouterr().err.count("\n") == 1

@@ -17,7 +17,7 @@ ON_A_LINE = {"A": 0.1, "B": 0.3, "C": 0.6, "D": -0.7}  # mm; 0.1 + 0.2 is not 0.
 
 
 def lever(points: Mapping[str, list[float]] | None = None, lengths: Lengths | None = None, **more: object) -> Body:
-    """Return a body of other points than the lever's."""
+    """A body of other points than the lever's."""
     names = dict.fromkeys(point for pair in lengths or {} for point in pair.split("-")) if lengths else points or {}
     own = {"lengths": dict(lengths)} if lengths else {"points": dict(points or {})}
     sketch = {point: [number, 0.0] for number, point in enumerate(names) if point != "A"}
@@ -74,6 +74,16 @@ def test_lengths_that_miss_the_line_by_more_than_rounding() -> None:
     with pytest.raises(InputError, match="the triangle cannot close, expected its longest side to be shorter"):
         lever(lengths={"A-B": 250, "B-C": 750, "A-C": 1000.000001})
     assert lever(lengths={"A-B": 250, "B-C": 750.000001, "A-C": 1000}).lengths is not None
+
+
+def test_lengths_on_one_line_do_not_vary() -> None:
+    """Another one would take the points off it, by far more than itself; the core knows the places alone."""
+    bars = {"bodies.lever": {"lengths": {"A-B": 250, "B-C": 750, "A-C": 1000}, "mass": 10}}
+    why = r"bodies.lever.lengths.C-A: the points of 'lever' are on one line, .* expected a body that is given by"
+    with pytest.raises(InputError, match=rf"lever.toml: variations.0.path: {why}"):
+        scene_files.load("lever", bars | {"variations": [{"path": "bodies.lever.lengths.C-A", "plus_minus": 1}]})
+    with pytest.raises(InputError, match=why):
+        analytic.solve_many(scene_files.load("lever", bars), {"bodies.lever.lengths.C-A": [1000.0]}, [0.0])
 
 
 def test_more_points_off_the_line_need_both() -> None:

@@ -11,7 +11,8 @@ import pint
 import pytest
 
 import scenes
-from scenes import InputError, units
+from scenes import InputError
+from scenes.file import units
 from scenes.limits import FILE_BYTES
 from tests import scene_files
 
@@ -19,8 +20,13 @@ TOGGLE_PRESS = scene_files.text("toggle_press")
 AT_ONCE = 2.0  # s of the processor; the slowest here takes 0.2 s
 
 
+def weighing(mass: str) -> bytes:
+    """The file of a scene with another mass in it."""
+    return TOGGLE_PRESS.replace("mass = 40", f"mass = {mass}").encode()
+
+
 def short(value: object) -> str:
-    """Return the id of a parameter, which may be of a megabyte."""
+    """The id of a parameter, which may be of a megabyte."""
     return ascii(value)[:30]
 
 
@@ -43,7 +49,7 @@ def socket_at(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "found"),
+    ("make", "what"),
     [
         (os.mkfifo, "a pipe"),
         (os.mkdir, "a folder"),
@@ -55,11 +61,11 @@ def socket_at(path: Path) -> None:
     ],
 )
 def test_what_is_no_file(
-    make: Callable[[Path], None], found: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    make: Callable[[Path], None], what: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # a socket's path has to be short
     make(tmp_path / "a.toml")
-    assert found in refused(tmp_path / "a.toml")
+    assert what in refused(tmp_path / "a.toml")
 
 
 def test_a_file_that_must_not_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,16 +115,10 @@ def test_odd_names(name: str, shown: str | None, why: str, monkeypatch: pytest.M
         (b"[" + b"a." * 100_000 + b"a]\n" + b"a1 = 1\n" * 100_000, "expected keys of 20 parts at most"),
         (b"[" + b'\'=\' \t. "\\"=" . ' * 10_000 + b"a]\n", "expected keys of 20 parts at most"),
         (b"x" * 100_000 + b" = 1\n" + TOGGLE_PRESS.encode(), "x…: unknown key"),
-        (
-            TOGGLE_PRESS.replace("mass = 40", "mass = 1979-05-27").encode(),
-            "bodies.rocker.mass: expected a valid number",
-        ),
-        (
-            TOGGLE_PRESS.replace("mass = 40", "mass = " + "9" * 20).encode(),
-            "bodies.rocker.mass: expected an integer of",
-        ),
-        (TOGGLE_PRESS.replace("mass = 40", "mass = 1e999").encode(), "bodies.rocker.mass: expected a finite number"),
-        (TOGGLE_PRESS.replace("mass = 40", f'mass = "{"x" * 10_000}"').encode(), "x…'"),
+        (weighing("1979-05-27"), "bodies.rocker.mass: expected a valid number"),
+        (weighing("9" * 20), "bodies.rocker.mass: expected an integer of"),
+        (weighing("1e999"), "bodies.rocker.mass: expected a finite number"),
+        (weighing(f'"{"x" * 10_000}"'), "x…'"),
         (TOGGLE_PRESS.replace('"crank"', '"a\\u001b[2J"').encode(), "drive.body: no body 'a\\x1b[2J'"),
         (TOGGLE_PRESS.replace("format = 1", "format = 1979-05-27T07:32:00Z").encode(), "format: expected 1, found"),
         (TOGGLE_PRESS.replace("along = [0, 1]", "along = [0, 1e-320]").encode(), "slides.along: expected a direction"),
@@ -147,45 +147,39 @@ def test_a_title_is_one_line(tmp_path: Path) -> None:
 # --- units -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "unit",
-    [
-        *(
-            "9**9**9**9*m",
-            "m!",
-            "m;",
-            "m\n",
-            "(" * 1000 + "m" + ")" * 1000,
-            "m**1e9",
-            "m**999999999",
-            "m*" * 20_000 + "m",
-        ),
-        *(
-            "*".join(f"m{i}" for i in range(20_000)),
-            "x" * 100_000,
-            "m**m",
-            "2*m",
-            "m m",
-            "__import__('os')",
-            "m**-",
-            "-m",
-        ),
-        *(
-            "Qm**9/Qm**8/Qm**2/Qm**2",
-            "qm**9/m**8",
-            "lambda",
-            "dBm/degC",
-            "nan",
-            "None",
-            "m\x1b",
-            "м",
-            "m/**2",
-            "kg",
-            "m**.5",
-        ),
-    ],
-    ids=short,
-)
+NO_UNITS = [
+    *(
+        "9**9**9**9*m",
+        "m!",
+        "m;",
+        "m\n",
+        "m**1e9",
+        "m**999999999",
+        "m**m",
+        "2*m",
+        "m m",
+        "__import__('os')",
+        "m**-",
+        "-m",
+    ),
+    *("(" * 1000 + "m" + ")" * 1000, "m*" * 20_000 + "m", "*".join(f"m{i}" for i in range(20_000)), "x" * 100_000),
+    *(
+        "Qm**9/Qm**8/Qm**2/Qm**2",
+        "qm**9/m**8",
+        "lambda",
+        "dBm/degC",
+        "nan",
+        "None",
+        "m\x1b",
+        "м",
+        "m/**2",
+        "kg",
+        "m**.5",
+    ),
+]
+
+
+@pytest.mark.parametrize("unit", NO_UNITS, ids=short)
 def test_no_units_of_length(unit: str) -> None:
     with pytest.raises(InputError) as caught:
         scenes.load("toggle_press", {"units.length": unit})

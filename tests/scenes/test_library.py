@@ -196,12 +196,12 @@ Places = NDArray[np.complex128]
 
 
 def transmission_angle(motion: Motion, first: str, second: str) -> NDArray[np.float64]:
-    """Return the angle, 0 to 90 deg, between two bars by their x axes."""
+    """The angle, 0 to 90 deg, between two bars by their x axes."""
     return np.degrees(np.arcsin(np.abs(np.sin(motion[f"{first}.angle"] - motion[f"{second}.angle"]))))
 
 
 def meet(centre_1: Places, radius_1: float, centre_2: Places, radius_2: float) -> Places:
-    """Return where two circles meet, on the left of the way from the first centre to the second."""
+    """Where two circles meet, on the left of the way from the first centre to the second."""
     way = centre_2 - centre_1
     along = (radius_1**2 - radius_2**2 + np.abs(way) ** 2) / (2 * np.abs(way))
     meeting: Places = centre_1 + way / np.abs(way) * (along + 1j * np.sqrt(radius_1**2 - along**2))

@@ -19,7 +19,7 @@ TraceFunction = Callable[..., Any]
 
 
 def four_bars(count: int) -> Tables:
-    """Return a chain of four-bars, each driving the next: two bodies and five points a four-bar, with one crank."""
+    """A chain of four-bars, each driving the next: two bodies and five points a four-bar, with one crank."""
     bodies: Tables = {"crank": {"points": {"O": [0, 0], "A0": [1, 0]}}}
     sketch: Tables = {"angle": 1, "A0": [0.5, 0.8]}
     for i in range(count):
@@ -38,12 +38,12 @@ def four_bars(count: int) -> Tables:
 
 
 def bodies(count: int) -> Tables:
-    """Return whole four-bars with a crank, one body less where the count is even: no scene has such a number."""
+    """Whole four-bars with a crank, one body less where the count is even: no scene has such a number."""
     return four_bars((count - 1) // 2)
 
 
 def points(count: int) -> Tables:
-    """Return one four-bar, whose seven points are named ten times, and a crank with as many more as are asked for."""
+    """One four-bar, whose seven points are named ten times, and a crank with as many more as are asked for."""
     tables = four_bars(1)
     tables["bodies"]["crank"]["points"] |= {f"P{i}": [i, 1] for i in range(count - 9)}
     return masses(tables)
@@ -53,15 +53,6 @@ def masses(tables: Tables) -> Tables:
     for body in tables["bodies"].values():
         body |= {"mass": 1, "com": [0, 0], "inertia": 1}
     return tables
-
-
-def loads(count: int) -> Tables:
-    return masses(four_bars(1)) | {"loads": [{"body": "crank", "at": "A0", "force": [1, 0]}] * count}
-
-
-def springs(count: int) -> Tables:
-    spring = {"between": ["ground.G0", "crank.A0"], "stiffness": 1, "length": 0}
-    return masses(four_bars(1)) | {"springs": [spring] * count}
 
 
 def law(count: int) -> Tables:
@@ -75,35 +66,33 @@ def table(count: int) -> Tables:
 
 
 def variations(count: int) -> Tables:
-    """Return a scene that varies the coordinates of the points of its crank."""
+    """A scene that varies the coordinates of the points of its crank."""
     paths = [f"bodies.crank.points.P{i // 2}.{i % 2}" for i in range(count)]
     return points(limits.POINTS) | {"variations": [{"path": path, "plus_minus": 0.01} for path in paths]}
 
 
-def name(count: int) -> Tables:
-    return four_bars(1) | {"name": "x" * count}
+def several(key: str, one: Tables) -> Callable[[int], Tables]:
+    return lambda count: masses(four_bars(1)) | {key: [one] * count}
 
 
-def title(count: int) -> Tables:
-    return four_bars(1) | {"title": "x" * count}
+def text(key: str) -> Callable[[int], Tables]:
+    return lambda count: four_bars(1) | {key: "x" * count}
 
 
-def source(count: int) -> Tables:
-    return four_bars(1) | {"source": "x" * count}
-
-
-LIMITS: dict[Callable[[int], Tables], tuple[str, int]] = {
-    bodies: ("bodies", limits.BODIES),
-    points: ("bodies", limits.POINTS),
-    loads: ("loads", limits.LOADS),
-    springs: ("springs", limits.LOADS),
-    law: ("drive.law", limits.ROWS),
-    table: ("loads.0.table", limits.ROWS),
-    variations: ("variations", limits.VARIATIONS),
-    name: ("name", limits.NAME),
-    title: ("title", limits.TITLE),
-    source: ("source", limits.SOURCE),
-}
+LOAD = {"body": "crank", "at": "A0", "force": [1, 0]}
+SPRING = {"between": ["ground.G0", "crank.A0"], "stiffness": 1, "length": 0}
+LIMITS: list[tuple[str, int, Callable[[int], Tables]]] = [
+    ("bodies", limits.BODIES, bodies),
+    ("bodies", limits.POINTS, points),
+    ("loads", limits.LOADS, several("loads", LOAD)),
+    ("springs", limits.LOADS, several("springs", SPRING)),
+    ("drive.law", limits.ROWS, law),
+    ("loads.0.table", limits.ROWS, table),
+    ("variations", limits.VARIATIONS, variations),
+    ("name", limits.NAME, text("name")),
+    ("title", limits.TITLE, text("title")),
+    ("source", limits.SOURCE, text("source")),
+]
 
 
 def load(tables: Tables, folder: Path) -> scenes.Scene:
@@ -112,9 +101,8 @@ def load(tables: Tables, folder: Path) -> scenes.Scene:
     return scenes.load(file)
 
 
-@pytest.mark.parametrize("tables", LIMITS)
-def test_a_limit(tables: Callable[[int], Tables], tmp_path: Path) -> None:
-    place, most = LIMITS[tables]
+@pytest.mark.parametrize(("place", "most", "tables"), LIMITS)
+def test_a_limit(place: str, most: int, tables: Callable[[int], Tables], tmp_path: Path) -> None:
     load(tables(most), tmp_path)
     with pytest.raises(InputError) as caught:
         load(tables(most + 1), tmp_path)
@@ -131,7 +119,7 @@ def test_names_that_are_looked_up(tmp_path: Path) -> None:
 
 
 def steps(tables: Tables, folder: Path) -> int:
-    """Return how many bytecode instructions of `scenes` loading takes: the same number on every machine."""
+    """How many bytecode instructions of `scenes` loading takes: the same number on every machine."""
     count = 0
 
     def step(*_: object) -> TraceFunction:

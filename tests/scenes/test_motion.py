@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from scenes import Motion
-from scenes.sparkline import HEIGHT, MARGIN, WIDTH, sparkline
+from scenes.model.sparkline import HEIGHT, MARGIN, WIDTH, sparkline
 
 MOTION = Motion(
     {"time": np.array([0.0, 0.5, 1.0]), "P.x": np.array([1.0, -2.0, 3.0])}, {"P/rod.fx": "it has <no> forces & masses"}
@@ -44,8 +44,8 @@ def test_a_curve_goes_from_its_least_value_at_the_bottom_to_its_largest_at_the_t
     left, middle, right = MARGIN, WIDTH / 2, WIDTH - MARGIN
     high = HEIGHT - 2 * MARGIN
     by_hand = np.array([(left, MARGIN + 0.4 * high), (middle, HEIGHT - MARGIN), (right, MARGIN)])
-    found = np.array(corners(sparkline(MOTION["P.x"])))
-    assert found == pytest.approx(by_hand, abs=0.05)  # tenths of a pixel are written
+    drawn = np.array(corners(sparkline(MOTION["P.x"])))
+    assert drawn == pytest.approx(by_hand, abs=0.05)  # tenths of a pixel are written
     assert len(corners(sparkline(np.arange(1e6)))) == WIDTH
 
 

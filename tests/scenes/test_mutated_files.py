@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import scenes
 from scenes import InputError
-from scenes.motion import channels
+from scenes.model.motion import channels
 from tests.comparisons import SLOW
 from tests.mutated_scenes import mutated, slightly_mutated
 

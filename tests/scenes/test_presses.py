@@ -1,7 +1,6 @@
-"""The shipped presses: geometry and figures from their sources, a law, and a force at the end of the stroke."""
+"""The shipped presses: geometry and figures from their sources, a law, and a force at the end of the stroke; clamps."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -48,7 +47,7 @@ PRESSES = {
 
 
 def stroke(press: Press) -> tuple[float, float]:
-    """Return when the slider meets the force and when its closing stroke ends, s."""
+    """When the slider meets the force and when its closing stroke ends, s."""
     scene = press.scene
 
     def at(time: float, channel: str) -> float:
@@ -127,16 +126,14 @@ def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(name
     assert np.count_nonzero(np.diff(acts)) == 2  # on once and off once in a cycle
 
 
-@pytest.mark.parametrize("name", ["crank_press", "servo_press", "quick_return"])
-def test_the_drive_does_the_work_of_pressing_in_a_cycle(name: str) -> None:
-    """Inertia and weight give back what they take; what is left is force times way."""
-    press = PRESSES[name]
-    drive = press.scene.drive
-    knots = [time for time, _ in SERVO_LAW] if name == "servo_press" else [0, drive.cycle]
-    breaks = np.unique([*knots, *stroke(press)])  # where the power, or a derivative of it, jumps
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    work = 0.0
-    for start, end in pairwise(breaks):
-        time = start + (nodes + 1) / 2 * (end - start)
-        work += weights @ (moving(press.scene, time)["drive.torque"] * drive.at(time).rate) * (end - start) / 2
-    assert abs(work - press.force * press.last) <= 1e-9 * press.force * press.last  # the quadrature's
+@pytest.mark.parametrize("name", ["double_toggle_clamp", "double_toggle_clamp_scheme4"])
+def test_clamp_locks(name: str) -> None:
+    scene = scenes.load(name)
+    motion = moving(scene, scene.drive.cycle * np.array([0.9, 1.0]))
+    B, C = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "BC")
+    assert abs((B.conjugate() * C).imag[1]) <= 1e-15  # m^2, rounding; A, B and C are in line,
+    assert (
+        motion["C.vx"][0] >= 1e-3 >= 1e12 * abs(motion["C.vx"][1])
+    )  # m/s; so the platen stands, as it did not before,
+    assert abs(motion["C.fx"][1] - 2e6) <= 1e3  # N; holds half of 4000 kN, to the digits of the table,
+    assert abs(motion["drive.force"][1]) <= 10  # N; and takes no thrust but that of inertia

@@ -1,10 +1,14 @@
 """The scene file: what is read, and numbers that are changed before it is checked."""
 
+import re
 from math import pi
+from pathlib import Path
 
 import pytest
 
 import scenes
+from compare.measure.hard.digits import inputs_off
+from compare.mechanics.perturbation import inputs
 from scenes import InputError
 from scenes.scene import ConstantSpeed, Force
 from tests import scene_files
@@ -44,6 +48,7 @@ def test_pins_are_named_by_file_order(toggle_press: scenes.Scene) -> None:
 
 def test_units_are_free(toggle_press: scenes.Scene) -> None:
     scene = scenes.load("toggle_press", {"units.length": "um", "units.force": "MN"})
+    assert scene.file == "toggle_press, units.length = um, units.force = MN"
     assert scene.ground["P1"][0] == pytest.approx(1e-3 * toggle_press.ground["P1"][0], rel=1e-15)
     assert force_of(scene)[1] == pytest.approx(1e3 * force_of(toggle_press)[1], rel=1e-15)
 
@@ -66,6 +71,18 @@ def test_tolerances_are_of_engines_from_outside_too() -> None:
 def test_the_nearest_scene_is_named() -> None:
     with pytest.raises(InputError, match="did you mean 'toggle_press'"):
         scenes.load("toggle_pres")
+
+
+def test_points_may_have_the_names_of_fields(tmp_path: Path, toggle_press: scenes.Scene) -> None:
+    """Their numbers are the same, and as many go into the solution."""
+    text, names = scene_files.text("toggle_press"), {"P1": "start", "P2": "forces", "P3": "com", "P4": "positions"}
+    for old, new in names.items():
+        text = re.sub(rf"\b{old}\b", new, text)
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    scene = scenes.load(tmp_path / "a.toml")
+    assert [number.value for number in scene.numbers.values()] == [n.value for n in toggle_press.numbers.values()]
+    assert [one.value for one in inputs(scene)] == [one.value for one in inputs(toggle_press)]
+    assert len([*inputs_off(scene)]) == len([*inputs_off(toggle_press)])
 
 
 # --- numbers that are changed before the file is checked -------------------------------------------------------------

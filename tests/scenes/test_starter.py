@@ -1,4 +1,4 @@
-"""`--new`: a first scene and its schema, both or neither, and nothing of the user's is written over."""
+"""`new`: a first scene and its schema, both or neither, and nothing of the user's is written over."""
 
 import json
 import os
@@ -10,7 +10,9 @@ import pytest
 
 import scenes
 from scenes import InputError, write_starter
-from scenes.format import LadderFile, SceneFile, Table
+from scenes.fields import FileTable
+from scenes.file.format import SceneFile
+from scenes.hard import LadderFile
 from tests import scene_files
 
 
@@ -22,7 +24,7 @@ def refused(folder: Path, name: str) -> str:
     assert sorted(folder.iterdir()) == before
     line = str(caught.value)
     assert line.isprintable()
-    assert line.startswith("--new ")
+    assert line.startswith("new ")
     return line
 
 
@@ -105,7 +107,7 @@ def test_a_scene_is_found_without_its_ending(tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize("file", [SceneFile, LadderFile])
-def test_editors_show_what_every_key_is(file: type[Table]) -> None:
+def test_editors_show_what_every_key_is(file: type[FileTable]) -> None:
     schema = file.model_json_schema()
     tables = {file.__name__: schema, **schema.get("$defs", {})}
     assert len(tables) == (12 if file is SceneFile else 1)

@@ -1,16 +1,27 @@
-"""What the tests of the optional engines share: runs, and the truth from equations written in the tests."""
+"""What tests of engines share: scenes, runs, and the truth from equations written in the tests."""
 
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from scenes import Motion, Request, Sampling, Scene, Settings
-from scenes.motion import Samples, channels
+from scenes import Motion, Request, Sampling, Scene, Settings, shipped
+from scenes.model.motion import Samples, channels
 from tests import scene_files
 from tests.absolute_coordinates import solve
 from tests.agreement import errors
 
 SAMPLING = Sampling(24)
+ALL = (
+    *shipped(),
+    *scene_files.MECHANISMS,
+    "loaded_four_bar",
+    "wedge_of_points",
+    "oldham",
+    "two_rods",
+    "busy",
+    "carried_yoke",
+    "cross_slide",
+)
 
 
 def run(engine: Any, scene: Scene, settings: Settings | None = None, request: Request = SAMPLING) -> Motion:

@@ -5,15 +5,15 @@ from typing import Any
 
 import pytest
 
-from compare.engines.reference import Reference
 from compare.judge.measure import measure
+from compare.mechanics.reference import Reference
 from scenes import Sampling, Settings, Status
 from sim_models.exudyn import engine as exudyn_model
-from sim_models.exudyn import stepping as exudyn_stepping
-from sim_models.exudyn.system import ExudynSystem, engine
+from sim_models.exudyn.runs import stepping as exudyn_stepping
+from sim_models.exudyn.system import ExudynSystem, exudyn
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import start as pymunk_start
-from sim_models.pymunk import stepping as pymunk_run
+from sim_models.pymunk.runs import stepping as pymunk_run
 
 SAMPLING = Sampling(72)
 WORTH = {"exudyn": 1e-3, "pymunk": 1e-2}  # what an engine that says ok is worth, as in the hard cases
@@ -24,7 +24,7 @@ def spoil_exudyn(monkeypatch: pytest.MonkeyPatch, factor: float) -> None:
 
     def spoilt(model: ExudynSystem, *begin: Any) -> None:
         set_initial(model, *begin)
-        state, initial = model.state, engine().ConfigurationType.Initial
+        state, initial = model.state, exudyn.ConfigurationType.Initial
         state.SetODE2Coordinates_t(factor * state.GetODE2Coordinates_t(initial), initial)
 
     monkeypatch.setattr(exudyn_stepping, "_set_initial", spoilt)

@@ -1,14 +1,15 @@
 """What every model takes for the mass properties of a uniform body, against integrals over its shape."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
+from importlib import import_module
 from itertools import combinations
 from typing import Any, TypeAlias
 
 import pytest
 from scipy.integrate import dblquad, quad
 
-from compare.engines.motion_vectors import first_point
-from compare.engines.weights import rule, weights
+from compare.mechanics.bodies import first_point, rule, weights
 from scenes import Scene
 from scenes.scene import Body
 from tests import scene_files
@@ -71,25 +72,10 @@ def integrated(corners: Mapping[str, complex]) -> Properties:
     return com, MASS * mean(lambda z: abs(z - com) ** 2)
 
 
-def by_analytic(scene: Scene, body: Body) -> Properties:
-    from analytic.geometry import rigid_body
-
-    own = rigid_body(scene, body)
-    return complex(own.com), float(own.inertia)
-
-
-def by_exudyn(scene: Scene, body: Body) -> Properties:
-    from sim_models.exudyn.bodies import rigid_body
-
-    own = rigid_body(scene, body)
-    return own.com, own.inertia
-
-
-def by_pymunk(scene: Scene, body: Body) -> Properties:
-    from sim_models.pymunk.bodies import rigid
-
-    own = rigid(scene, body)
-    return own.com, own.inertia
+def by(module: str, name: str, scene: Scene, body: Body) -> Properties:
+    """Return the properties by a model's own function."""
+    own = getattr(import_module(module), name)(scene, body)
+    return complex(*own.com) if isinstance(own.com, tuple) else complex(own.com), float(own.inertia)
 
 
 def by_multiprecision(scene: Scene, body: Body) -> Properties:
@@ -101,20 +87,18 @@ def by_multiprecision(scene: Scene, body: Body) -> Properties:
     return complex(float(x), float(y)), float(inertia(body, body.mass or 0.0, local))
 
 
-def by_coordinates(scene: Scene, body: Body) -> Properties:
-    """CasADi's, MuJoCo's and Pinocchio's."""
-    from sim_models.coordinates.bodies import framed_body
-
-    own = framed_body(scene, body)
-    return complex(*own.com), own.inertia
-
-
 def by_judge(scene: Scene, body: Body) -> Properties:
     own = weights(scene, body)
     return own.com + first_point(body), own.inertia
 
 
-MODELS = (by_analytic, by_exudyn, by_pymunk, by_multiprecision, by_coordinates, by_judge)
+MODELS = (
+    *(partial(by, f"sim_models.{name}.bodies", of) for name, of in (("exudyn", "rigid_body"), ("pymunk", "rigid"))),
+    partial(by, "sim_models.coordinates.bodies", "framed_body"),  # CasADi's, MuJoCo's and Pinocchio's
+    partial(by, "analytic.core.geometry", "rigid_body"),
+    by_multiprecision,
+    by_judge,
+)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -11,11 +11,11 @@ from itertools import cycle
 import numpy as np
 
 from scenes import Motion, Status
-from scenes.motion import force_channels
+from scenes.model.motion import force_channels
+from scenes.numbers import put
 
 from ...engines import registry
-from ..judgement import Judgement
-from ..perturbation import put
+from ..agreement import Judgement
 from . import spoilt_motion as spoilt
 from .thinned import (
     CLEAR,
@@ -34,7 +34,7 @@ APART = 0.1  # of the scale: components that are nearer, as where no force acts,
 
 
 def canaries(judgement: Judgement) -> list[str]:
-    """Return what the comparison lets through, a line each; none where no run is ok or the reference is in doubt.
+    """Return the faults that are let through, a line each; none where no run is ok or the reference is in doubt.
 
     Args:
         judgement: the runs just judged, of which the engines' ok ones are broken in turn.
@@ -42,7 +42,11 @@ def canaries(judgement: Judgement) -> list[str]:
     Returns:
         One sentence for each broken copy that the comparison takes for a good one.
     """
-    ok = [m.run for m in judgement.measurements if m.run.status is Status.ok and m.run.motion is not None and not m.own]
+    ok = [
+        m.run
+        for m in judgement.measurements
+        if m.run.status is Status.ok and m.run.motion is not None and not m.foreign
+    ]
     ok = [run for run in ok if registry.ENTRIES[run.engine].everything]  # one of fewer channels lacks what is broken
     if not ok or judgement.reference.floor.doubt:
         return []
@@ -96,7 +100,7 @@ def _canaries(first: Thinned) -> Iterator[tuple[str, Noticed]]:
 
 
 def _lagging(copy: Thinned) -> Callable[[Motion], Motion]:
-    """Return what lets the drive lag by a little more than it may, and nothing else."""
+    """Return a change that lets the drive lag by a little more than it may, and nothing else."""
     drive = copy.scene.drive_channel
     return partial(spoilt.shifted, by={drive: -float(copy.amounts(CLEAR)[drive].max())})
 
@@ -105,7 +109,7 @@ def _another_mass(copy: Thinned) -> bool:
     """Return whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.scene, force_channels(copy.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
-    heavier = put(scene, ("bodies", heaviest, "mass"), (scene.bodies[heaviest].mass or 0.0) + 1.0)
+    heavier = put(scene, {("bodies", heaviest, "mass"): (scene.bodies[heaviest].mass or 0.0) + 1.0})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
     right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
     amounts = copy.amounts()

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples, force_channels, kinematic_channels, quantity
+from scenes.model.motion import Samples, force_channels, kinematic_channels, quantity
 from scenes.scene import GROUND
 
 ORDERS = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}  # of rates
@@ -14,7 +14,7 @@ NOTHING = 1e-9  # of the largest force: what is relative to others
 
 
 def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, float]) -> dict[str, Samples]:
-    """Return what errors are relative to, by channel, each of shape (n,).
+    """Return the sizes that errors are relative to, by channel, each of shape (n,).
 
     Args:
         scene: the linkage.
@@ -26,13 +26,13 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
     travel = 1.0 if scene.driven_slide is None else largest - least
     paths = {point: cycle[f"{point}.x"] + 1j * cycle[f"{point}.y"] for point in scene.moving_points}
     reach = {point: 2 * float(np.abs(path - path.mean()).max()) for point, path in paths.items()}  # T to 2 T
-    found = {}
+    by_channel = {}
     for channel in kinematic_channels(scene):
         kind, name = quantity(channel), channel.partition(".")[0]  # a body may have the name of a point
         order, point = ORDERS.get(kind, 0), kind[-1] in "xy"
         unit = max(reach[name], LEAST * max(reach.values())) if point else 1.0
         scale = unit * (scene.drive.peak_rate / travel) ** order
-        found[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
+        by_channel[channel] = np.maximum(scale, length(true, channel)) if order else scale * whole
     peaks = {channel: float(length(cycle, channel).max()) for channel in force_channels(scene) if channel in cycle}
     for body in scene.bodies.values():
         if body.slide is not None and peaks:
@@ -41,8 +41,8 @@ def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, flo
             least_moment = lever * peaks[f"{body.name}.guide_force"]
             peaks[f"{body.name}.guide_moment"] = max(peaks[f"{body.name}.guide_moment"], least_moment)
     for channel, peak in peaks.items():
-        found[channel] = whole * (peak if peak > NOTHING * max(peaks.values()) else otherwise[channel])
-    return found | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}
+        by_channel[channel] = whole * (peak if peak > NOTHING * max(peaks.values()) else otherwise[channel])
+    return by_channel | {scene.drive_channel: np.maximum(travel, np.abs(way - way[0]))}
 
 
 def length(motion: Motion, channel: str) -> Samples:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterable, Mapping
 
 from scenes import Motion
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
 
 def replaced(motion: Motion, samples: Mapping[str, Samples]) -> Motion:

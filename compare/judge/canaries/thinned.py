@@ -8,20 +8,19 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Motion, Sampling, Scene, Status
-from scenes.motion import Samples, channels, force_channels, quantity
+from scenes.model.motion import Samples, channels, force_channels, quantity
 
-from ...engines.press_switches import on_switch
-from ...engines.reference import Reference
 from ...engines.runner import Run, complete
-from ..constraints import largest_length
-from ..errors import GROUPS, shown_groups
+from ...mechanics.bodies import largest_length
+from ...mechanics.mechanics import GROUPS
+from ...mechanics.press_switches import on_switch
+from ...mechanics.reference import Reference
+from ...mechanics.round_off import EPS, Explained
+from ..errors import shown_groups
 from ..gates import gates, missed
 from ..measure import Measurement, assess
-from ..perturbation import neighbours
-from ..round_off import EPS, Explained
 from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
-from .clean import CleanRun
 from .sizes import apart, length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
@@ -33,6 +32,42 @@ BLIND = {"branch", *BALANCES}  # that all channels are off is no other branch, a
 FAR = 1e6  # times the largest force: of what a balance is relative to nothing else is left
 MUCH = 0.5  # of that: what a balance finds then
 ARMS = 100.0  # sizes of the linkage: further off no centre of mass is
+
+
+@dataclass(frozen=True)
+class CleanRun:
+    """An engine's run with nothing wrong in it."""
+
+    reference: Reference
+    sampling: Sampling
+    run: Run
+
+    @property
+    def scene(self) -> Scene:
+        """The scene solved."""
+        return self.reference.scene
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion, every channel."""
+        assert self.run.motion is not None
+        return self.run.motion
+
+    @cached_property
+    def true(self) -> Motion:
+        """What it should be."""
+        return self.reference.at(self.sampling.commanded(self.scene), self.sampling.times(self.scene))
+
+    @property
+    def promise(self) -> float:
+        """The largest relative error that the settings promise."""
+        assert self.run.settings is not None
+        return self.run.settings.promise
+
+    @property
+    def drive(self) -> str:
+        """The channel of the drive's position."""
+        return self.scene.drive_channel
 
 
 @dataclass(frozen=True)
@@ -66,7 +101,7 @@ class Thinned(CleanRun):
         """More than what round-off explains, relative, by channel: by the motion with numbers a few last places off."""
         position, time = self.true[self.drive], self.true["time"]
         try:
-            others = [solve(position, time).samples for solve in self.reference.neighbours or neighbours(self.scene)]
+            others = [solve(position, time).samples for solve in self.reference.mechanics.neighbours]
         except Failure:
             others = []
         moved = [Motion({channel: other[channel] - self.true[channel] for channel in other}) for other in others]
@@ -104,8 +139,8 @@ def refused(spoil: Callable[[Motion], Motion]) -> Noticed:
     """Return whether a spoilt motion stops a CI run, by its own output where that is complete."""
 
     def noticed(copy: Thinned) -> bool:
-        found = copy.assessed(spoil(copy.motion))
-        return found.run.found_by != "reference" * copy.complete and stops(copy, found)
+        measured = copy.assessed(spoil(copy.motion))
+        return measured.run.found_by != "reference" * copy.complete and stops(copy, measured)
 
     return noticed
 
@@ -132,9 +167,9 @@ def incomplete(spoil: Callable[[Motion], Motion]) -> Noticed:
     return noticed
 
 
-def stops(copy: Thinned, found: Measurement) -> bool:
+def stops(copy: Thinned, measured: Measurement) -> bool:
     """Return whether a judged run stops a CI run: with a tolerance for every group, and with none at all."""
-    return found.run.status is not Status.ok and bool(missed([found], [])) and _all_missed(copy, found, np.inf)
+    return measured.run.status is not Status.ok and bool(missed([measured], [])) and _all_missed(copy, measured, np.inf)
 
 
 def stops_without_a_motion(copy: Thinned) -> bool:
@@ -150,14 +185,14 @@ def each_check_alone(sign: int) -> Noticed:
     """
 
     def noticed(copy: Thinned) -> bool:
-        found = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
+        measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
         assert copy.run.settings is not None
         too_much = EXCESS * max(copy.run.settings.promise, copy.run.settings.drive_promise)
-        alone = {name: [check for check in found.checks if check.check == name] for name in checked(copy.scene)}
-        one_by_one = [[replace(own, worst=worst)] for own in found.checks for worst in (float("nan"), too_much)]
+        alone = {name: [check for check in measured.checks if check.check == name] for name in checked(copy.scene)}
+        one_by_one = [[replace(own, worst=worst)] for own in measured.checks for worst in (float("nan"), too_much)]
         return (
             all(alone.values())
-            and stops(copy, found)
+            and stops(copy, measured)
             and (not copy.scene.has_masses or _balances_notice(copy, sign * FAR))
             and all(
                 judged(copy.run, own).status is not Status.ok
@@ -204,15 +239,15 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     # On a press force's switch the reference is that of the side that fits, with no error of the other's.
     clear = np.setdiff1d(np.arange(count), on_switch(copy.reference.acts(copy.true)))
     rows = {channel: np.roll(clear, -n)[[0, len(clear) // 2]] for n, channel in enumerate(excess)}
-    found = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
-    if found.comparison is None or found.run.found_by != "reference" or not stops(copy, found):
+    measured = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
+    if measured.comparison is None or measured.run.found_by != "reference" or not stops(copy, measured):
         return False
-    largest = {row.channel: row.max for row in found.errors}
+    largest = {row.channel: row.max for row in measured.errors}
     if not rows.keys() <= largest.keys():
         return False
     seen = (
-        not largest[channel] < found.comparison.actual[channel][own].max()  # no number where no floor is known
-        and found.comparison.actual[channel][own].max() > excess[channel][own].min() / 2
+        not largest[channel] < measured.comparison.actual[channel][own].max()  # no number where no floor is known
+        and measured.comparison.actual[channel][own].max() > excess[channel][own].min() / 2
         for channel, own in rows.items()
     )
     return all(seen) and _last_is_seen(copy)
@@ -221,9 +256,9 @@ def each_channel_is_seen(copy: Thinned) -> bool:
 def _last_is_seen(copy: Thinned) -> bool:
     """Return whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
     amounts, last = copy.amounts(CLEAR), {GROUPS[quantity(channel)]: channel for channel in copy.excess(CLEAR)}
-    found = _against(copy, {channel: amounts[channel] for channel in last.values()})
+    measured = _against(copy, {channel: amounts[channel] for channel in last.values()})
     least = min(map(np.min, copy.excess(CLEAR).values())) / 2
-    return found.run.found_by == "reference" and _all_missed(copy, replace(found, run=copy.run), least)
+    return measured.run.found_by == "reference" and _all_missed(copy, replace(measured, run=copy.run), least)
 
 
 def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
@@ -235,7 +270,7 @@ def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
     return copy.assessed(copy.motion, replace(copy.reference, at=at))
 
 
-def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:
+def _all_missed(copy: Thinned, measured: Measurement, tolerance: float) -> bool:
     """Return whether a tolerance of each group of channels is missed."""
     groups = {
         GROUPS[quantity(channel)]
@@ -243,5 +278,5 @@ def _all_missed(copy: Thinned, found: Measurement, tolerance: float) -> bool:
         if channel != "time" and channel in copy.reference.scale
     }
     held = replace(copy.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
-    gated = [*gates(held, [found])]
-    return {gate.group for gate in gated} == groups and len(missed([found], gated)) >= len(groups)
+    gated = [*gates(held, [measured])]
+    return {gate.group for gate in gated} == groups and len(missed([measured], gated)) >= len(groups)

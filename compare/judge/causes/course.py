@@ -6,10 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 
-from .evidence import EXPLAINED, NEARLY_ALL, SHORTEST, Channels, Evidence, Hypothesis, Kind, factor_of_change, fitted
-from .parts import ANGLES, Part, common, place_of, stem
+from .cause import Cause, Kind, Way
+from .evidence import (
+    EXPLAINED,
+    NEARLY_ALL,
+    NEXT_TO_NOTHING,
+    SHORTEST,
+    Channels,
+    Evidence,
+    Hypothesis,
+    added,
+    fitted,
+    with_changes,
+)
+from .parts import ANGLES, Part, common, stem
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
@@ -19,20 +31,20 @@ COARSE = (2, 3, 4, 5, 6, 8, 9, 10, 12)  # samples
 FASTER = 2.0  # from each third of the start to the next, a transient dies away by more
 LEAST_BEND = 1e-3  # of a second difference
 WHITE = 0.3  # the largest correlation of the deviations of neighbours, that noise has
-SPREAD = 0.15  # of the samples, that noise has at least
+SPREAD = 0.15  # of the samples, that noise and what is interpolated have at least
 
 
 def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
     for part in evidence.parts:
-        if evidence.outside(part[1]) <= EXPLAINED:
+        if evidence.outside(part.channels) <= EXPLAINED:
             for cause in (_late, _late_by_samples, _differences, _smoothed, _growing, _interpolated):
                 yield from cause(evidence, part)
 
 
 def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """All of a part late by one time, s, found by Gauss and Newton from several starts."""
-    (name, channels), place = part, place_of(part)
+    channels = part.channels
     time = evidence.motion["time"]
     step = float(time[1] - time[0])
 
@@ -51,19 +63,24 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     (by,), late = fitted(evidence, lambda by: predict(by, start), np.full(1, 1e-4 * step), 4)
     if late:
         by += start
-        amount = f"{1e3 * abs(by):.3g} ms {'late' if by > 0 else 'early'}"
         even = float(np.ptp(np.diff(time))) <= EVEN * step  # else a lag is no number of samples
-        sentence = f"{name} is {amount}" + f" ({abs(by) / step:.3g} samples)" * even
-        yield Hypothesis(_kind(evidence, channels), place, amount, sentence, late, 1)
+        amounts = (float(by), float(by / step)) if even else (float(by),)
+        yield Hypothesis(_lag(evidence, part, Way.late, *amounts), late, 1)
 
 
-def _kind(evidence: Evidence, channels: tuple[str, ...]) -> Kind:
-    return Kind.drive if channels == (evidence.reference.scene.drive_channel,) else Kind.lag
+def _lag(evidence: Evidence, part: Part, way: Way, *amounts: float) -> Cause:
+    kind = Kind.drive if part.channels == (evidence.reference.scene.drive_channel,) else Kind.lag
+    return Cause(kind, part.place, way, amounts, part=part)
+
+
+def _explained(evidence: Evidence, predicted: Channels) -> Channels:
+    """Return those channels that a prediction explains in part at least."""
+    return {c: own for c, own in predicted.items() if evidence.left({c: own}) < 1}
 
 
 def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Rates that are differences of the motion's own poses or rates over its samples."""
-    name, channels = part
+    channels = part.channels
     source_of = {"vx": "x", "vy": "y", "omega": "angle", "ax": "vx", "ay": "vy", "alpha": "omega"}
     sources = {c: f"{stem(c)}.{source_of.get(quantity(c))}" for c in channels}
     if not all(source in evidence.motion for source in sources.values()):
@@ -72,9 +89,9 @@ def _differences(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     below = {c: evidence.motion[source] for c, source in sources.items()}
     values = {c: np.unwrap(own) if sources[c].endswith("angle") else own for c, own in below.items()}
     for how, difference in _DIFFERENCES.items():
-        found = {c: difference(values[c], time)[evidence.rows] for c in channels}
-        predicted = {c: own for c, own in found.items() if evidence.left({c: own}) < 1}
-        yield Hypothesis(Kind.differences, common(predicted), how, f"{name} is {how} differences of samples", predicted)
+        predicted = _explained(evidence, {c: difference(values[c], time)[evidence.rows] for c in channels})
+        cause = Cause(Kind.differences, common(predicted), Way.differences, names=(how,), part=part)
+        yield Hypothesis(cause, predicted)
 
 
 def _backward(values: Samples, time: Samples) -> Samples:
@@ -87,51 +104,48 @@ _DIFFERENCES: dict[str, Callable[[Samples, Samples], Samples]] = {"central": np.
 
 def _late_by_samples(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part late by a few samples, the first one held."""
-    name, channels = part
     last = len(evidence.rows) - 1
     for by in WHOLE_SAMPLES:
         rows = np.clip(np.arange(last + 1) - by, 0, last)
-        late = f"{abs(by)} sample{'s' if abs(by) > 1 else ''} {'late' if by > 0 else 'early'}"
-        predicted = {c: evidence.true[c][rows] for c in channels}
-        yield Hypothesis(_kind(evidence, channels), place_of(part), late, f"{name} is {late}", predicted)
+        predicted = {c: evidence.true[c][rows] for c in part.channels}
+        yield Hypothesis(_lag(evidence, part, Way.late_rows, by), predicted)
 
 
 def _smoothed(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part, or those of its channels that it explains, averaged over neighbouring samples."""
-    name, channels = part
-    bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in channels}
-    by = {c: factor_of_change(evidence, c, bends[c]) for c in channels}
-    typical = float(np.median([size for size in by.values() if abs(size) > LEAST_BEND] or [0.0]))
-    found = {c: evidence.true[c] + typical * bends[c] for c in channels}
-    predicted = {c: own for c, own in found.items() if evidence.left({c: own}) < 1}
-    sentence = f"{name} is smoothed over its samples"
-    yield Hypothesis(Kind.solver, common(predicted), f"{typical:.3g}", sentence, predicted, 1)
+    bends = {c: np.diff(np.pad(evidence.true[c], 1, "edge"), 2) for c in part.channels}
+    by = [float(added(evidence, [{c: bend}])[0][0]) for c, bend in bends.items()]
+    typical = float(np.median([size for size in by if abs(size) > LEAST_BEND] or [0.0]))
+    predicted = _explained(evidence, with_changes(evidence, (typical,), [bends]))
+    yield Hypothesis(Cause(Kind.solver, common(predicted), Way.smoothed, (typical,), part=part), predicted, 1)
 
 
 def _growing(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part whose errors grow steadily: from nothing by a slope of each channel's own, or by one factor."""
-    (name, channels), place, true = part, place_of(part), evidence.true
+    true = evidence.true
     run = true["time"] - true["time"][0]
-    away = {c: true[c] + factor_of_change(evidence, c, run) * run for c in channels}
-    yield Hypothesis(Kind.solver, place, "drift", f"{name} drifts away steadily", away, min(len(channels), 2))
-    (rate,), grown = fitted(evidence, lambda x: {c: true[c] * (1 + x[0] * run) for c in channels}, np.ones(1))
-    amount = f"by {100 * rate * run[-1]:.3g} %"
-    yield Hypothesis(Kind.solver, place, amount, f"{name} grows steadily, {amount} at the end", grown, 1)
+    away = [added(evidence, [{c: run}])[1] for c in part.channels]
+    drifting = {c: own for each in away for c, own in each.items()}
+    yield Hypothesis(Cause(Kind.solver, part.place, Way.drift, part=part), drifting, min(len(away), 2))
+    (rate,), grown = added(evidence, [{c: true[c] * run for c in part.channels}])
+    yield Hypothesis(Cause(Kind.solver, part.place, Way.growth, (float(rate * run[-1]),), part=part), grown, 1)
 
 
 def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield a part that is right at every so many samples, and between them on lines or on a spline."""
-    (name, channels), rows = part, evidence.rows
+    channels, rows = part.channels, evidence.rows
     if len(rows) < len(evidence.motion["time"]):
         return
     off = np.array([evidence.difference(c, evidence.true[c]) ** 2 for c in channels]).sum(axis=0)
+    if np.mean(off > NEXT_TO_NOTHING * off.max()) < SPREAD:
+        return  # a few rows are missed by nodes anyhow
     for every in COARSE:
         nodes = np.unique([*rows[::every], rows[-1]])
         if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
             for degree, how in ((1, "linear"), (3, "cubic")):
                 predicted = {c: _between(evidence.true, c, nodes, degree) for c in channels}
-                sentence = f"{name} is {how} between every {every}th sample"
-                yield Hypothesis(Kind.coarse, place_of(part), f"{how}, {every}", sentence, predicted)
+                cause = Cause(Kind.coarse, part.place, Way.between, (every,), (how,), part)
+                yield Hypothesis(cause, predicted, 1)
 
 
 def _between(true: Motion, channel: str, nodes: NDArray[np.intp], degree: int) -> Samples:
@@ -142,13 +156,13 @@ def _between(true: Motion, channel: str, nodes: NDArray[np.intp], degree: int) -
     return np.asarray(make_interp_spline(time[nodes], samples[nodes], degree)(time))
 
 
-def starting(evidence: Evidence) -> Hypothesis | None:
+def starting(evidence: Evidence) -> Cause | None:
     """Return that the fewest channels that hold nearly all of the deviation have a start transient, if they have.
 
     Their deviation, over their largest sizes, is in the first rows, and dies away from there.
     """
-    name, channels, off = _fewest(evidence)
-    size = np.array([evidence.scale[c] / evidence.scale[c].max() for c in channels])
+    part, off = _fewest(evidence)
+    size = np.array([evidence.scale[c] / evidence.scale[c].max() for c in part.channels])
     by_row = np.sum((size * off) ** 2, axis=0)
     early = np.array_split(by_row[: len(by_row) // 4], 3)
     first, second, third = (float(part.sum()) for part in early)
@@ -156,24 +170,24 @@ def starting(evidence: Evidence) -> Hypothesis | None:
         return None
     if not (first > FASTER * second > FASTER**2 * third > 0 and by_row[0] > by_row.max() / FASTER):
         return None
-    return Hypothesis(Kind.start, common(channels), "", f"{name} has a start transient", {})
+    return Cause(Kind.start, part.place, Way.transient, part=part)
 
 
-def _fewest(evidence: Evidence) -> tuple[str, tuple[str, ...], NDArray[np.float64]]:
-    """Return the fewest channels that hold nearly all of the deviation, what they are called, and how far off."""
-    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= NEARLY_ALL]
-    name, channels = min(parts, key=lambda part: len(part[1]))
-    return name, channels, np.array([evidence.difference(c, evidence.true[c]) for c in channels])
+def _fewest(evidence: Evidence) -> tuple[Part, NDArray[np.float64]]:
+    """Return the fewest channels that hold nearly all of the deviation, and how far off they are."""
+    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= NEARLY_ALL]
+    fewest = min(parts, key=lambda part: len(part.channels))
+    return fewest, np.array([evidence.difference(c, evidence.true[c]) for c in fewest.channels])
 
 
-def noisy(evidence: Evidence) -> Hypothesis | None:
+def noisy(evidence: Evidence) -> Cause | None:
     """Return that the fewest channels that hold nearly all of the deviation are noisy, if they are.
 
     The deviations of neighbouring samples have nothing to do with each other then, and no few of them are all of it.
     """
-    name, channels, off = _fewest(evidence)
+    part, off = _fewest(evidence)
     square = float(np.sum(off**2))
     spread = square**2 / float(np.sum(np.sum(off**2, axis=0) ** 2)) / off.shape[1]
     if np.sum(off[:, 1:] * off[:, :-1]) > WHITE * square or spread < SPREAD:
         return None
-    return Hypothesis(Kind.noise, common(channels), "", f"{name} is noisy", {c: evidence.given[c] for c in channels})
+    return Cause(Kind.noise, part.place, Way.noisy, part=part)

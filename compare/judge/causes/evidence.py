@@ -4,9 +4,8 @@ A cause predicts what its motion would be. What it leaves over, the distance of 
 distance from what it should be, is 0 for a cause that explains all and 1 for one that explains nothing.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -14,70 +13,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Rows
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 
-from ...engines.reference import Reference, relative_errors, sizes
-from .parts import ANGLES, FORCES, Part, parts
+from ...mechanics.reference import Reference
+from ...mechanics.scales import relative_errors, sizes
+from ...results.frame import COMPONENTS
+from .cause import Cause
+from .parts import ANGLES, FORCES, Part, parts, stem
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
+FEW = 3  # bodies, joints and points
 SHORTEST = 4  # rows, in which a motion can be off alone
 NEXT_TO_NOTHING = 1e-3  # of the square of the largest sample's deviation: what right samples have
 EXACT = 0.01  # of the deviation: what causes leave over below it is rounding, and what an engine is off besides
 
 NEARLY_ALL = 0.15  # of the deviation: the most that the cause named leaves over
+PRICE = 0.25  # of what is left over, for each number that was fitted
+SETTLED = 0.99  # of what was left over before: a further round is worth no more
 EXPLAINED = 0.3  # the most that a cause worth a look leaves over
 
 Channels = Mapping[str, Samples]
 
 
-class Kind(StrEnum):
-    """Causes of a disagreement."""
-
-    unknown = "unknown"
-    sign = "opposite sign"
-    unit = "factor"
-    offset = "offset"
-    frame = "another frame"
-    swap = "channels swapped"
-    copy = "another's channel"
-    pair = "another pair of bodies at the pin"
-    moment = "moment about another point"
-    term = "a term of the acceleration"
-    lag = "late"
-    drive = "drive"
-    mass = "mass"
-    inertia = "moment of inertia"
-    com = "centre of mass"
-    length = "length"
-    place = "place on the ground"
-    guide = "guide"
-    load = "load"
-    spring = "spring"
-    gravity = "gravity"
-    friction = "friction"
-    missing = "missing"
-    nonfinite = "not finite"
-    held = "rows held"
-    constant = "constant"
-    spike = "spoilt sample"
-    rows = "rows out of order"
-    noise = "noise"
-    differences = "differences of samples"
-    branch = "another branch"
-    solver = "discretisation"
-    start = "start transient"
-    coarse = "interpolation"
-    code = "wrong line"
-
-
 class Hypothesis(NamedTuple):
     """A cause, and the channels of the motion that it would give, at the rows of the evidence; all others stand."""
 
-    kind: Kind
-    place: str  # a body, joint, channel, "drive" or "all"
-    amount: str
-    sentence: str
+    cause: Cause
     predicted: Channels
     freedom: int = 0  # numbers that were fitted
 
@@ -117,36 +79,40 @@ class Evidence:
         return sum(self.off.values())
 
     @cached_property
-    def moved(self) -> float:
-        """The part of the deviation that the kinematic channels have."""
-        return self.outside(c for c in self.names if quantity(c) in FORCES)
+    def of_forces(self) -> bool:
+        """Whether nearly all of the deviation is in forces."""
+        forces = [c for c in self.names if quantity(c) in FORCES]
+        return bool(forces) and self.total > 0 and self.outside(forces) <= NEARLY_ALL
 
     @cached_property
-    def blind(self) -> bool:
-        """Whether it has forces alone, which do not show whether a body is elsewhere."""
-        drive = self.reference.scene.drive_channel
-        return all(quantity(channel) in FORCES or channel == drive for channel in self.names)
+    def elsewhere(self) -> bool:
+        """Whether it has channels of so many bodies and joints that what is wrong in the scene is in several."""
+        return len({stem(channel) for channel in self.names}) > FEW
+
+    def along(self, axis: str) -> tuple[str, ...]:
+        """Return all components of vectors along an axis, x or y."""
+        return tuple(c for c in self.names if quantity(c) in COMPONENTS and c[-1] == axis)
 
     def difference(self, channel: str, other: Samples) -> Samples:
         """Return by how much the motion's channel is more than another, over its scale, angles modulo one turn."""
-        return _apart(channel, self.given[channel], other) / self.scale[channel]
+        return apart(channel, self.given[channel], other) / self.scale[channel]
 
     def _square(self, channel: str, other: Samples) -> float:
         return float(np.sum(self.difference(channel, other) ** 2))
 
     def outside(self, channels: Iterable[str]) -> float:
-        """Return what a cause leaves over that explains all of these channels and no other."""
+        """Return the rest that a cause leaves over which explains all of these channels and no other."""
         own = sum(self.off[channel] for channel in channels)
         return float(np.sqrt(max(self.total - own, 0.0) / self.total))
 
     def left(self, predicted: Channels) -> float:
-        """Return what a prediction leaves over."""
+        """Return the rest that a prediction leaves over."""
         change = sum(self._square(c, predicted[c]) - self.off[c] for c in predicted if c in self.off)
         left = float(np.sqrt(max(self.total + change, 0.0) / self.total))
         return left if np.isfinite(left) else np.inf
 
     def late(self, by: float) -> Channels:
-        """Return what the motion would be if all were late by a time, s; nothing where there is no motion."""
+        """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
             drive, time = self.reference.scene.drive, self.true["time"] - by
             time = time if drive.repeats else np.clip(time, 0.0, drive.cycle)
@@ -211,16 +177,43 @@ def evidence(reference: Reference, sampling: Rows, motion: Motion) -> Evidence:
     return Evidence(reference, motion, reference.at(position[rows], time[rows]), rows)
 
 
+def price(left: float, freedom: int) -> float:
+    """Return the price by which a cause is ranked: its rest, and more by each number that was fitted."""
+    return left * (1 + PRICE * freedom)
+
+
 def factor(evidence: Evidence, channels: Iterable[str], basis: Channels) -> float:
     """Return the factor of a basis that is nearest to the motion's channels."""
     pairs = [(basis[c] / evidence.scale[c], evidence.given[c] / evidence.scale[c]) for c in channels]
     return sum(float(b @ m) for b, m in pairs) / (sum(float(b @ b) for b, _ in pairs) or 1.0)
 
 
-def factor_of_change(evidence: Evidence, channel: str, basis: Samples) -> float:
-    """Return the factor of a basis that is nearest to the deviation of a channel."""
-    weighted = basis / evidence.scale[channel]
-    return float(weighted @ evidence.difference(channel, evidence.true[channel]) / ((weighted @ weighted) or 1.0))
+def added(evidence: Evidence, changes: Sequence[Channels]) -> tuple[Samples, Channels]:
+    """Return the amounts of changes of channels that leave least over, shape (k,), and the channels with them."""
+    channels = [c for c in evidence.names if any(c in change for change in changes)]
+    nothing = np.zeros(len(evidence.rows))
+    basis = [[change.get(c, nothing) / evidence.scale[c] for c in channels] for change in changes]
+    off = [evidence.difference(c, evidence.true[c]) for c in channels]
+    amounts = least_squares(np.reshape(basis, (len(changes), -1)).T, np.ravel(off))
+    return amounts, with_changes(evidence, amounts, changes)
+
+
+def with_changes(evidence: Evidence, amounts: Iterable[float], changes: Sequence[Channels]) -> Channels:
+    """Return the channels that are changed, by so much of each change."""
+    total: dict[str, Samples] = {}
+    for amount, change in zip(amounts, changes, strict=True):
+        for c, by in change.items():
+            total[c] = total.get(c, evidence.true[c]) + amount * by
+    return total
+
+
+def least_squares(columns: NDArray[np.float64], off: Samples) -> Samples:
+    """Return the amounts of columns, shape (n, k), that are nearest to something together; of empty ones nothing."""
+    size = np.linalg.norm(columns, axis=0)
+    if not (np.isfinite(size).all() and np.isfinite(off).all()):
+        return np.zeros(len(size))
+    size[size == 0] = np.inf
+    return np.asarray(np.linalg.lstsq(columns / size, off, rcond=1e-6)[0] / size)
 
 
 def fitted(
@@ -236,24 +229,23 @@ def fitted(
         ways = [predict(x + step) for step in np.diag(steps)]
         if not all((now, *ways)):
             return x, {}
-        slopes = [np.concatenate([_apart(c, way[c], now[c]) / evidence.scale[c] for c in channels]) for way in ways]
+        slopes = [np.concatenate([apart(c, way[c], now[c]) / evidence.scale[c] for c in channels]) for way in ways]
         off = np.concatenate([evidence.difference(c, now[c]) for c in channels])
-        size = np.array([np.linalg.norm(slope) for slope in slopes])
-        if not (np.isfinite(size).all() and np.isfinite(off).all()):
-            return x, {}
-        size[size == 0] = np.inf
-        change = np.linalg.lstsq(np.array(slopes).T / size, off, rcond=1e-6)[0] / size * steps
+        change = least_squares(np.array(slopes).T, off) * steps
         for shorter in (1.0, 0.5, 0.2, 0.05):
             then = predict(x + shorter * change)
             if then and (rounds == 1 or evidence.left(then) <= evidence.left(now)):
-                x, now = x + shorter * change, then
                 break
         else:
+            return x, now
+        settled = evidence.left(then) > SETTLED * evidence.left(now)
+        x, now = x + shorter * change, then
+        if settled:
             break
     return x, now
 
 
-def _apart(channel: str, one: Samples, other: Samples) -> Samples:
+def apart(channel: str, one: Samples, other: Samples) -> Samples:
     """Return by how much samples of a channel are more than others, angles modulo one turn."""
     difference = one - other
     return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if quantity(channel) in ANGLES else difference

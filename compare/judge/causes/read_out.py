@@ -1,101 +1,95 @@
 """Causes in what is read from a right motion: signs, factors, frames, channels swapped, late or spoilt samples."""
 
-from collections.abc import Iterator, Mapping
-from itertools import combinations, product
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 from math import pi
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scenes.motion import Samples, quantity
+from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import GROUND
 
-from ...engines.motion_vectors import MotionVectors, Vectors
-from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, Kind, factor, factor_of_change
-from .parts import ANGLES, FORCES, Part, in_words, place_of, stem
+from ...mechanics.motion_vectors import MotionVectors, Vectors
+from ...results.frame import unit_near
+from .cause import Cause, Kind, Way
+from .evidence import EXPLAINED, Channels, Evidence, Hypothesis, added, factor, with_changes
+from .parts import ANGLES, FORCES, TURNING, Part, stem
 
-NEAR = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
-FACTORS = {
-    0.0: "zero",
-    1e3: "mm in place of m",
-    1e-3: "m in place of mm",
-    180 / pi: "degrees in place of radians",
-    pi / 180: "radians in place of degrees",
-    30 / pi: "rpm in place of rad/s",
-    pi / 30: "rad/s in place of rpm",
-    2 * pi: "2 pi",
-    0.5 / pi: "1 / (2 pi)",
-    2.0: "double",
-    0.5: "half",
-    9.80665: "N in place of kgf",
-    1 / 9.80665: "kgf in place of N",
-}
+KNOWN_NUMBER = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
+FACTORS = (0.0, 2.0, 0.5, 2 * pi, 0.5 / pi)  # besides those of units
 CHOICE = 2  # numbers that one of many other channels counts for
 
 
 def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong read-out would have given, for all channels that hold nearly all of the deviation."""
-    parts = [part for part in evidence.parts if evidence.outside(part[1]) <= EXPLAINED]
+    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= EXPLAINED]
     for part in parts:
-        for cause in (_scaled, _shifted, _turned, _copied):
-            yield from cause(evidence, part)
+        for causes in (_scaled, _shifted, _turned, _copied, _terms):
+            yield from causes(evidence, part)
     yield from _swapped(evidence)
-    yield from _terms(evidence, parts)
     yield from _moments(evidence)
 
 
 def _scaled(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    (name, channels), true = part, evidence.true
-    place = place_of(part)
+    channels, place, true = part.channels, part.place, evidence.true
     if all(np.ptp(evidence.motion[c]) == 0 < np.ptp(true[c]) for c in channels):
         held = {c: evidence.given[c] for c in channels}
-        zero = all((held[c] == 0).all() for c in channels)
-        yield Hypothesis(Kind.constant, place, "zero" * zero, f"{name} is {'zero' if zero else 'constant'}", held)
+        way = Way.constant if any(own.any() for own in held.values()) else Way.zero
+        yield Hypothesis(Cause(Kind.constant, place, way, part=part), held)
         return
-    mirrored = name == "all along y" or name == "all along x"
-    what = "points the other way" if mirrored else "has the opposite sign"
-    what += ", as on the other body" * (len(channels) > 1 and all(quantity(c) in FORCES for c in channels))
-    kind = Kind.frame if mirrored else Kind.sign
-    yield Hypothesis(kind, place, "", f"{name} {what}", {c: -true[c] for c in channels})
-    for unit in (180 / pi, pi / 180) if {quantity(c) for c in channels} <= {*ANGLES} else ():
-        predicted = {c: unit * true[c] for c in channels}
-        yield Hypothesis(Kind.unit, place, FACTORS[unit], f"{name} is in {FACTORS[unit]}", predicted, 1)
-    times = factor(evidence, channels, true.samples)
-    known = next((n for n in FACTORS if abs(abs(times) - n) <= NEAR * n), None)
-    number, wrong = in_words(times)
-    amount = number if known is None else ("" if times >= 0 else "-") + _unit(known, channels)
-    predicted = {c: times * true[c] for c in channels}
-    sentence = f"{name} is {wrong}"
-    sentence += f", {amount}" * ("in place of" in amount)
-    yield Hypothesis(Kind.unit, place, amount, sentence, predicted, int(known is None or times < 0))
+    of_forces = len(channels) > 1 and all(quantity(c) in FORCES for c in channels)
+    kind, way = Kind.sign, Way.reaction if of_forces else Way.opposite
+    if place == "all" and part.channels == evidence.along(channels[0][-1]):
+        kind, way = Kind.frame, Way.mirrored_axis
+    yield Hypothesis(Cause(kind, place, way, part=part), {c: -true[c] for c in channels})
+    counted = {c: _on_turn(evidence, c, 1.0) for c in channels}
+    turning = {quantity(c) for c in channels}  # what angles count modulo a turn hides their factor
+    in_degrees = (180 / pi, pi / 180) if turning & {*ANGLES} and turning <= {*ANGLES, *TURNING} else ()
+    for times in (factor(evidence, channels, counted), *in_degrees):
+        if abs(times + 1) <= KNOWN_NUMBER:
+            continue  # the opposite sign
+        names = _units(times, channels)
+        known = bool(names) or any(abs(times - known) <= KNOWN_NUMBER * known for known in FACTORS)
+        cause = Cause(Kind.unit, place, Way.factor_of_unit if names else Way.factor, (times,), names, part)
+        own = {c: _on_turn(evidence, c, times) for c in channels} if times in in_degrees else counted
+        yield Hypothesis(cause, {c: times * values for c, values in own.items()}, int(not known))
 
 
-def _unit(factor: float, channels: tuple[str, ...]) -> str:
-    """Return the name of a known factor of channels."""
-    of_forces = all(quantity(channel) in FORCES for channel in channels)
-    return (
-        {1e3: "N in place of kN", 1e-3: "kN in place of N"}.get(factor, FACTORS[factor])
-        if of_forces
-        else FACTORS[factor]
-    )
+def _on_turn(evidence: Evidence, channel: str, times: float) -> Samples:
+    """Return a channel as it should be; an angle in the turn from which its samples are, times a factor."""
+    true = evidence.true[channel]
+    if quantity(channel) not in ANGLES:
+        return true
+    return np.asarray(true + 2 * pi * np.round((evidence.given[channel] / times - true) / (2 * pi)))
+
+
+def _units(times: float, channels: Sequence[str]) -> tuple[str, ...]:
+    """Return the unit that channels are in and that which they are read in, as their factor shows, or nothing."""
+    si = [UNITS[quantity(c)] for c in channels]
+    for way in (times, 1 / times) if times > 0 else ():
+        units = [unit_near(way, own, KNOWN_NUMBER)[0] for own in si]
+        if all(units) and units[0] != si[0]:
+            return (units[0], si[0]) if way == times else (si[0], units[0])
+    return ()
 
 
 def _shifted(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Yield an offset of one channel, of a vector, or of one quantity of all."""
-    (name, channels), place = part, place_of(part)
-    quantities = {quantity(channel) for channel in channels}
+    channels, place = part.channels, part.place
+    quantities = dict.fromkeys(quantity(channel) for channel in channels)
     if len(quantities) > 1 and not (len(channels) == 2 and _vectors(channels)):
         return
-    time = evidence.true["time"] - evidence.true["time"][0]
     off = {c: evidence.difference(c, evidence.true[c]) * evidence.scale[c] for c in channels}
     by = {q: _mean(q, [off[c] for c in channels if quantity(c) == q]) for q in quantities}
-    predicted = {c: evidence.true[c] + by[quantity(c)] for c in channels}
-    amount = ", ".join(f"{value:.3g}" for value in by.values())
     scene = evidence.reference.scene
-    rate = scene.drive.at(time).rate
-    if place == "drive" and quantities <= {"torque", "force"} and np.ptp(rate) == 0 and rate[0] * sum(by.values()) > 0:
+    rate = scene.drive.at(evidence.true["time"]).rate
+    if place == "drive" and by.keys() <= {"torque", "force"} and (rate * sum(by.values()) > 0).all():
         return  # friction of the drive
     kind = Kind.drive if channels == (scene.drive_channel,) else Kind.offset
-    yield Hypothesis(kind, place, amount, f"{name} is off by a constant, {amount}", predicted, len(by))
+    cause = Cause(kind, place, Way.offset, tuple(by.values()), part=part)
+    yield Hypothesis(cause, {c: evidence.true[c] + by[quantity(c)] for c in channels}, len(by))
 
 
 def _mean(quantity: str, off: list[Samples]) -> float:
@@ -111,8 +105,7 @@ def _vectors(channels: tuple[str, ...]) -> list[tuple[str, str]]:
 
 def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Vectors in a body's frame, turned by a constant angle, or with their components swapped."""
-    (name, channels), true, place = part, evidence.true, place_of(part)
-    pairs = _vectors(channels)
+    true, place, pairs = evidence.true, part.place, _vectors(part.channels)
     if not pairs:
         return
     scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
@@ -120,105 +113,104 @@ def _turned(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     given = {x: evidence.given[x] + 1j * evidence.given[y] for x, y in pairs}
 
     def turned(by: Mapping[str, Vectors]) -> Channels:
-        found = {x: vectors[x] * by[x] for x in vectors}
-        return {x: v.real for x, v in found.items()} | {f"{x[:-1]}y": v.imag for x, v in found.items()}
+        there = {x: vectors[x] * by[x] for x in vectors}
+        return {x: v.real for x, v in there.items()} | {f"{x[:-1]}y": v.imag for x, v in there.items()}
+
+    def framed(way: Way, name: str, by: Mapping[str, Vectors]) -> Hypothesis:
+        return Hypothesis(Cause(Kind.frame, place, way, names=(name,), part=part), turned(by))
 
     for body in scene.turning:
-        for sign, whose in ((-1, f"the frame of {body}"), (1, f"the frame of {body}, turned the wrong way")):
-            frame = np.exp(sign * 1j * state.angle(body))
-            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(dict.fromkeys(vectors, frame)))
+        for sign, way in ((-1, Way.frame_of), (1, Way.frame_of_reversed)):
+            yield framed(way, body, dict.fromkeys(vectors, np.exp(sign * 1j * state.angle(body))))
     if len(pairs) > 1:
         pins = {pin.channel: (pin.first, pin.second) for pin in scene.pins}
         for end, which in ((0, "first"), (-1, "last")):
             owner = {x: pins.get(stem(x), scene.owners.get(stem(x), (GROUND,)))[end] for x in vectors}
-            whose = f"the frames of the {which} bodies at the joints"
-            frames = {x: np.exp(-1j * state.angle(name)) for x, name in owner.items()}
-            yield Hypothesis(Kind.frame, place, whose, f"{name} is in {whose}", turned(frames))
+            yield framed(Way.frames_of, which, {x: np.exp(-1j * state.angle(name)) for x, name in owner.items()})
     weight = {x: evidence.scale[x] ** -2 for x in vectors}
     angle = float(np.angle(sum(complex(np.sum(weight[x] * given[x] * vectors[x].conj())) for x in vectors)))
-    amount = evidence.reference.scene.amount("angle", angle)
+    if abs(abs(angle) - pi) <= KNOWN_NUMBER:
+        return  # the opposite sign
     by_angle = turned(dict.fromkeys(vectors, np.exp(1j * np.array(angle))))
-    free = int(abs(abs(angle) - pi / 2) > NEAR)  # at a right angle it may be swapped components
-    yield Hypothesis(Kind.frame, place, amount, f"{name} is turned by {amount}", by_angle, free)
+    free = int(abs(abs(angle) - pi / 2) > KNOWN_NUMBER)  # at a right angle it may be swapped components
+    yield Hypothesis(Cause(Kind.frame, place, Way.turned, (angle,), part=part), by_angle, free)
     swapped = {x: true[y] for x, y in pairs} | {y: true[x] for x, y in pairs}
-    yield Hypothesis(Kind.swap, place, "components", f"{name} has its components swapped", swapped)
+    yield Hypothesis(Cause(Kind.swap, place, Way.components, part=part), swapped)
 
 
 def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     """Another joint's, point's or body's channels in place of these, or added to them, or taken from them."""
-    (name, channels), true, place = part, evidence.true, place_of(part)
+    channels, true, place = part.channels, evidence.true, part.place
     own = {stem(channel) for channel in channels}
     if len(own) > 1:
         return
     (one,) = own
-    for other in dict.fromkeys(stem(channel) for channel in evidence.names):
-        theirs = {c: c.replace(one, other, 1) if one != "drive" else f"{other}.{quantity(c)}" for c in channels}
-        if other == one or not all(t in true for t in theirs.values()):
-            continue
-        at_one_pin = other.split("/")[0] == one.split("/")[0]
-        for sign, a, b in ((1, 0, 1), (-1, 0, -1), (1, 1, 1), (-1, 1, -1)):
+    for other, theirs in _others(evidence, part):
+        at_one_pin = _pin(other) == _pin(one)
+        for way, a, b in _OF_ANOTHER:
+            relative = way is Way.relative and quantity(channels[0]) in TURNING
+            kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
+            cause = Cause(kind, place, way, names=(other,), part=part)
             predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
-            relative = a == 1 and quantity(channels[0]) in ("angle", "omega", "alpha")
-            kind = Kind.pair if at_one_pin else Kind.frame if relative and sign < 0 else Kind.copy
-            what = {(0, 1): "is that of", (0, -1): "is the opposite of that of"}.get((a, b))
-            what = what or ("has added to it that of" if b > 0 else "is relative to that of")
-            yield Hypothesis(kind, place, other, f"{name} {what} {other}", predicted, 0 if at_one_pin else CHOICE)
+            yield Hypothesis(cause, predicted, 0 if at_one_pin else CHOICE)
     if len(channels) == 1:
-        alike = [c for c in evidence.names if stem(c) == one and c != channels[0]]
-        for channel in alike:
-            sentence = f"{name} is a copy of {channel}"
-            yield Hypothesis(Kind.copy, place, channel, sentence, {channels[0]: true[channel]}, CHOICE)
+        for channel in (c for c in evidence.names if stem(c) == one and c != channels[0]):
+            cause = Cause(Kind.copy, place, Way.copy, names=(channel,), part=part)
+            yield Hypothesis(cause, {channels[0]: true[channel]}, CHOICE)
+
+
+_OF_ANOTHER = ((Way.that_of, 0, 1), (Way.opposite_of, 0, -1), (Way.added, 1, 1), (Way.relative, 1, -1))
+
+
+def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield each other joint, point or body that has all channels that one has, and its own by these."""
+    for other in dict.fromkeys(map(stem, evidence.names)):
+        own = {c: f"{other}.{quantity(c)}" for c in part.channels}
+        if other not in (part.place, "drive") and all(theirs in evidence.true for theirs in own.values()):
+            yield other, own
 
 
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     """Two joints', points' or bodies' channels in place of each other."""
-    stems: dict[str, dict[str, str]] = {}
-    for channel in evidence.names:
-        stems.setdefault(stem(channel), {})[quantity(channel)] = channel
-    names = [name for name in stems if name != "drive"]
-    for one, other in combinations(names, 2):
-        shared = stems[one].keys() & stems[other].keys()
-        for order in (shared, *_ORDERS):
-            both = [(stems[one][q], stems[other][q]) for q in order if q in shared]
-            if both and evidence.outside([c for pair in both for c in pair]) <= EXPLAINED:
-                predicted = {a: evidence.true[b] for a, b in both} | {b: evidence.true[a] for a, b in both}
-                kind = Kind.pair if one.split("/")[0] == other.split("/")[0] else Kind.swap
-                yield Hypothesis(kind, one, other, f"{one} and {other} are swapped", predicted)
-
-
-_ORDERS = (
-    {"x", "y", "vx", "vy", "ax", "ay"},
-    {"angle", "omega", "alpha"},
-    {"x", "y"},
-    {"vx", "vy"},
-    {"ax", "ay"},
-    {"fx", "fy"},
-    {"angle"},
-    {"omega"},
-    {"alpha"},
-    {"guide_force"},
-)
-
-
-def _terms(evidence: Evidence, parts: list[Part]) -> Iterator[Hypothesis]:
-    """Accelerations of points without, or with the opposite sign of, what a body's turning adds to them."""
-    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
-    for part in parts:
-        name, channels = part
-        pairs = _vectors(channels)
-        if not pairs or {quantity(c) for c in channels} != {"ax", "ay"}:
+    order = [*dict.fromkeys(map(stem, evidence.names))]
+    for part in evidence.parts:
+        if part.place in ("all", "drive"):
             continue
-        terms = {"centripetal": lambda w, _: -(w**2), "tangential": lambda _, alpha: 1j * alpha}
-        ways = (("lacks its", 1), ("has the opposite sign of its", 2))
-        for end, (term, of), (how, times) in product((0, -1), terms.items(), ways):
-            predicted: dict[str, Samples] = {}
-            for x, y in pairs:
-                body = scene.owners[stem(x)][end]
-                _, omega, alpha = state.turning(body)
-                first = scene.bodies[body].points[0] if body != GROUND else stem(x)
-                added = of(omega, alpha) * (state.place(stem(x)) - state.place(first))
-                predicted |= {x: evidence.true[x] - times * added.real, y: evidence.true[y] - times * added.imag}
-            yield Hypothesis(Kind.term, place_of(part), term, f"{name} {how} {term} term", predicted)
+        for other, theirs in _others(evidence, part):
+            first = order.index(part.place) < order.index(other)
+            if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:
+                predicted = {a: evidence.true[b] for pair in theirs.items() for a, b in (pair, pair[::-1])}
+                kind = Kind.pair if _pin(part.place) == _pin(other) else Kind.swap
+                yield Hypothesis(Cause(kind, part.place, Way.swapped, names=(other,)), predicted)
+
+
+def _pin(name: str) -> str:
+    """Return the point of a joint, of which a third body has one of its own."""
+    return name.partition("/")[0]
+
+
+def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
+    """Accelerations of points without, or with the opposite sign of, what a body's turning adds to them."""
+    pairs = _vectors(part.channels)
+    if not pairs or {quantity(c) for c in part.channels} != {"ax", "ay"}:
+        return
+    scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
+    ways = ((Way.no_term, -1.0), (Way.term_sign, -2.0))
+    for end, (term, of), (way, times) in product((0, -1), _TERMS.items(), ways):
+        change: dict[str, Samples] = {}
+        for x, y in pairs:
+            body = scene.owners[stem(x)][end]
+            first = scene.bodies[body].points[0] if body != GROUND else stem(x)
+            term_there = of(*state.turning(body)[1:]) * (state.place(stem(x)) - state.place(first))
+            change |= {x: term_there.real, y: term_there.imag}
+        cause = Cause(Kind.term, part.place, way, names=(term,), part=part)
+        yield Hypothesis(cause, with_changes(evidence, (times,), [change]))
+
+
+_TERMS: dict[str, Callable[[Samples, Samples], NDArray[Any]]] = {
+    "centripetal": lambda omega, _: -(omega**2) + 0j,
+    "tangential": lambda _, alpha: 1j * alpha,
+}
 
 
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -227,7 +219,5 @@ def _moments(evidence: Evidence) -> Iterator[Hypothesis]:
     for body in scene.bodies:
         channel, force = f"{body}.guide_moment", f"{body}.guide_force"
         if channel in evidence.names and evidence.outside([channel]) <= EXPLAINED:
-            lever = factor_of_change(evidence, channel, evidence.true[force])
-            predicted = {channel: evidence.true[channel] + lever * evidence.true[force]}
-            sentence = f"{body}'s guide moment is about another point, {scene.length(lever, 3)} away"
-            yield Hypothesis(Kind.moment, body, f"{lever:.4g}", sentence, predicted, 1)
+            (lever,), predicted = added(evidence, [{channel: evidence.true[force]}])
+            yield Hypothesis(Cause(Kind.moment, body, Way.moment, (float(lever),)), predicted, 1)

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.motion import UNITS, quantity
+from scenes.model.motion import UNITS, quantity
 
-from ...engines.motion_vectors import MotionVectors
+from ...mechanics.motion_vectors import MotionVectors
 
 Values: TypeAlias = NDArray[Any]  # shape (..., n) of a motion's channels, complex for a vector
 LEAST = ("transmission", "to_lock")  # the kinds of which the least value matters
 
 
 @dataclass(frozen=True)
-class Curve:
+class CycleCurve:
     """One quantity: a plane vector, or a number with a sign."""
 
     kind: str  # displacement, path, velocity, acceleration, reaction, guide_force, guide_moment, effort, one of `LEAST`
@@ -33,15 +33,15 @@ class Curve:
         return UNITS[quantity(self.channels[0])]
 
     def direction(self, motion: Motion, row: int) -> float:
-        """Return the direction of the vector at a sample, rad; NaN where it has none."""
+        """The direction of the vector at a sample, rad; NaN where it has none."""
         value = self.values(motion)[row]
         if self.along is None and not np.iscomplexobj(value):
             return np.nan
         return float(np.angle(value * (self.along or 1.0)))
 
 
-def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Curve]:
-    """Return the quantities for which a motion has the channels.
+def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[CycleCurve]:
+    """The quantities for which a motion has the channels.
 
     Args:
         scene: the linkage.
@@ -52,51 +52,51 @@ def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[Cur
     return [curve for curve in known if all(channel in motion for channel in curve.channels)]
 
 
-def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[Curve]:
+def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[CycleCurve]:
     """Yield the output's motion: numbers along its guide, vectors where it has none."""
     point, guided = scene.output, scene.guided(scene.output)
     for kind, q in (("displacement", ""), ("velocity", "v"), ("acceleration", "a")):
         x, y = both = f"{point}.{q}x", f"{point}.{q}y"
         scale = scales[x]
         if guided is None:
-            yield Curve(kind if q else "path", point, both, scale, _vector(x, y))
+            yield CycleCurve(kind if q else "path", point, both, scale, _vector(x, y))
             continue
         slide = guided[1]
         parts = {channel: part for channel, part in zip(both, slide.along, strict=True) if np.any(part != 0)}
         origin = 0.0 if q else sum(a * t for a, t in zip(slide.along, slide.through, strict=True))
         along = slide.along[0] + 1j * slide.along[1]
-        yield Curve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
+        yield CycleCurve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
 
 
-def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
+def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
     """Yield the forces of pins, of the first body on the second, and the force and moment of guides."""
     if not scene.has_masses:
         return
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        yield Curve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
+        yield CycleCurve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
     for body in scene.bodies.values():
         if body.slide is not None:
             force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
             turning = (f"{body.slide.on}.angle",) if body.slide.on in scene.turning else ()
             across = _across(scene, force, body.slide.on, 1j * body.slide.along[0] - body.slide.along[1])
-            yield Curve("guide_force", body.name, (force, *turning), scale[force], across)
-            yield Curve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
+            yield CycleCurve("guide_force", body.name, (force, *turning), scale[force], across)
+            yield CycleCurve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
 
 
-def _effort(scene: Scene, scale: Mapping[str, float]) -> Iterator[Curve]:
+def _effort(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
     channel = "drive.torque" if scene.driven_slide is None else "drive.force"
     along = None if scene.driven_slide is None else complex(*scene.driven_slide.along)
     if scene.has_masses:
-        yield Curve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
+        yield CycleCurve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
 
 
-def _singular(motion: Motion) -> Iterator[Curve]:
+def _singular(motion: Motion) -> Iterator[CycleCurve]:
     """Yield how far the groups of the analytic core are from a singular configuration."""
     for channel in motion.samples:
         if quantity(channel) in LEAST:
             joint = channel.rpartition(".")[0]
-            yield Curve(quantity(channel), joint, (channel,), 1.0, _along({channel: 1.0}))
+            yield CycleCurve(quantity(channel), joint, (channel,), 1.0, _along({channel: 1.0}))
 
 
 def _vector(x: str, y: str) -> Callable[[Motion], Values]:
@@ -108,5 +108,5 @@ def _along(parts: dict[str, float], origin: float = 0.0) -> Callable[[Motion], V
 
 
 def _across(scene: Scene, force: str, on: str, normal: complex) -> Callable[[Motion], Values]:
-    """Return the force of a guide, across it, as a vector in the ground's frame."""
+    """The force of a guide, across it, as a vector in the ground's frame."""
     return lambda motion: motion[force] * np.exp(1j * MotionVectors(scene, motion).angle(on)) * normal

@@ -9,77 +9,83 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
-from ...engines.axis import cycle_name
-from .curves import LEAST, Curve
-from .stroke import NEAR, Rows, Stroke, at, chords
+from ...mechanics.axis import cycle_name
+from .curves import LEAST, CycleCurve
+from .stroke import DWELLING, RowNumbers, Stroke, at, chords
 
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
-LARGEST = {
-    "velocity": "peak speed",
-    "acceleration": "peak acceleration",
-    "reaction": "largest force at {}",
-    "guide_force": "largest guide force at {}",
-    "guide_moment": "largest guide moment at {}",
-}  # by kind of curve
+LARGEST = {"velocity": "peak speed", "acceleration": "peak acceleration"}  # by kind of curve
+LARGEST_AT_JOINTS = {
+    "reaction": "largest force",
+    "guide_force": "largest guide force",
+    "guide_moment": "largest guide moment",
+}
+STROKE, CLOSED, OPEN, DWELL = "stroke", "closed", "open", "dwell"  # kinds of an output's numbers
 SMALLEST = {"transmission": "least transmission angle", "to_lock": "distance to a singular pose"}
 
 
 @dataclass(frozen=True)
-class Number:
+class CycleNumber:
     """One number of a cycle, and the sample where it is found, if it has one place; all of shape (...)."""
 
     name: str
-    curve: Curve
+    curve: CycleCurve
     value: Samples
     unit: str
     size: Samples  # what a difference of it is divided by
-    row: Rows | None = None  # -1 where the number is rounding
+    row: RowNumbers | None = None  # -1 where the number is rounding
+    kind: str = ""  # what it is at every joint and of every drive; its name if empty
 
 
-def numbers(scene: Scene, found: Sequence[Curve], motion: Motion, *, exact: bool = False) -> Iterator[Number]:
+def numbers(
+    scene: Scene, followed: Sequence[CycleCurve], motion: Motion, *, exact: bool = False
+) -> Iterator[CycleNumber]:
     """Yield the numbers of one cycle, in the order of the tables.
 
     Args:
         scene: the linkage.
-        found: the quantities to take them from.
+        followed: the quantities to take them from.
         motion: samples of shape (..., n) in the order of the time, from one end of the cycle to the other.
         exact: whether the rates are those of the positions, so that these are known between the samples too; without,
             an engine's wrong rate is in no number of its positions.
     """
-    by_kind = {curve.kind: curve for curve in found}
+    by_kind = {curve.kind: curve for curve in followed}
     if "displacement" in by_kind:
         yield from _of_slider(scene, by_kind, motion, exact=exact)
     if "path" in by_kind:
         stroke = np.abs(chords(by_kind["path"].values(motion)))
-        yield Number("stroke", by_kind["path"], stroke, "m", stroke)
-    for curve in found:
+        yield CycleNumber(STROKE, by_kind["path"], stroke, "m", stroke, kind=STROKE)
+    for curve in followed:
         if curve.kind in LARGEST:
-            yield _largest(LARGEST[curve.kind].format(curve.of), curve, motion)
+            yield _largest(LARGEST[curve.kind], "", curve, motion)
+        elif curve.kind in LARGEST_AT_JOINTS:
+            kind = LARGEST_AT_JOINTS[curve.kind]
+            yield _largest(f"{kind} at {curve.of}", kind, curve, motion)
     if "effort" in by_kind:
         yield from _of_drive(scene, by_kind["effort"], motion)
     for kind in LEAST:
-        least = {curve: curve.values(motion) for curve in found if curve.kind == kind}
+        least = {curve: curve.values(motion) for curve in followed if curve.kind == kind}
         if least:
             curve = min(least, key=lambda curve: float(least[curve].min()))  # of all machines
             value, row = (
                 np.min([values.min(axis=-1) for values in least.values()], axis=0),
                 least[curve].argmin(axis=-1),
             )
-            yield Number(SMALLEST[kind], curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), row)
+            yield CycleNumber(SMALLEST[kind], curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), row)
 
 
-def _largest(name: str, curve: Curve, motion: Motion) -> Number:
+def _largest(name: str, kind: str, curve: CycleCurve, motion: Motion) -> CycleNumber:
     sizes = np.abs(curve.values(motion))
     row = sizes.argmax(axis=-1)
     value = at(sizes, row)
     there = np.where(value > ROUNDING * curve.scale, row, -1)
-    return Number(name, curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), there)
+    return CycleNumber(name, curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), there, kind)
 
 
-def _of_drive(scene: Scene, curve: Curve, motion: Motion) -> Iterator[Number]:
+def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[CycleNumber]:
     """Yield the drive's largest torque or force with its motion and against it, their RMS value, power and work."""
     effort = "torque" if scene.driven_slide is None else "force"
     values, time, position = curve.values(motion), motion["time"], motion[scene.drive_channel]
@@ -90,32 +96,35 @@ def _of_drive(scene: Scene, curve: Curve, motion: Motion) -> Iterator[Number]:
         row = height.argmax(axis=-1)
         acts = at(height, row) > ROUNDING * curve.scale
         value = np.where(acts, at(values, row), 0.0)
-        yield Number(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
+        yield CycleNumber(f"peak {name} {effort}", curve, value, curve.unit, size, np.where(acts, row, -1))
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
-    yield Number(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
+    yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
     power = np.abs(values * rate).max(axis=-1)
-    yield Number(
+    yield CycleNumber(
         "peak drive power", curve, power, "W", np.maximum(power, NOTHING * curve.scale * np.abs(rate).max(axis=-1))
     )
     way = np.abs(np.diff(position)).sum(axis=-1)
-    yield Number(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
+    yield CycleNumber(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
 
 
 def _sum(values: Samples, over: Samples) -> Samples:
-    """Return an integral, by the trapezoidal rule."""
+    """An integral, by the trapezoidal rule."""
     return np.asarray(np.sum((values[..., :-1] + values[..., 1:]) / 2 * np.diff(over), axis=-1))
 
 
-def _of_slider(scene: Scene, by_kind: Mapping[str, Curve], motion: Motion, *, exact: bool) -> Iterator[Number]:
+def _of_slider(
+    scene: Scene, by_kind: Mapping[str, CycleCurve], motion: Motion, *, exact: bool
+) -> Iterator[CycleNumber]:
     """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
     curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact)
-    yield Number("stroke", curve, way.length, "m", way.length)
+    yield CycleNumber(STROKE, curve, way.length, "m", way.length, kind=STROKE)
     end = "dead point" if scene.drive.repeats else "end"
-    yield Number(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed)
-    yield Number(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened)
+    yield CycleNumber(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed, CLOSED)
+    yield CycleNumber(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened, OPEN)
     dwell = way.dwell
-    yield Number(f"dwell within {NEAR:.0%} of the stroke".replace("%", " %"), curve, dwell, "s", dwell, way.closed)
+    near = f"dwell within {100 * DWELLING:.0f} % of the stroke"
+    yield CycleNumber(near, curve, dwell, "s", dwell, way.closed, DWELL)
     if scene.drive.repeats and "velocity" in by_kind:
         ratio = way.quick_return
         if not np.isnan(ratio).all():
-            yield Number("quick return", by_kind["velocity"], ratio, "", ratio)
+            yield CycleNumber("quick return", by_kind["velocity"], ratio, "", ratio)

@@ -8,16 +8,14 @@ from math import nan
 import numpy as np
 
 from scenes import Motion, Request
-from scenes.motion import Samples, channels
+from scenes.model.motion import Samples
 
-from ...engines.axis import axis
-from ...engines.press_switches import press_forces
-from ...engines.reference import Reference
 from ...engines.registry import REFERENCE
 from ...engines.runner import ON_TIME
+from ...mechanics.reference import Reference
 from ..measure import Measurement
-from .curves import Curve, curves
-from .numbers import Number, numbers
+from .curves import CycleCurve, curves
+from .numbers import CycleNumber, numbers
 from .refined import refined
 
 NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
@@ -36,10 +34,11 @@ class Peak:
     position: float  # on the axis of curves and tables, SI: rad, m, or s under a law; NaN where it has no one place
     direction: float  # rad, of a velocity, acceleration or force there; NaN where it has none
     differs: Mapping[str, float]  # by engine that returned what it takes, relative to the number, see `peaks`
+    kind: str = ""  # its name without the joint and the drive's way of turning: "largest force"
 
 
 def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measurement]) -> list[Peak]:
-    """Return the numbers that the channels asked for have, refined between the samples.
+    """The numbers that the channels asked for have, refined between the samples.
 
     An engine's difference is that of the number of its own samples from the number of the reference at the positions
     that its drive really had, so that sampling makes none; the largest of its cycles. It is relative to the number, of
@@ -48,19 +47,19 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     is below the reference's floor.
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
-    asked = wanted.issuperset(channels(scene))
+    asked = wanted.issuperset(reference.mechanics.channels)
     known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
-    found = curves(scene, reference.scale, known)
-    if not found:
+    followed = curves(scene, reference.scale, known)
+    if not followed:
         return []
     motion = refined(
-        found,
+        followed,
         reference.cycle,
         lambda time: reference.at(scene.drive.at(time).position, time),
         repeats=scene.drive.repeats,
-        switches=partial(_switches, reference) if press_forces(scene) else None,
+        switches=partial(_switches, reference) if reference.mechanics.presses else None,
     )
-    over = axis(scene).channel
+    over = reference.mechanics.axis.channel
     differences = {
         m.run.engine: _differences(reference, m.run.motion)
         for m in measurements
@@ -75,36 +74,37 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
             number.unit,
             *_place(number, motion, motion[over]),
             {engine: by_name[number.name] for engine, by_name in differences.items() if number.name in by_name},
+            number.kind or number.name,
         )
-        for number in numbers(scene, found, motion, exact=True)
+        for number in numbers(scene, followed, motion, exact=True)
     ]
 
 
 def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:
-    """Return the instants on either side of which a press force comes or goes, of samples close together."""
+    """The instants on either side of which a press force comes or goes, of samples close together."""
     close = np.diff(motion["time"]) < 1.5 * step
     changes = [np.flatnonzero(close & (act[0, 1:] != act[0, :-1])) for act in reference.acts(motion)]
     return motion["time"][np.concatenate(changes)]
 
 
-def _place(number: Number, motion: Motion, over: Samples) -> tuple[float, float]:
-    """Return where on the axis a number is found, and its direction there; NaN where it has neither."""
+def _place(number: CycleNumber, motion: Motion, over: Samples) -> tuple[float, float]:
+    """Where on the axis a number is found, and its direction there; NaN where it has neither."""
     if number.row is None or number.row < 0:
         return nan, nan
     return float(over[number.row]), number.curve.direction(motion, int(number.row))
 
 
 def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
-    """Return an engine's difference by the name of the number; NaN where one of them lacks it in a cycle."""
+    """An engine's difference by the name of the number; NaN where one of them lacks it in a cycle."""
     scene = reference.scene
-    found = curves(scene, reference.scale, motion)
+    followed = curves(scene, reference.scale, motion)
     largest: dict[str, float] = {}
     for rows in _cycles(motion["time"] / scene.drive.cycle):
         own = Motion({c: samples[rows] for c, samples in motion.samples.items()})
         at = reference.at(own[scene.drive_channel], own["time"])
         true = reference.fitting(own, at, reference.acts(at))
-        theirs = {number.name: number for number in numbers(scene, found, own)}
-        for number in numbers(scene, found, true):
+        theirs = {number.name: number for number in numbers(scene, followed, own)}
+        for number in numbers(scene, followed, true):
             off = abs(float(theirs[number.name].value - number.value)) if number.name in theirs else nan
             shown = np.maximum(off / number.size, _floor(reference, number.curve)) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
@@ -119,5 +119,5 @@ def _cycles(cycles: Samples) -> Iterator[slice]:
         yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * ON_TIME)))
 
 
-def _floor(reference: Reference, curve: Curve) -> float:
+def _floor(reference: Reference, curve: CycleCurve) -> float:
     return max((reference.floor.by_channel.get(channel, 0.0) for channel in curve.channels), default=0.0)

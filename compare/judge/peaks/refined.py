@@ -11,27 +11,32 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, Motion
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 
-from .curves import LEAST, Curve, Values
+from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
 
 FINE, ROUNDS = 10, 3  # parts of a step, time and again: by parabolas an extreme is then known to all digits
 ROUNDS_TO_JUMP = 5  # where press forces act: to 1e-5 of the cycle's own steps
-NEAR = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
+NEXT_TO_HIGHEST = 0.01  # of a quantity's range: how far below its largest sample that next to its highest peak may be
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
-MotionAt: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
+MotionAtTimes: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
 Switches: TypeAlias = Callable[[Motion, Samples], Samples]
 
 
 def refined(
-    found: Sequence[Curve], cycle: Motion, solve: MotionAt, *, repeats: bool, switches: Switches | None = None
+    followed: Sequence[CycleCurve],
+    cycle: Motion,
+    solve: MotionAtTimes,
+    *,
+    repeats: bool,
+    switches: Switches | None = None,
 ) -> Motion:
-    """Return a cycle with samples added, in the order of the time, as far as the linkage closes there.
+    """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
     Args:
-        found: the quantities whose extremes are looked for.
+        followed: the quantities whose extremes are looked for.
         cycle: samples of shape (..., n) at equal steps of the time, from zero, both ends included.
         solve: the motion at other instants of the cycle.
         repeats: whether another cycle follows, so that an extreme may be on both sides of the end.
@@ -40,7 +45,7 @@ def refined(
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if switches else 1  # samples on either side of a place
-    rows = [_largest(height) if switches else _top(height, repeats=repeats) for height in heights(found, cycle)]
+    rows = [_largest(height) if switches else _top(height, repeats=repeats) for height in heights(followed, cycle)]
     near = np.stack(rows, axis=-1) * step
     motion, parts = cycle, [cycle]
     for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
@@ -55,17 +60,17 @@ def refined(
         except Failure:
             break
         parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
-        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(found, motion))]
+        own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(followed, motion))]
         near = np.stack([_vertex(around[..., k, :], y) for k, y in enumerate(own)], axis=-1)
-        if found[0].kind == "path":  # whose two ends depend on each other
-            ends = found[0].values(motion).reshape(around.shape)[..., :2, side - 1 : side + 2]
+        if followed[0].kind == "path":  # whose two ends depend on each other
+            ends = followed[0].values(motion).reshape(around.shape)[..., :2, side - 1 : side + 2]
             near[..., :2] = around[..., :2, side] + step * _to_longest(ends)
     return in_order(parts)
 
 
-def heights(found: Sequence[Curve], motion: Motion) -> Iterator[Samples]:
+def heights(followed: Sequence[CycleCurve], motion: Motion) -> Iterator[Samples]:
     """Yield what is largest at each place that is looked for, each of shape (..., n)."""
-    for curve in found:
+    for curve in followed:
         values = curve.values(motion)
         if curve.kind in ("displacement", "effort"):
             yield from (values, -values)
@@ -77,7 +82,7 @@ def heights(found: Sequence[Curve], motion: Motion) -> Iterator[Samples]:
 
 
 def _to_longest(ends: Values) -> Samples:
-    """Return how many steps further, shape (..., 2), two places on a path are furthest apart, one step of Newton's.
+    """How many steps further, shape (..., 2), two places on a path are furthest apart, one step of Newton's.
 
     Args:
         ends: three samples around each of the two, shape (..., 2, 3), of each a parabola.
@@ -96,7 +101,7 @@ def _to_longest(ends: Values) -> Samples:
 
 
 def in_order(parts: Sequence[Motion]) -> Motion:
-    """Return several motions of the same channels as one, in the order of the time."""
+    """Several motions of the same channels as one, in the order of the time."""
     order = np.argsort(np.concatenate([part["time"] for part in parts], axis=-1), axis=-1, kind="stable")
     joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
     return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
@@ -107,10 +112,10 @@ def _largest(height: Samples) -> Samples:
 
 
 def _top(height: Samples, *, repeats: bool) -> Samples:
-    """Return where parabolas through three samples each have their highest vertex, in steps, shape (...)."""
+    """Where parabolas through three samples each have their highest vertex, in steps, shape (...)."""
     n = height.shape[-1]
     largest, least = height.max(axis=-1, keepdims=True), height.min(axis=-1, keepdims=True)
-    high = height >= largest - NEAR * (largest - least)
+    high = height >= largest - NEXT_TO_HIGHEST * (largest - least)
     high[..., :-1] &= height[..., :-1] >= height[..., 1:]
     high[..., 1:] &= height[..., 1:] >= height[..., :-1]
     machine, row = np.nonzero(high.reshape(-1, n))
@@ -127,7 +132,7 @@ def _top(height: Samples, *, repeats: bool) -> Samples:
 
 
 def _vertex(time: Samples, height: Samples) -> Samples:
-    """Return where the parabola through three samples has its vertex, shape (...); of others the highest sample."""
+    """Where the parabola through three samples has its vertex, shape (...); of others the highest sample."""
     highest = at(time, height.argmax(axis=-1))
     if time.shape[-1] != 3:
         return highest

@@ -11,16 +11,16 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import Force, PressForce
 
-from ...engines.press_switches import quintic
-from ...engines.travel import chord
-from .curves import Curve, Values
+from ...mechanics.motion_vectors import quintic
+from ...mechanics.scales import chord
+from .curves import CycleCurve, Values
 
-Rows: TypeAlias = NDArray[np.intp]
+RowNumbers: TypeAlias = NDArray[np.intp]
 
-NEAR = 0.01  # of the stroke: so near to its closed end the output dwells
+DWELLING = 0.01  # of the stroke: so near to its closed end the output dwells
 REST = 1e-9  # of the peak speed: so slow the output stands still
 NEWTON = 4  # steps to a quintic's zero from that of its chord: each doubles the digits
 
@@ -43,7 +43,7 @@ class Stroke:
 
     scene: Scene
     motion: Motion
-    by_kind: Mapping[str, Curve]
+    by_kind: Mapping[str, CycleCurve]
     exact: bool  # whether the rates are those of the positions
 
     @cached_property
@@ -53,16 +53,25 @@ class Stroke:
 
     @cached_property
     def closing(self) -> int:
-        """The sign of the slider's velocity while it closes."""
-        return _closing(self.scene)
+        """The sign of the slider's velocity while it closes: against its first load, or else downwards."""
+        guided = self.scene.guided(self.scene.output)
+        assert guided is not None
+        name, slide = guided
+        for load in (load for load in self.scene.loads if load.body == name):
+            if isinstance(load, PressForce):
+                return load.closing
+            push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
+            if push != 0:
+                return -1 if push > 0 else 1
+        return -1 if slide.along[1] >= 0 else 1
 
     @cached_property
-    def closed(self) -> Rows:
+    def closed(self) -> RowNumbers:
         """Where the closing stroke ends, shape (...)."""
         return np.asarray((self.closing * self.place).argmax(axis=-1))
 
     @cached_property
-    def opened(self) -> Rows:
+    def opened(self) -> RowNumbers:
         """Where the return ends, shape (...)."""
         return np.asarray((self.closing * self.place).argmin(axis=-1))
 
@@ -73,9 +82,9 @@ class Stroke:
 
     @cached_property
     def _away(self) -> Samples:
-        """How much further from the closed end than `NEAR` it is, m."""
+        """How much further from the closed end than `DWELLING` it is, m."""
         way = np.abs(self.place - at(self.place, self.closed)[..., np.newaxis])
-        return np.asarray(way - NEAR * self.length[..., np.newaxis])
+        return np.asarray(way - DWELLING * self.length[..., np.newaxis])
 
     @cached_property
     def ends(self) -> Ends:
@@ -122,28 +131,12 @@ class Stroke:
         return np.where(turns.sum(axis=-1) == 2, ratio, nan)
 
 
-def at(values: NDArray[Any], row: Rows) -> NDArray[Any]:
-    """Return the samples at these rows, shape (...)."""
+def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:
+    """The samples at these rows, shape (...)."""
     return np.take_along_axis(values, np.asarray(row)[..., np.newaxis], -1)[..., 0]
 
 
 def chords(places: Values) -> Values:
-    """Return the vector between the two of some positions that are furthest apart, shape (...)."""
+    """The vector between the two of some positions that are furthest apart, shape (...)."""
     each = [chord(path) for path in places.reshape(-1, places.shape[-1])]
     return np.reshape(each, places.shape[:-1])
-
-
-def _closing(scene: Scene) -> int:
-    """Return the sign of the slider's velocity while it closes: against its first load, or else downwards."""
-    guided = scene.guided(scene.output)
-    assert guided is not None
-    name, slide = guided
-    for load in scene.loads:
-        if load.body != name:
-            continue
-        if isinstance(load, PressForce):
-            return load.closing
-        push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
-        if push != 0:
-            return -1 if push > 0 else 1
-    return -1 if slide.along[1] >= 0 else 1

@@ -8,8 +8,7 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.scene import PressForce
 
-from ...engines.motion_vectors import MotionVectors, Vectors
-from ...engines.press_switches import stroke_end
+from ...mechanics.motion_vectors import MotionVectors, Vectors
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,7 @@ class Arrow:
 
 
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> list[Arrow]:
-    """Return the forces of the joints that a motion has, and the loads; none of a scene without masses.
+    """The forces of the joints that a motion has, and the loads; none of a scene without masses.
 
     Args:
         scene: the linkage.
@@ -58,7 +57,7 @@ def _joints(state: MotionVectors, motion: Motion) -> Iterator[Arrow]:
 def _loads(scene: Scene, motion: Motion) -> Iterator[Arrow]:
     state = MotionVectors(scene, motion)
     acting = [
-        load.acts(*state.displacement(scene.bodies[load.body])[:2], stroke_end(state, load))
+        load.acts(*state.displacement(scene.bodies[load.body])[:2], state.stroke_end(load))
         for load in scene.loads
         if isinstance(load, PressForce)
     ]

@@ -8,11 +8,11 @@ from math import floor, log10
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import Body
 
-from ...engines.axis import prefixed
-from ...engines.motion_vectors import MotionVectors, Vectors
+from ...mechanics.axis import prefixed
+from ...mechanics.motion_vectors import MotionVectors, Vectors
 from .arrows import Arrow, arrows
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
@@ -73,7 +73,7 @@ class Drawing:
     def scale_text(self) -> str:
         """The arrows' scale in words: `100 kN = 38 mm`; nothing where there is no force."""
         force, length = self.scale
-        factor, newtons = prefixed(self.peak or 1.0, "N")
+        factor, newtons = prefixed(self.peak, "N")
         return f"{factor * force:g} {newtons} = {length:g} {self.scene.length_unit[0]}" if force else ""
 
     @cached_property
@@ -120,22 +120,22 @@ class Drawing:
         return complex(self.box[0].real - margin, self.box[1].imag + margin)
 
     def units(self, places: Vectors) -> Vectors:
-        """Return places, m, in the picture's units, x to the right and i times y downwards."""
-        found: Vectors = self.per_metre * (places - self.corner).conj()
-        return found
+        """Places, m, in the picture's units, x to the right and i times y downwards."""
+        shown: Vectors = self.per_metre * (places - self.corner).conj()
+        return shown
 
     def frame(self, body: Body) -> Samples:
-        """Return the angle of a body in the picture, shape (n,), degrees clockwise, without jumps."""
+        """The angle of a body in the picture, shape (n,), degrees clockwise, without jumps."""
         return -np.degrees(np.unwrap(self.state.angle(body.name)))
 
     def own(self, body: Body) -> dict[str, complex]:
-        """Return a body's points in its own frame from the first, in the picture's units."""
+        """A body's points in its own frame from the first, in the picture's units."""
         first = self.places[body.points[0]][0]
         turn = self.per_metre * np.exp(1j * self.state.angle(body.name)[0])
         return {point: complex(turn * (self.places[point][0] - first).conjugate()) for point in body.points}
 
     def way(self, slider: Body) -> tuple[complex, complex]:
-        """Return both ends of a slider's way in the frame of its carrier, or of the ground, m."""
+        """Both ends of a slider's way in the frame of its carrier, or of the ground, m."""
         assert slider.slide is not None
         way = self.state.on_guide(slider).real
         first, last = (

@@ -185,23 +185,23 @@ class Plot {
 
   get axis() {
     const layout = this.plot._fullLayout;
-    return layout && [layout.xaxis, layout.xaxis2].find(found => found?.title.text === axis.title);
+    return layout && [layout.xaxis, layout.xaxis2].find(across => across?.title.text === axis.title);
   }
 
   show(n) {
     if (this.near) this.cells?.forEach(([cell, text]) => (cell.textContent = text(n)));
-    const found = this.axis;
-    if (!found) return;
-    const { t, h } = this.plot._fullLayout._size, x = found.l2p(over(n));
-    this.line.hidden = x < -1 || x > found._length + 1; // beyond what a zoom shows
-    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${found._offset + x}px)`;
+    const across = this.axis;
+    if (!across) return;
+    const { t, h } = this.plot._fullLayout._size, x = across.l2p(over(n));
+    this.line.hidden = x < -1 || x > across._length + 1; // beyond what a zoom shows
+    this.line.style.cssText = `top: ${t}px; height: ${h}px; transform: translateX(${across._offset + x}px)`;
   }
 
   handleEvent(event) {
-    const found = this.axis;
-    if (!found || this.plot._fullLayout.dragmode) return;
+    const across = this.axis;
+    if (!across || this.plot._fullLayout.dragmode) return;
     if (event.type === "pointerleave") return this.show(now);
-    const n = nearest(found.p2l(event.clientX - this.plot.getBoundingClientRect().left - found._offset));
+    const n = nearest(across.p2l(event.clientX - this.plot.getBoundingClientRect().left - across._offset));
     if (event.type === "pointerdown" && event.target.closest(".nsewdrag")) this.plot.setPointerCapture(event.pointerId);
     if (this.plot.hasPointerCapture(event.pointerId)) scrub(n); // begun inside the axes: buttons and legend have theirs
     else this.show(n);

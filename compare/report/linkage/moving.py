@@ -1,5 +1,6 @@
 """What the moving picture needs: every engine's pose, forces and plotted channels at some samples, packed."""
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -10,29 +11,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion
-from scenes.motion import UNITS, Samples, quantity
+from scenes.model.motion import UNITS, Samples, quantity
 
-from ...engines.axis import axis
 from ...engines.registry import REFERENCE
 from ...judge.measure import Measurement
+from ...mechanics.axis import axis
 from ...study import Study
-from ..curves import Panel, error
-from ..style import DARK_GREY, colour
-from ..units import Units, units
+from ..figures.curves import Panel, error
+from ..figures.style import DARK_GREY, colour
+from ..numbers import Units, units
+from ..pages.html import packed
 from .arrows import arrows
 from .drawing import Drawing
-from .packing import packed_motion
 from .shapes import outlines
 from .svg import picture
 
 SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
 NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each
+WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
 
 
 @dataclass(frozen=True)
-class Moving:
+class MovingPicture:
     """The picture of a study, and its data."""
 
     study: Study
@@ -54,7 +56,7 @@ class Moving:
         return {
             m.run.engine: (m, m.run.motion)
             for m in self.study.measurements
-            if m.run.engine != REFERENCE and m.own is None and m.run.motion is not None and m.comparison is not None
+            if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
 
     @property
@@ -67,7 +69,7 @@ class Moving:
         """The text that the page's script unpacks."""
         reference, others = self._tables
         rows = self.rows
-        return packed_motion(self._header(), reference[:, rows], [other[:, rows] for other in others])
+        return _packed(self._header(), reference[:, rows], [other[:, rows] for other in others])
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:
@@ -107,12 +109,12 @@ class Moving:
         return dict.fromkeys([*places, *plotted, *effort, *forces])
 
     def _samples(self, motion: Motion) -> dict[str, Samples]:
-        """Return what is packed of a motion by its name; NaN where it has none."""
+        """What is packed of a motion by its name; NaN where it has none."""
         none = np.full(len(motion["time"]), np.nan)
-        found = {c: motion.samples.get(c, none) for c in (*self._compared, *self._only_reference)}
+        samples = {c: motion.samples.get(c, none) for c in (*self._compared, *self._only_reference)}
         for arrow in arrows(self.study.scene, self.study.motion, motion):
-            found |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
-        return found
+            samples |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
+        return samples
 
     def _errors(self, measurement: Measurement) -> Iterator[Samples]:
         """Yield by panel the error that is drawn below it."""
@@ -171,13 +173,33 @@ class Moving:
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:
         """Yield by how much differences can be magnified, and the engines whose largest one then shows."""
-        found: dict[float, list[str]] = {}
+        by_step: dict[float, list[str]] = {}
         size = abs(self.drawing.box[1] - self.drawing.box[0])
         places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
         for name, (_, motion) in self.engines.items():
             off = [np.abs(motion[place] - self.study.motion[place]).max() for place in places if place in motion]
             fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
             if np.max(off, initial=0.0) > 0 and len(fitting):
-                found.setdefault(float(fitting[-1]), []).append(name)
+                by_step.setdefault(float(fitting[-1]), []).append(name)
         yield 1.0, ""
-        yield from ((times, " and ".join(names)) for times, names in sorted(found.items()))
+        yield from ((times, " and ".join(names)) for times, names in sorted(by_step.items()))
+
+
+def _packed(header: dict[str, Any], reference: NDArray[np.float64], others: Sequence[NDArray[np.float64]]) -> str:
+    """A text that a script unpacks, gzip in base64: a line of JSON, then numbers of four bytes, row by row.
+
+    First bytes come first, then the second ones, and so on, which halves what gzip leaves.
+
+    Args:
+        header: what the JSON has, besides `quanta`: by row of the reference what its whole numbers count.
+        reference: finite, shape (channels, n); kept as second differences of whole numbers.
+        others: of any shape, in single precision.
+    """
+    quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
+    whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")
+    second = np.diff(whole, 2, axis=1, prepend=np.zeros((len(whole), 2), "<i4"))
+    with np.errstate(over="ignore"):
+        tables = [second, *(other.astype("<f4") for other in others)]
+    words = np.concatenate([np.ascontiguousarray(table).view(np.uint8).reshape(-1, 4) for table in tables])
+    line = json.dumps(header | {"quanta": quanta.tolist()}, separators=(",", ":")).encode()
+    return packed(line + b"\n" + words.T.tobytes())

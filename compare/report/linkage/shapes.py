@@ -11,10 +11,11 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
-from ...engines.motion_vectors import Vectors, first_point
+from ...mechanics.bodies import first_point
+from ...mechanics.motion_vectors import Vectors
 from ..extremes import extremes
 from .arrows import Arrow
 from .drawing import PX, Drawing
@@ -23,7 +24,7 @@ PATH = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
 HEAD = 11  # px, of an arrow
 HATCH = 9  # px between two lines of a hatching
-NEAR = 18  # px from a point to its name
+TO_NAME = 18  # px from a point to its name
 DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
 
 
@@ -38,17 +39,17 @@ class Mover:
     evenly: bool = False  # and across too
 
     def transforms(self, rows: Sequence[int], *, css: bool = False) -> list[str]:
-        """Return the transforms at rows of the motion, as an attribute's text or that of a style."""
+        """The transforms at rows of the motion, as an attribute's text or that of a style."""
         length, turn, gap = ("px", "deg", ",") if css else ("", "", " ")
-        found = []
+        texts = []
         for row in rows:
             text = f"translate({self.place[row].real:.1f}{length}{gap}{self.place[row].imag:.1f}{length})"
             if self.angle is not None:
                 text += f" rotate({self.angle[row]:.2f}{turn})"
             if self.stretch is not None:
                 text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
-            found.append(text)
-        return found
+            texts.append(text)
+        return texts
 
 
 def background(root: Element, drawing: Drawing) -> None:
@@ -122,7 +123,7 @@ def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
         _sign(group, "pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
         side = _free(drawing, point, around)
         anchor = "middle" if abs(side.real) < 0.5 else "start" if side.real > 0 else "end"
-        at = {"x": f"{NEAR * side.real * 0.8:.1f}", "y": f"{5 + NEAR * side.imag:.1f}", "text-anchor": anchor}
+        at = {"x": f"{TO_NAME * side.real * 0.8:.1f}", "y": f"{5 + TO_NAME * side.imag:.1f}", "text-anchor": anchor}
         SubElement(group, "text", {"class": "sign name"} | at).text = point
         yield Mover(group, drawing.units(drawing.places[point]))
 
@@ -145,7 +146,7 @@ def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
 
 
 def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
-    """Return the points around a body, back to the first of more than two; many in the order around their middle."""
+    """The points around a body, back to the first of more than two; many in the order around their middle."""
     own = drawing.own(body)
     if len(own) < 3:
         return body.points
@@ -156,16 +157,16 @@ def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
 
 
 def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> complex:
-    """Return the direction from a point, x to the right and i times y downwards, that bodies leave free the longest."""
+    """The direction from a point, x to the right and i times y downwards, that bodies leave free the longest."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, 24).astype(int)
     at = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
-    names = at[point] + 1.2 * NEAR * PX * DIRECTIONS[:, np.newaxis]
+    names = at[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
     gaps = [np.abs(names - other) for name, other in at.items() if name != point]
     for outline in around:
         gaps += [np.abs(names - _foot(names, at[start], at[end])) for start, end in pairwise(outline)]
     if point in drawing.scene.ground:
         gaps.append(np.abs(names - at[point] - 15j * PX))
-    near = np.minimum(np.min(gaps, axis=0), NEAR * PX) if gaps else np.ones((len(DIRECTIONS), 1))
+    near = np.minimum(np.min(gaps, axis=0), TO_NAME * PX) if gaps else np.ones((len(DIRECTIONS), 1))
     return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
 
 
@@ -197,7 +198,7 @@ def _slot(group: Element, ends: Vectors, outline: Sequence[complex]) -> None:
 
 
 def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
-    """Return the points of a bar that are nearest to some places."""
+    """The points of a bar that are nearest to some places."""
     way = end - start
     share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
     nearest: Vectors = start + share * way

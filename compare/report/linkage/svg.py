@@ -16,7 +16,7 @@ PLAY = 5.0  # s that it takes
 
 
 def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
-    """Return the linkage as one self-contained SVG without a script, light or dark as the reader's system is.
+    """The linkage as one self-contained SVG without a script, light or dark as the reader's system is.
 
     Args:
         scene: the linkage.
@@ -27,7 +27,7 @@ def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
 
 
 def by_itself(drawing: Drawing, frames: int) -> str:
-    """Return a drawing that moves by itself through so many poses, or stands where there are none."""
+    """A drawing that moves by itself through so many poses, or stands where there are none."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int)
     root, movers = picture(drawing)
     style, own = [text("linkage.css"), text("colours.css")], crc32(tostring(root))  # names of its own on a page
@@ -44,7 +44,7 @@ def by_itself(drawing: Drawing, frames: int) -> str:
 
 
 def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
-    """Return a drawing at its first sample, its style as the first child, and what in it moves.
+    """A drawing at its first sample, its style as the first child, and what in it moves.
 
     A group that moves names what moves it: `data-point`, where it is; `data-turn`, the body it turns with; `data-to`,
     the point at the other end of a spring. Those of arrows are in the order of the drawing's.
@@ -76,5 +76,5 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
 
 
 def text(name: str) -> str:
-    """Return a file that lies beside this one."""
+    """A file that lies beside this one."""
     return files("compare.report.linkage").joinpath(name).read_text(encoding="utf-8")

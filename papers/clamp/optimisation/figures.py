@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from compare.report.figure import Figure
-from compare.report.style import BOUND, DASHES, colour, draw, layout, marker, stacked
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import BOUND, DASHES, colour, layout, marker
 
 from ..formulas import DEGREE, PUBLISHED, Design, acceleration, at, velocity_ratio
 from ..measures import measure
@@ -35,9 +35,9 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure
     for mark, name in zip(MARKS, PUBLISHED, strict=False):
         values = {axis: [float(TABLE_1[axis][name])] for axis in AXES}
         _draw(figure, f"{name}, printed", values, mode="markers", marker=marker(1, f"{mark}-open", 11))
-    figure.update_yaxes(title="M_P at α = 2.5° [-]", row=1, col=1)
-    figure.update_yaxes(title="L_sum [mm]", row=2, col=1)
-    figure.update_xaxes(title="R_S [-]", row=2, col=1)
+    figure.update_yaxes(title="M_P at α = 2.5° [-]", panel=1)
+    figure.update_yaxes(title="L_sum [mm]", panel=2)
+    figure.update_xaxes(title="R_S [-]", panel=2)
     printed = {"yref": "y", "y0": float(LARGEST_FORCE_RATIO), "y1": float(LARGEST_FORCE_RATIO)}
     across = {"type": "line", "line": BOUND, "xref": "x domain", "x0": 0, "x1": 1}
     place = {"xref": "x domain", "x": 0.5, "xanchor": "center", "y": printed["y0"], "yanchor": "bottom"}
@@ -46,7 +46,7 @@ def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure
 
 
 def _of(points: Sequence[Point], name: str) -> Mapping[str, Sequence[float]]:
-    """Return the measures that are drawn of one set of points."""
+    """The measures that are drawn of one set of points."""
     return {axis: [measure(axis, point.optimum.design) for point in of(points, name)] for axis in AXES}
 
 
@@ -62,7 +62,7 @@ def over_stroke(designs: Mapping[str, Design]) -> Figure:
         pose = at(d, np.linspace(d.alpha_max, 0.0, 301))
         for row, values in ((1, velocity_ratio(pose)), (2, 1e3 * acceleration(pose))):
             draw(figure, name, pose.alpha / DEGREE, values, row, line={"color": colour(number), "width": 1.7})
-    figure.update_yaxes(title="R_V [-]", row=1, col=1)
-    figure.update_yaxes(title="a_m / v_o² [1/m]", row=2, col=1)
-    figure.update_xaxes(title="α [deg]", autorange="reversed", row=2, col=1)
+    figure.update_yaxes(title="R_V [-]", panel=1)
+    figure.update_yaxes(title="a_m / v_o² [1/m]", panel=2)
+    figure.update_xaxes(title="α [deg]", autorange="reversed", panel=2)
     return figure.update_layout(layout(560))

@@ -31,7 +31,7 @@ class Limit:
     high: float
 
     def slacks(self, d: Design) -> list[Array]:
-        """Return how far above the one and below the other value the measure is, those that are finite, scaled."""
+        """How far above the one and below the other value the measure is, those that are finite, scaled."""
         of, scale, _ = MEASURES[self.measure]
         value = of(d)
         ends = ((1, self.low), (-1, self.high))
@@ -54,7 +54,7 @@ class Problem:
 
     @property
     def scale(self) -> float:
-        """Return what the measure is divided by for a quantity of order one whose least is sought."""
+        """What the measure is divided by for a quantity of order one whose least is sought."""
         _, scale, least = MEASURES[self.objective]
         return scale if least else -scale
 
@@ -64,7 +64,7 @@ class Problem:
         return tuple(limit for limit in self.limits if limit.low == limit.high)
 
     def rows(self, d: Design) -> Array:
-        """Return the objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
+        """The objective, then what shall vanish, then what shall not be negative; shape (rows, ...)."""
         offsets = [beyond for limit in self.equalities for beyond in limit.slacks(d)[:1]]
         return np.stack([MEASURES[self.objective].of(d) / self.scale, *offsets, *self._slacks(d)])
 
@@ -81,13 +81,13 @@ class Problem:
         return rows
 
     def violation(self, d: Design) -> Array:
-        """Return by how much a design misses the worst of its limits, dimensionless, zero if it misses none."""
+        """By how much a design misses the worst of its limits, dimensionless, zero if it misses none."""
         rows = self.rows(d)[1:]
         count = len(self.equalities)
         return np.asarray(np.max([np.zeros_like(rows[0]), *np.abs(rows[:count]), *-rows[count:]], axis=0))
 
     def with_gradients(self, u: Vector) -> tuple[Vector, Vector]:
-        """Return the rows at a point of the unit box and their gradients there, shapes (rows,) and (rows, 8)."""
+        """The rows at a point of the unit box and their gradients there, shapes (rows,) and (rows, 8)."""
         steps = np.hstack([np.zeros((len(u), 1)), 1j * STEP * np.eye(len(u))])
         rows = self.rows(in_box(u[:, None] + steps))
         values, gradients = rows[:, 0].real.copy(), rows[:, 1:].imag / STEP
@@ -97,12 +97,12 @@ class Problem:
 
 
 def gains(d: Design, rival: Design) -> tuple[Array, Array, Array]:
-    """Return how much better than a rival a design is in M_P, R_S and L_sum, relatively."""
+    """How much better than a rival a design is in M_P, R_S and L_sum, relatively."""
     force, ratio, length = (MEASURES[name].of(d) / MEASURES[name].of(rival) for name in ("M_P", "R_S", "L_sum"))
     return force - 1, ratio - 1, 1 - length
 
 
 def in_box(u: Array) -> Design:
-    """Return the designs at points of the unit box, shape (8, ...), in the order of `VARIABLES`."""
+    """The designs at points of the unit box, shape (8, ...), in the order of `VARIABLES`."""
     values = (low + (high - low) * part for low, high, part in zip(LOWER, UPPER, u, strict=True))
     return closed(Design(L3=np.nan, **dict(zip(VARIABLES, values, strict=True))))

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from compare.engines import runner
-from compare.judge.errors import SHOWN_GROUPS
+from compare.engines.runner import HERE
 from compare.judge.floor import establish
 from compare.judge.measure import Measurement, measure
+from compare.mechanics.mechanics import SHOWN_GROUPS
 from scenes import Sampling, Scene, load
 from scenes.loads import Force
 
@@ -37,7 +37,7 @@ class Recheck:
 def rechecks(
     designs: Mapping[str, Design], engines: Sequence[str], progress: Callable[[str], None]
 ) -> Iterator[Recheck]:
-    """Yield each design by each engine.
+    """Each design by each engine.
 
     Raises:
         InputError: the reference cannot solve one of them.
@@ -51,7 +51,7 @@ def rechecks(
 
 
 def locking(d: Design, alpha: float = 0.0) -> Scene:
-    """Return the shipped scene with the lengths of a design, from open to some alpha, and dies met where it locks."""
+    """The shipped scene with the lengths of a design, from open to some alpha, and dies met where it locks."""
     start, height, lock = opened(d), (d.L1 + d.L2) * np.sin(d.theta), platen(at(d, 0.0))
     B, D = d.L1 * np.exp(1j * start.bar), d.L5 * np.exp(1j * start.ear)
     sketch = {"B": B, "D": D, "C": platen(start) + 1j * height, "E": crosshead(start) + 1j * d.Hb}
@@ -76,7 +76,7 @@ def locking(d: Design, alpha: float = 0.0) -> Scene:
 
 def _recheck(name: str, measured: Measurement, press: Scene) -> Recheck:
     engine, motion = measured.run.engine, measured.run.motion
-    pressed = runner.run(engine, press, Sampling(SAMPLES)).motion
+    pressed = HERE.run(engine, press, Sampling(SAMPLES)).motion
     thrust = np.nan if pressed is None else float(pressed["drive.force"][-1])
     ratio, fastest, errors = np.nan, np.nan, {}
     if motion is not None:

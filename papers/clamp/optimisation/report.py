@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from compare.engines.environment import environment
-from compare.report.files import json_text
-from compare.report.html import render
-from compare.report.placing import placed
+from compare.engines.installed import environment
+from compare.report.output.placing import placed
+from compare.report.pages.html import render
+from compare.report.plain import json_text
 
 from ..constraints import ALONE, BOTH, LITERAL, slacks
 from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design
@@ -24,7 +24,7 @@ CLEARANCES = {MAIN: BOTH, "sizes that allow scheme 4": ALONE}
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DesignStudy:
     """All that a run finds."""
 
     points: Sequence[Point]
@@ -33,7 +33,7 @@ class Outcome:
     seconds: float  # that the optimisation took
 
 
-def write(outcome: Outcome, folder: Path) -> Path:
+def write(outcome: DesignStudy, folder: Path) -> Path:
     """Write `design.html`, `design.csv` and `design.json` into `folder/design/` and return that folder.
 
     Raises:
@@ -47,8 +47,8 @@ def write(outcome: Outcome, folder: Path) -> Path:
     return folder / "design"
 
 
-def page(outcome: Outcome) -> str:
-    """Return the whole report as HTML."""
+def page(outcome: DesignStudy) -> str:
+    """The whole report as HTML."""
     points = outcome.points
     return render(
         "clamp/optimisation/design.html",
@@ -67,7 +67,7 @@ def page(outcome: Outcome) -> str:
     )
 
 
-def _all(outcome: Outcome, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:
+def _all(outcome: DesignStudy, rows: Sequence[Mapping[str, object]]) -> dict[str, Any]:
     count = len(PUBLISHED)
     return {
         "published": rows[:count],

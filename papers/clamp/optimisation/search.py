@@ -47,11 +47,11 @@ def search(problem: Problem, starts: int) -> Optimum:
 
 
 def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
-    """Return by how much differential evolution falls short of an optimum, relatively; negative if it is better.
+    """By how much differential evolution falls short of an optimum, relatively; negative if it is better.
 
     It starts from nothing and minimises the objective with what is violated added to it (Storn and Price 1997).
     """
-    found = differential_evolution(
+    evolved = differential_evolution(
         _penalised,
         [(0.0, 1.0)] * 8,
         args=(problem,),
@@ -67,7 +67,7 @@ def restart(problem: Problem, optimum: Optimum, seed: int) -> float:
         rng=np.random.default_rng(seed),
     )
     known = optimum.value / problem.scale
-    return float((found.fun - known) / abs(known))
+    return float((evolved.fun - known) / abs(known))
 
 
 @cache
@@ -79,7 +79,7 @@ def _starts(count: int) -> tuple[Vector, ...]:
 
 
 def _descend(problem: Problem, start: Vector) -> Vector:
-    """Return where sequential quadratic programming ends (Kraft 1988), in the unit box."""
+    """Where sequential quadratic programming ends (Kraft 1988), in the unit box."""
     rows = lru_cache(1)(lambda point: problem.with_gradients(np.frombuffer(point)))  # each point is asked for again
     count = 1 + len(problem.equalities)
     constraints = [
@@ -100,7 +100,7 @@ def _descend(problem: Problem, start: Vector) -> Vector:
 
 
 def _penalised(u: Vector, problem: Problem) -> Vector:
-    """Return the objective plus what is violated, shape (n,), of designs of shape (8, n)."""
+    """The objective plus what is violated, shape (n,), of designs of shape (8, n)."""
     d = in_box(u)
     rows = problem.rows(d)
     count = 1 + len(problem.equalities)

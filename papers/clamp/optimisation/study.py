@@ -13,7 +13,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from compare.engines.isolation import Ended, Limits, isolated
+from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.isolation import isolated
 
 from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
 from ..formulas import SCHEME_4
@@ -61,7 +62,7 @@ Task: TypeAlias = tuple[str, str, Problem, Effort]
 
 
 def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], None]) -> list[Point]:
-    """Return every point, set by set; `progress` takes what was done last."""
+    """Every point, set by set; `progress` takes what was done last."""
     half = replace(effort, starts=max(effort.starts // 2, 1))  # for all that is not in the source
     again = replace(half, restarts=0)
     curve = [
@@ -73,13 +74,13 @@ def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], Non
     done, total = count(1), len(ratios) + len(curve) + len(beyond)
 
     def solve(tasks: Sequence[Task]) -> list[Point]:
-        found = dict[tuple[str, str], Point]()
+        solved = dict[tuple[str, str], Point]()
         for (name, at, *_), point in isolated(_point, tasks, LIMITS, lambda: None):
             if isinstance(point, Ended):
                 raise RuntimeError(f"{name}, {at}: {point.reason}")
-            found[name, at] = point
+            solved[name, at] = point
             progress(f"{next(done)} of {total} points: {name}, {at}")
-        return [found[name, at] for name, at, *_ in tasks]
+        return [solved[name, at] for name, at, *_ in tasks]
 
     points = solve([*curve, *beyond])
     best, rest = points[: len(ratios)], points[len(ratios) :]
@@ -88,12 +89,12 @@ def study(effort: Effort, ratios: Sequence[float], progress: Callable[[str], Non
 
 
 def fixed_ratio(ratio: float, clearance: Clearance = BOTH, waived: frozenset[str] = frozenset({LITERAL})) -> Problem:
-    """Return the search for the largest M_P at one value of R_S."""
+    """The search for the largest M_P at one value of R_S."""
     return Problem("M_P", clearance, (Limit("R_S", ratio, ratio),), waived)
 
 
 def least_length(point: Point) -> Problem:
-    """Return the search for the least L_sum, M_P and R_S within the tolerance of a point's."""
+    """The search for the least L_sum, M_P and R_S within the tolerance of a point's."""
     values = {name: measure(name, point.optimum.design) for name in ("M_P", "R_S")}
     limits = (Limit(name, (1 - TOLERANCE) * value, (1 + TOLERANCE) * value) for name, value in values.items())
     return replace(point.problem, objective="L_sum", limits=tuple(limits))
@@ -111,7 +112,7 @@ AS_PRINTED, MET = "all constraints", "those that scheme 4 meets"
 
 
 def no_worse(name: str) -> Limit:
-    """Return the limit that a measure is no worse than scheme 4's."""
+    """The limit that a measure is no worse than scheme 4's."""
     value = measure(name, SCHEME_4)
     return Limit(name, -np.inf, value) if MEASURES[name].least else Limit(name, value, np.inf)
 
@@ -126,13 +127,13 @@ SIZES = {"for both": BOTH, "for scheme 4": ALONE}
 
 
 def ahead(aim: str, condition: str, clearance: Clearance) -> Problem:
-    """Return the search for the largest gain on scheme 4 that M_P, R_S and L_sum have at once."""
+    """The search for the largest gain on scheme 4 that M_P, R_S and L_sum have at once."""
     waived, limits = CONDITIONS[condition]
     return Problem("M_P", clearance, (*AIMS[aim], *limits), waived, SCHEME_4)
 
 
 def _beyond(effort: Effort) -> Iterator[Task]:
-    """Yield the searches for designs ahead of scheme 4, under more and less strict conditions."""
+    """The searches for designs ahead of scheme 4, under more and less strict conditions."""
     once = replace(effort, restarts=0)
     for aim, condition, sizes in product(AIMS, CONDITIONS, SIZES):
         searched = once if (aim, sizes) == (SIX, "for scheme 4") else effort  # slow, and stricter

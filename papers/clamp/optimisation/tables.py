@@ -27,55 +27,55 @@ FINELY: Mapping[str, Callable[[Design], Array]] = {
 
 
 def variables(d: Design) -> dict[str, float]:
-    """Return a design as the source lists it, mm and deg."""
+    """A design as the source lists it, mm and deg."""
     listed = {name: float(value / unit) for name, value, unit in zip(d._fields, d, UNITS, strict=True)}
     return {name: listed[name] for name in (*VARIABLES, "L3")}
 
 
 def rows(points: Sequence[Point]) -> list[Row]:
     """Return everything that is known of the published designs and of each point, flat."""
-    found: list[Row] = [_row("published", name, d) for name, d in PUBLISHED.items()]
+    table: list[Row] = [_row("published", name, d) for name, d in PUBLISHED.items()]
     for p in points:
         o, short = p.optimum, min(p.short, default=np.nan)
         outcome = {"violation": o.violation, "starts": o.starts, "feasible": o.feasible, "agree": o.agree}
-        found.append(_row(p.set, p.at, o.design) | outcome | {"evolution_short": short})
-    return found
+        table.append(_row(p.set, p.at, o.design) | outcome | {"evolution_short": short})
+    return table
 
 
 def _row(name: str, at: str, d: Design) -> Row:
-    """Return what is known of a design: its values, and what it is worth."""
+    """What is known of a design: its values, and what it is worth."""
     worth = {of: measure(of, d) for of in MEASURES} | {"gain": _gain(d)}
     return {"set": name, "at": at} | variables(d) | worth
 
 
 def _gain(d: Design) -> float:
-    """Return how far a design is ahead of scheme 4 in the worst of M_P, R_S and L_sum, relatively."""
+    """How far a design is ahead of scheme 4 in the worst of M_P, R_S and L_sum, relatively."""
     return float(min(gains(d, SCHEME_4)))
 
 
 def of(points: Sequence[Point], name: str) -> list[Point]:
-    """Return the points of one set that have a design."""
+    """The points of one set that have a design."""
     return [point for point in points if point.set == name and point.optimum.feasible]
 
 
 def improved(points: Sequence[Point]) -> list[Point]:
-    """Return the points that a restart has improved, and those of the curve and of the next step without a design."""
+    """The points that a restart has improved, and those of the curve and of the next step without a design."""
     missing = [p for p in points if p.set in (MAIN, LENGTHS) and not p.optimum.feasible]
     return [*missing, *(p for p in points if not min(p.short, default=0.0) >= -AGREES)]
 
 
 def curve(points: Sequence[Point], name: str) -> pd.DataFrame:
-    """Return one row a point of a set, as the page shows it."""
+    """One row a point of a set, as the page shows it."""
     return pd.DataFrame(_shown(point.at, point.optimum.design) | _searched(point) for point in of(points, name))
 
 
 def ahead(points: Sequence[Point]) -> pd.DataFrame:
-    """Return one row for each search for a design ahead of scheme 4, scheme 4 itself first."""
-    found = [_shown("scheme 4", SCHEME_4)]  # which nothing searched for
+    """One row for each search for a design ahead of scheme 4, scheme 4 itself first."""
+    table = [_shown("scheme 4", SCHEME_4)]  # which nothing searched for
     for name in (FORCE, AHEAD, ROOM):
         label = "" if name == AHEAD else f"{name.removeprefix(f'{AHEAD}, ')}: "
-        found += [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
-    return pd.DataFrame(found)
+        table += [_shown(label + point.at, point.optimum.design) | _searched(point) for point in of(points, name)]
+    return pd.DataFrame(table)
 
 
 def _shown(label: str, d: Design) -> Row:
@@ -94,7 +94,7 @@ def _searched(point: Point) -> Row:
 
 
 def published() -> pd.DataFrame:
-    """Return the published designs' measures beside what is printed."""
+    """The published designs' measures beside what is printed."""
     return pd.DataFrame(
         {
             "design": name,
@@ -109,7 +109,7 @@ def published() -> pd.DataFrame:
 
 
 def constraints(points: Sequence[Point]) -> pd.DataFrame:
-    """Return the slack of every printed constraint, of both published designs and of the curve's points."""
+    """The slack of every printed constraint, of both published designs and of the curve's points."""
     shown = dict(PUBLISHED) | {p.at: p.optimum.design for p in of(points, MAIN)}
     slack = {label: slacks(d, BOTH) for label, d in shown.items()}
     return pd.DataFrame(
@@ -119,7 +119,7 @@ def constraints(points: Sequence[Point]) -> pd.DataFrame:
 
 
 def assumed(clearances: Mapping[str, Clearance]) -> pd.DataFrame:
-    """Return what is assumed of the unknown sizes, mm."""
+    """What is assumed of the unknown sizes, mm."""
     return pd.DataFrame(
         {"assumed": name, "L1 - Hb <=": c.B, "L5 - Hb <=": c.D, "L3 >=": c.L3, "L4 >=": c.L4} | dict(c.sizes)
         for name, c in clearances.items()
@@ -127,7 +127,7 @@ def assumed(clearances: Mapping[str, Clearance]) -> pd.DataFrame:
 
 
 def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
-    """Return each design by the dynamic models."""
+    """Each design by the dynamic models."""
     return pd.DataFrame(
         {"design": r.design, "engine": r.engine, "status": r.status}
         | {"M_P": f"{r.M_P:.5f}", "R_S": f"{r.R_S:.6f}", "R_V max": f"{r.R_V_max:.5f}"}
@@ -137,11 +137,11 @@ def rechecked(rechecks: Sequence[Recheck]) -> pd.DataFrame:
 
 
 def findings(points: Sequence[Point]) -> Iterator[str]:
-    """Yield what the study finds, a sentence each."""
+    """What the study finds, a sentence each."""
     best, steps = of(points, MAIN), of(points, LENGTHS)
-    for name, found in (("Coordination curve", best), ("Least L_sum", steps)):
-        least = min((point.optimum.agree for point in found), default=0)
-        yield f"{name}: {len(found)} points; of the starts of each, {least} or more agree on the best."
+    for name, chosen in (("Coordination curve", best), ("Least L_sum", steps)):
+        least = min((point.optimum.agree for point in chosen), default=0)
+        yield f"{name}: {len(chosen)} points; of the starts of each, {least} or more agree on the best."
     short = [value for point in (*best, *steps) for value in point.short]
     if short:
         outcome = "improves none of them" if min(short) >= -AGREES else "improves one of them"
@@ -170,7 +170,7 @@ def findings(points: Sequence[Point]) -> Iterator[str]:
 
 
 def _outcome(point: Point) -> str:
-    """Return how far a design is ahead of scheme 4, in what, and which printed limits it misses for that."""
+    """How far a design is ahead of scheme 4, in what, and which printed limits it misses for that."""
     d = point.optimum.design
     gain = 100 * _gain(d)
     if abs(gain) <= 100 * AGREES:

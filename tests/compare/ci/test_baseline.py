@@ -12,7 +12,8 @@ import pytest
 
 from compare.ci.baseline import Change, Summary, changes, read
 from compare.ci.units import in_file, unit_of
-from compare.report.files import json_text, summary
+from compare.report.output.files import summary
+from compare.report.plain import json_text
 from compare.run import main
 from scenes import InputError, Sampling
 from tests import scene_files
@@ -97,7 +98,7 @@ OTHER: Changes = {
     "scene.drive.speed -45 rpm, was -60 rpm": put("speed", -1.5 * math.pi, "scene", "drive"),
     "scene.drive.start 90 deg, was 0 deg": put("start", math.pi / 2, "scene", "drive"),
     "scene.ground.C.0 210 mm, was 200 mm": put(0, 0.21, "scene", "ground", "C"),
-    "scene.gravity.1 -9.8, was -9.81": put(1, -9.8, "scene", "gravity"),
+    "scene.gravity.1 -9.8 m/s^2, was -9.81 m/s^2": put(1, -9.8, "scene", "gravity"),
     "sampling.samples 48, was 24": put("samples", 48, "sampling"),
     "environment.numpy 9.0, was ": put("numpy", "9.0", "environment"),
     "pymunk: pymunk 9, was pymunk 7.": put("version", "pymunk 9", "engines", "pymunk"),

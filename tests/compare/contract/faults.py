@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 from itertools import count
 from math import pi
 from types import SimpleNamespace
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 import analytic.engine as core
-from scenes import Failure, Motion, Positions, Request, Scene, Settings, Simulation, Status
-from scenes.engine import completed
-from scenes.motion import UNITS, Samples, channels, quantity
+from scenes import Failure, Motion, Positions, Request, Scene, Settings, Status
+from scenes.model.engine import completed
+from scenes.model.motion import UNITS, Samples, channels, quantity
 
 DEFAULT = Settings("plain", promise=1e-6)
 FAST = Settings("fast", promise=1e-6)
@@ -19,11 +19,22 @@ RUNS = count(1)
 
 @dataclass(frozen=True)
 class Asked:
-    """What a run is asked for."""
+    """What a run is asked for, and that run: the core's answer, spoilt."""
 
+    fault: "Fault"
     scene: Scene
     settings: Settings
     request: Request
+
+    def solve(self) -> None:
+        """Do nothing yet."""
+
+    def read(self) -> Motion:
+        """Solve by the core, and spoil the result."""
+        real = core.build(self.scene, core.DEFAULT, self.request)
+        real.solve()
+        motion = real.read()
+        return self.fault.spoil({c: motion[c] for c in self.request.wanted(self.scene)}, self)
 
 
 @dataclass(frozen=True)
@@ -36,42 +47,21 @@ class Fault:
     spoil: Callable[[dict[str, Samples], Asked], Motion] = lambda samples, _: Motion(samples)
     words: str = ""  # of the report
 
+    def engine(self) -> Any:
+        """The engine with this fault; its runs have no counters and residuals."""
 
-@dataclass
-class Spoilt:
-    """The core's answer, spoilt."""
+        def build(*of: Any) -> Asked:
+            self.first(asked := Asked(self, *of))
+            return asked
 
-    asked: Asked
-    fault: Fault
-
-    def solve(self) -> None:
-        """Do nothing yet."""
-
-    def read(self) -> Motion:
-        """Solve by the core, and spoil the result."""
-        asked = self.asked
-        real = core.build(asked.scene, core.DEFAULT, asked.request)
-        real.solve()
-        motion = real.read()
-        return self.fault.spoil({c: motion[c] for c in asked.request.wanted(asked.scene)}, asked)
-
-
-def engine(fault: Fault) -> Any:
-    """Return the engine with a fault."""
-
-    def build(scene: Scene, settings: Settings, request: Request) -> Simulation:
-        asked = Asked(scene, settings, request)
-        fault.first(asked)
-        return cast("Simulation", Spoilt(asked, fault))  # it has no counters and residuals
-
-    return completed(SimpleNamespace(**{"DEFAULT": DEFAULT, "build": build, **fault.names}), "wrong 1.0")
+        return completed(SimpleNamespace(**{"DEFAULT": DEFAULT, "build": build, **self.names}), "wrong 1.0")
 
 
 # --- what can be wrong ------------------------------------------------------------------------------------------------
 
 
 def changed(change: Callable[[Samples], Samples], *quantities: str) -> Callable[[dict[str, Samples], Asked], Motion]:
-    """Return what changes the channels of some quantities, or of all."""
+    """A change of the channels of some quantities, or of all."""
 
     def spoil(samples: dict[str, Samples], _: Asked) -> Motion:
         return Motion({c: change(v) if quantity(c) in (quantities or UNITS) else v for c, v in samples.items()})
@@ -85,7 +75,7 @@ def raised(error: Exception) -> NoReturn:
 
 
 def without(samples: dict[str, Samples], reason: str | None) -> Motion:
-    """Return the motion without a channel, for a reason or none."""
+    """The motion without a channel, for a reason or none."""
     channel = next(c for c in samples if quantity(c) == "omega")
     kept = {c: v for c, v in samples.items() if c != channel}
     return Motion(kept, {} if reason is None else {channel: reason})
@@ -95,62 +85,60 @@ REFUSED = Failure(Status.unsupported, "")
 
 FAULTS = {
     # protocol
-    "no version": Fault("test_it_gives_its_version", {"version": lambda: ""}),
+    "no version": Fault("it_gives_its_version", {"version": lambda: ""}),
     "settings with a function": Fault(
-        "test_settings_are_data",
+        "settings_are_data",
         {"WORK_PRECISION": (Settings("a", note=lambda: 0),)},  # type: ignore[arg-type]
     ),
     "two of one label": Fault(
-        "test_labels_name_settings", {"WORK_PRECISION": (DEFAULT, replace(DEFAULT, drive_promise=1e-3))}
+        "settings_can_be_told_apart", {"WORK_PRECISION": (DEFAULT, replace(DEFAULT, drive_promise=1e-3))}
     ),
     "exact promises less": Fault(
-        "test_settings_promise_more_the_more_accurate_they_are", {"EXACT": Settings("exact", promise=1e-3)}
+        "settings_promise_more_the_more_accurate_they_are", {"EXACT": Settings("exact", promise=1e-3)}
     ),
-    "other steps": Fault("test_settings_by_steps", {"at_steps": lambda _: core.WORK_PRECISION[-1]}),
+    "other steps": Fault("settings_by_steps", {"at_steps": lambda _: core.WORK_PRECISION[-1]}),
     # motion
-    "an error of its own": Fault("test_a_shipped_scene_is_solved_or_refused", first=lambda _: 1 / 0),
-    "no reason": Fault("test_a_shipped_scene_is_solved_or_refused", first=lambda _: raised(REFUSED)),
-    "a channel less": Fault("test_every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, None)),
-    "an empty reason": Fault("test_every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, "")),
-    "single precision": Fault("test_samples_are_one_number_a_row", spoil=changed(lambda v: v.astype("f4"))),
-    "a row less": Fault("test_samples_are_one_number_a_row", spoil=changed(lambda v: v[:-1])),
-    "late": Fault("test_instants_are_those_asked_for", spoil=changed(lambda v: v + 1e-6, "time")),
-    "reactions of the other side": Fault(
-        "test_the_promise_is_kept", spoil=changed(lambda v: -v, "fx", "fy"), words="sign"
-    ),
-    "degrees": Fault("test_the_promise_is_kept", spoil=changed(lambda v: v * 180 / pi, "angle"), words="deg"),
+    "an error of its own": Fault("a_shipped_scene_is_solved_or_refused", first=lambda _: 1 / 0),
+    "no reason": Fault("a_shipped_scene_is_solved_or_refused", first=lambda _: raised(REFUSED)),
+    "a channel less": Fault("every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, None)),
+    "an empty reason": Fault("every_channel_is_there_or_has_a_reason", spoil=lambda of, _: without(of, "")),
+    "single precision": Fault("samples_are_one_number_an_instant", spoil=changed(lambda v: v.astype("f4"))),
+    "a row less": Fault("samples_are_one_number_an_instant", spoil=changed(lambda v: v[:-1])),
+    "late": Fault("samples_are_one_number_an_instant", spoil=changed(lambda v: v + 1e-6, "time")),
+    "reactions of the other side": Fault("the_promise_is_kept", spoil=changed(lambda v: -v, "fx", "fy"), words="sign"),
+    "degrees": Fault("the_promise_is_kept", spoil=changed(lambda v: v * 180 / pi, "angle"), words="deg"),
     "a bold promise": Fault(
-        "test_the_promise_is_kept",
+        "the_promise_is_kept",
         {"DEFAULT": replace(DEFAULT, promise=1e-9)},
         spoil=changed(lambda v: v * (1 + 1e-8), "fx"),
     ),
     "FAST is not good": Fault(
-        "test_each_tier_keeps_its_promise",
+        "each_tier_keeps_its_promise",
         {"FAST": FAST},
         spoil=lambda v, of: changed(lambda v: v * 1.001 if of.settings == FAST else v, "ax")(v, of),
     ),
-    "an angle modulo a turn": Fault("test_several_cycles", spoil=changed(lambda v: -(-v % (2 * pi)), "crank_angle")),
+    "an angle modulo a turn": Fault("several_cycles", spoil=changed(lambda v: -(-v % (2 * pi)), "crank_angle")),
     "all channels": Fault(
-        "test_only_what_is_asked_for", spoil=lambda v, of: Motion(dict.fromkeys(channels(of.scene), v["time"]) | v)
+        "only_what_is_asked_for", spoil=lambda v, of: Motion(dict.fromkeys(channels(of.scene), v["time"]) | v)
     ),
     "masses are needed": Fault(
-        "test_a_scene_without_masses_has_no_forces",
+        "a_scene_without_masses_has_no_forces",
         first=lambda of: [1.0 / b.mass for b in of.scene.bodies.values()],  # type: ignore[operator]
     ),
     "a memory": Fault(
-        "test_a_run_leaves_no_trace_in_the_next",
+        "a_run_leaves_no_trace_in_the_next",
         spoil=lambda v, of: changed(lambda v: v * (1 + 1e-13 * next(RUNS)), "ax")(v, of),
     ),
     # refusals
     "an error where nothing closes": Fault(
-        "test_what_cannot_be_assembled_is_not_ok", first=lambda of: 1 / (of.scene.name == "four_bar")
+        "what_cannot_be_assembled_is_not_ok", first=lambda of: 1 / (of.scene.name == "four_bar")
     ),
     "positions out of order": Fault(
-        "test_positions_are_solved_or_refused",
+        "positions_are_solved_or_refused",
         spoil=lambda v, of: changed(lambda v: v[::-1] if isinstance(of.request, Positions) else v)(v, of),
     ),
     "positions are no instants": Fault(
-        "test_positions_are_solved_or_refused",
+        "positions_are_solved_or_refused",
         first=lambda of: of.request.turns,  # type: ignore[union-attr]
     ),
 }

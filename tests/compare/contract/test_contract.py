@@ -8,13 +8,13 @@ import pytest
 import scenes
 from compare.contract import asked, test_motion, test_protocol, test_refusals
 from compare.engines import registry
-from tests.compare.contract.faults import FAULTS, Fault, engine
+from tests.compare.contract.faults import FAULTS, Fault
 from tests.comparisons import SLOW
 
 ROOT = Path(__file__).parents[3]
 CONTRACT = ("--pyargs", "compare.contract", "--engine")
 CLAUSES = {
-    name: clause
+    name.removeprefix("test_"): clause
     for module in (test_motion, test_protocol, test_refusals)
     for name, clause in vars(module).items()
     if name.startswith("test_")
@@ -72,7 +72,7 @@ def test_a_wrong_engine_fails(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
     values |= dict(zip(("ladder", "label"), test_refusals.IMPOSSIBLE[0], strict=True))
 
     def fails(fault: Fault) -> str:
-        clause, wrong = CLAUSES[fault.clause], engine(fault)
+        clause, wrong = CLAUSES[fault.clause], fault.engine()
         monkeypatch.setattr(registry, "engine", lambda engine: wrong if engine == name else real(engine))
         asked.first_run.cache_clear()
         try:

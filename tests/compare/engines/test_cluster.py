@@ -3,7 +3,7 @@
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from compare.engines import cluster
-from compare.engines.cluster import check_installed, spread
-from compare.engines.isolation import Ended
-from compare.engines.lasting import Lasting
-from compare.engines.stopping import Stopped, kept
+from compare.engines.processes import cluster
+from compare.engines.processes.cluster import check_installed, spread
+from compare.engines.processes.inside import Ended
+from compare.engines.processes.stopping import Stopped, kept
+from compare.engines.processes.workers import Lasting
 from scenes import InputError, Sampling, Status, load
 from tests.deaths import DEATHS, children, within
 
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 RAISED = ("recursion", "SystemExit", "non-Exception", "newlines", "an exception that cannot be sent")
 done: list[str] = []
 go_on = Event()
-peers: list[socket.socket] = []  # that stay open
 
 
 @pytest.fixture(scope="module")
@@ -35,8 +34,8 @@ def client() -> Iterator["Client"]:
     from dask.distributed import Client, LocalCluster
 
     options = {"dashboard_address": "127.0.0.1:0", "scheduler_kwargs": {"dashboard": False}, "memory_limit": 0}
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, **options) as here, Client(here) as found:
-        yield found
+    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, **options) as here, Client(here) as known:
+        yield known
 
 
 def do(what: str) -> str:
@@ -47,17 +46,16 @@ def do(what: str) -> str:
 
 def wait(what: str) -> str:
     done.append(what)
-    if what == "first":
-        return what
-    go_on.wait(60.0)
+    if what != "first":
+        go_on.wait(60.0)
     return what
 
 
 def test_every_outcome_comes_back(client: "Client") -> None:
-    found = dict(spread(do, ["a", *RAISED, "b"], client, lambda: None))
-    assert (found.pop("a"), found.pop("b")) == ("A", "B")
-    assert set(found) == set(RAISED)
-    for name, ended in found.items():
+    outcomes = dict(spread(do, ["a", *RAISED, "b"], client, lambda: None))
+    assert (outcomes.pop("a"), outcomes.pop("b")) == ("A", "B")
+    assert outcomes.keys() == {*RAISED}
+    for name, ended in outcomes.items():
         assert isinstance(ended, Ended)
         assert ended.status is Status.crashed
         assert DEATHS[name][2] in ended.reason
@@ -65,17 +63,15 @@ def test_every_outcome_comes_back(client: "Client") -> None:
 
 def test_a_stop_begins_no_more(client: "Client") -> None:
     def poll() -> None:
-        if found:
+        if answers:
             raise Stopped
 
-    found: list[str] = []
+    answers: list[str] = []
     for item, _ in kept(spread(wait, ["first", "running", *(f"never {n}" for n in range(5))], client, poll)):
-        found.append(item)
-    assert within(
-        5.0, lambda: len(client.cluster.scheduler.tasks) <= 2
-    )  # a moment later the scheduler knows of the stop
+        answers.append(item)
+    assert within(5.0, lambda: len(client.cluster.scheduler.tasks) <= 2)  # a moment later the scheduler knows
     go_on.set()
-    assert found == ["first"]
+    assert answers == ["first"]
     assert dict(spread(do, ["a"], client, lambda: None)) == {"a": "A"}
     assert set(done) <= {"first", "running", "never 0"}, "a worker has one that waits at most"
 
@@ -93,52 +89,39 @@ def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         check_installed()
 
 
-def silent(peer: socket.socket) -> None:
-    peers.append(peer)
+REPLIES = {
+    "nothing": b"",
+    "a web page": b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
+    "anything": (2**62).to_bytes(8, "little") * 100,
+}
 
 
-def web(peer: socket.socket) -> None:
-    peer.recv(1000)
-    peer.sendall(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n")
-    peer.close()
-
-
-def junk(peer: socket.socket) -> None:
-    with peer, suppress(OSError):
-        peer.sendall((2**62).to_bytes(8, "little") * 100)
-
-
-def answer(server: socket.socket, behave: Callable[[socket.socket], None]) -> None:
+def answer(server: socket.socket, reply: bytes, peers: list[socket.socket]) -> None:
     with suppress(OSError):  # until it is closed
         while True:
-            behave(server.accept()[0])
+            peer, _ = server.accept()
+            peers.append(peer)  # which stays open
+            if reply:
+                peer.recv(1000)
+                peer.sendall(reply)
+                peer.close()
 
 
-@pytest.mark.parametrize("behave", [silent, web, junk, None])
-def test_what_is_no_scheduler_is_named_in_time(
-    behave: Callable[[socket.socket], None] | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.parametrize("what", [*REPLIES, "nobody"])
+def test_what_is_no_scheduler_is_named_in_time(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A peer that says nothing, a web server, one that says anything, and a port where nobody listens."""
     monkeypatch.setattr(cluster, "PATIENCE", 3.0)
+    peers: list[socket.socket] = []
     with socket.create_server(("127.0.0.1", 0)) as server:
-        if behave is None:
-            server.close()
-            port = 1
-        else:
-            port = server.getsockname()[1]
-            Thread(target=answer, args=(server, behave), daemon=True).start()
-        began = monotonic()
-        address = f"tcp://127.0.0.1:{port}"
-        with (
-            pytest.raises(
-                InputError, match=f"^--scheduler {address}: expected a Dask scheduler there, and none answer"
-            ),
-            cluster.cluster(0, address),
-        ):
+        port = server.getsockname()[1] if what in REPLIES else 1
+        Thread(target=answer, args=(server, REPLIES.get(what, b""), peers), daemon=True).start()
+        began, address = monotonic(), f"tcp://127.0.0.1:{port}"
+        line = f"^--scheduler {address}: expected a Dask scheduler there, and none answer"
+        with pytest.raises(InputError, match=line), cluster.cluster(0, address):
             pytest.fail("it answers")
-        for peer in peers:
-            peer.close()
         assert monotonic() - began < 2 * 3.0 + 4.0  # an import of Dask, on a busy machine
+    for peer in peers:
+        peer.close()
     assert children() == []
 
 
@@ -160,7 +143,7 @@ def test_a_scheduler_that_runs_elsewhere(tmp_path: Path) -> None:
 
 
 def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("compare.engines.lasting.IDLE", 600.0)
+    monkeypatch.setattr("compare.engines.processes.workers.IDLE", 600.0)
     lasting, scene = Lasting(), load("four_bar")
     begun = []
     for engines in (("analytic",), ("analytic",), ("analytic", "pymunk")):
@@ -169,7 +152,7 @@ def test_engines_stay_for_the_next_task_and_end_after_the_last(monkeypatch: pyte
             begun.append(children())
     assert begun[0] == begun[1]
     assert [len(each) for each in begun] == [1, 1, 2]
-    monkeypatch.setattr("compare.engines.lasting.IDLE", 0.01)
+    monkeypatch.setattr("compare.engines.processes.workers.IDLE", 0.01)
     with lasting.runs(("analytic", "pymunk")):
         assert children() == begun[2]
     assert within(5.0, lambda: children() == [])

@@ -18,10 +18,10 @@ from compare.engines.kept import version
 from compare.engines.reasons import TRACEBACK
 from compare.engines.settings import settings_of, tiers
 from compare.run import main
-from scenes.motion import channels
-from tests.sites import GOOD, install
+from scenes.model.motion import channels
+from tests.sites import GOOD, install, known
 
-OWN = f"{GOOD}from scenes import Failure, Settings, Status\n"
+OWN = f"{GOOD}from scenes import Failure, Settings, Status\nclass N:\n    def __init__(self, *_): pass\n"
 CHANGES = f"""{GOOD}
 import os, sys, warnings
 import numpy as np
@@ -32,20 +32,26 @@ warnings.simplefilter("error")
 print("to the user")
 print("to the user", file=sys.stderr)
 """
-MODULES = {
-    "good": GOOD,
-    "absent_import": "import no_such_module_at_all",
-    "dies": "import os\nprint('to the user', flush=True)\nos.abort()",
-    "empty": "",
-    "unsendable": f"{GOOD}from dataclasses import replace\nDEFAULT = replace(DEFAULT, note=lambda: 0)",
-    "changes": CHANGES,
-    "no_motion": f"{OWN}class Run:\n    solve = read = lambda self: None\nbuild = lambda *asked: Run()",
-    "fails_ok": f"{OWN}def build(*asked):\n    raise Failure(Status.ok, 'all is well')",
-    "promises_nothing": f"{OWN}DEFAULT = Settings('any', promise=1e9)",
-    "no_tier": f"{OWN}FAST = None",
-    "one_label": f"{OWN}WORK_PRECISION = (Settings('a'), Settings('a', order=2))",
-    "steps": f"{OWN}at_steps = lambda steps: steps",
+MODULES = {  # by name of the engine; why a run of it is crashed, where it is
+    "good": (GOOD, ""),
+    "changes": (CHANGES, ""),
+    "absent_import": ("import no_such_module", "ModuleNotFoundError: No module named 'no_such_module'"),
+    "dies": ("import os\nprint('to the user', flush=True)\nos.abort()", "its process ended by SIGABRT"),
+    "empty": ("", "TypeError: expected a module with DEFAULT, of scenes.Settings, and build("),
+    "unsendable": (f"{OWN}DEFAULT = Settings('any', note=lambda: 0)", "TypeError: any: expected an order"),
+    "no_motion": (f"{OWN}class build(N):\n    solve = read = lambda self: None", "TypeError: expected scenes.Motion"),
+    "fails_ok": (f"{OWN}def build(*_): raise Failure(Status.ok, 'well')", "a failure is expected to have"),
+    "promises_nothing": (f"{OWN}DEFAULT = Settings('any', promise=1e9)", "any: expected a promise between 0 and 1"),
+    "no_tier": (f"{OWN}FAST = None", "expected scenes.Settings, found NoneType"),
+    "one_label": (f"{OWN}EXACT = Settings('a')\nFAST = Settings('a', order=2)", "each of its settings, found two of a"),
+    "steps": (f"{OWN}at_steps = lambda steps: steps", "expected scenes.Settings, found int"),
 }
+NAMED = {  # entry points of other names than their modules; why a run of them is unsupported
+    "no_module": ("nowhere_to_be_found", "acme lacks its module nowhere_to_be_found: pip install acme"),
+    "attribute": ("good:build", "its entry point is expected to name a module, found good:build"),
+    "main_module": ("__main__", "acme lacks its module __main__: pip install acme"),
+}
+NEEDY = "it needs no-such-thing, which is not installed: pip install needy"
 SPOILT = """
 from analytic.engine import build as real
 from scenes import Failure, Motion, Settings, Status
@@ -74,13 +80,13 @@ RETURNED = {  # what comes back, and the reason why it is not ok
     "fails_huge": ("raise Failure(Status.diverged, 'why', Motion({c: 1e200 * v for c, v in s.items()}))", "why"),
     "counts": ("build.counters = {'steps': 10**5000}", "OverflowError: Python int too large to convert to C long"),
 }
-BODIES = {
-    name: f"{SPOILT}class K(str): pass\ndef spoilt(s):\n    {body}\n    return Motion(s)"
-    for name, (body, _) in RETURNED.items()
-}
 FINE = f"{SPOILT}spoilt = Motion\n"
-RAISES = f"{SPOILT}def spoilt(s):\n    return 1 / 0\n"
-RAISES_BELOW = f"{SPOILT}def spoilt(s):\n    return np.linalg.inv(np.zeros((2, 2)))\n"
+LINE = SPOILT.count("\n") + 2
+RAISING = {  # also where a library raises that an engine calls: the place is in the engine
+    "raises": ("return 1 / 0", f"ZeroDivisionError: division by zero (raises.py, line {LINE})"),
+    "below": ("return np.linalg.inv(np.zeros((2, 2)))", f"LinAlgError: Singular matrix (below.py, line {LINE})"),
+}
+BREAKS = {"breaks": (f"{GOOD}\n1 / 0", "ZeroDivisionError: division by zero (breaks.py, line 3)")}
 ENDINGS = {  # what an import leaves for later
     "a_thread": f"{FINE}import threading, time\nthreading.Thread(target=time.sleep, args=(600,)).start()",
     "an_exit": f"{FINE}import atexit, time\natexit.register(time.sleep, 600)",
@@ -89,53 +95,27 @@ ENDINGS = {  # what an import leaves for later
         "    level: float = 1e-3\n    kind: object = (1, 2)\nDEFAULT = Own('own', promise=1e-6)\n"
     ),
 }
-RUN = {  # what a run of each ends with
-    "good": ("ok", ""),
-    "absent_import": ("crashed", "ModuleNotFoundError: No module named 'no_such_module_at_all'"),
-    "dies": ("crashed", "its process ended by SIGABRT"),
-    "empty": ("crashed", "TypeError: expected a module with DEFAULT, of scenes.Settings, and build("),
-    "unsendable": (
-        "crashed",
-        "TypeError: vector equations: expected an order that is a number or None, and family and",
-    ),
-    "changes": ("ok", ""),
-    "no_motion": ("crashed", "expected scenes.Motion, found NoneType"),
-    "fails_ok": ("crashed", "a failure is expected to have another status than ok"),
-    "promises_nothing": ("crashed", "any: expected a promise between 0 and 1, found 1000000000.0"),
-    "no_tier": ("crashed", "expected scenes.Settings, found NoneType"),
-    "one_label": ("crashed", "expected a label of its own for each of its settings, found two of a"),
-    "steps": ("crashed", "expected scenes.Settings, found int"),
-    "no_module": ("unsupported", "acme lacks its module nowhere_to_be_found: pip install acme"),
-    "attribute": ("unsupported", "its entry point is expected to name a module, found good:build"),
-    "main_module": ("unsupported", "acme lacks its module __main__: pip install acme"),
-    "needy": ("unsupported", "it needs no-such-thing, which is not installed: pip install needy"),
-    "exudyn@acme": ("ok", ""),
-}
-NAMED = {"no_module": "nowhere_to_be_found", "attribute": "good:build", "main_module": "__main__", "exudyn": "good"}
 
 
 @pytest.fixture(scope="module")
 def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Have distributions installed that offer engines, good and bad ones."""
     site = tmp_path_factory.mktemp("site")
-    points = {f"{name}": name for name in MODULES} | NAMED | {"../up": "good", "a,b": "good"}
-    more = BODIES | ENDINGS | {"raises": RAISES, "raises_below": RAISES_BELOW, "breaks": f"{GOOD}\n1 / 0"}
-    points |= {name: name for name in more}
-    install(site, "acme", points, MODULES | more, "Summary: Engines of\x1b Acme\n")
+    texts = {name: text for name, (text, *_) in (MODULES | BREAKS).items()} | ENDINGS
+    texts |= {name: f"{SPOILT}def spoilt(s):\n    {body}\n" for name, (body, _) in RAISING.items()}
+    for name, (body, _) in RETURNED.items():
+        texts[name] = f"{SPOILT}class K(str): pass\ndef spoilt(s):\n    {body}\n    return Motion(s)"
+    points = {name: name for name in texts} | {name: module for name, (module, *_) in NAMED.items()}
+    points |= dict.fromkeys(("../up", "a,b", "exudyn"), "good")
+    install(site, "acme", points, texts, "Summary: Engines of\x1b Acme\n")
     needs = "Requires-Dist: numpy\nRequires-Dist: other; extra == 'x'\nRequires-Dist: no-such-thing>=1\n"
     install(site, "needy", {"needy": "good"}, metadata=needs)
     for name, broken in {"latin": "mine = größe".encode("latin-1"), "torn": b"[console_scripts]\nmine"}.items():
         install(site, name, {name: "good"})
         (site / f"{name}-1.0.dist-info" / "entry_points.txt").write_bytes(broken)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(site))
-        patch.setattr(registry, "ENTRIES", registry.Entries(registry.OWN))
-        assert not {"good", "dies"} & sys.modules.keys(), "imported"
+    assert not {"good", "dies"} & sys.modules.keys(), "imported"
+    with known(site, MODULES):
         yield
-    for module in MODULES:
-        sys.modules.pop(module, None)
-    outside.imported.cache_clear()
-    outside._offers.cache_clear()
 
 
 @pytest.mark.usefixtures("_installed")
@@ -160,44 +140,31 @@ def test_none_is_looked_for_while_the_projects_own_are_named(monkeypatch: pytest
 
 @pytest.mark.usefixtures("_installed")
 def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
+    """What nobody asked for is left out, and an error has its place in the engine."""
+    reasons = {name: reason for name, (_, reason) in (MODULES | BREAKS | RAISING | NAMED | RETURNED).items()}
+    reasons |= {"needy": NEEDY, "exudyn@acme": ""}
     before = Path.cwd(), np.geterr(), {**os.environ}, [*warnings.filters]
-    found = compare.check("four_bar", ("analytic", *RUN), samples=24)
+    checked = compare.check("four_bar", ("analytic", *reasons), samples=24)
     assert (Path.cwd(), np.geterr(), {**os.environ}, [*warnings.filters]) == before
-    for engine, (status, reason) in RUN.items():
-        assert found.verdicts[engine][0] == status, found.verdicts[engine]
-        assert reason in found.verdicts[engine][1]
+    for engine, reason in reasons.items():
+        status, given = checked.verdicts[engine]
+        other = {"unsupported"} if engine in (*NAMED, "needy") else {"crashed", "diverged"}
+        assert status in (other if reason else {"ok"}), checked.verdicts[engine]
+        assert status != "diverged" or engine in RETURNED
+        assert given == reason if engine in RAISING | BREAKS else reason in given
+    motions = checked.motions
+    assert {*motions["very_many"].samples} == {*motions["of_no_text"].samples} == {*channels(checked.scene)}
     assert capfd.readouterr() == ("", "")
     assert main(["--engines", "godo"]) == 2
     assert capfd.readouterr().err == "--engines: no engine 'godo'; did you mean 'good'?\n"
 
 
 @pytest.mark.usefixtures("_installed")
-def test_whatever_is_returned_is_a_row_and_what_nobody_asked_for_is_left_out() -> None:
-    found = compare.check("four_bar", ("analytic", *RETURNED), samples=24)
-    for engine, (_, reason) in RETURNED.items():
-        assert reason in found.verdicts[engine][1]
-        assert (found.verdicts[engine][0] == "ok") == (reason == ""), found.verdicts[engine]
-    assert {*found.motions["very_many"].samples} == {*found.motions["of_no_text"].samples} == {*channels(found.scene)}
-
-
-@pytest.mark.usefixtures("_installed")
-def test_a_reason_has_the_place_in_the_engine(
-    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    """Also where a library raises that it calls; the traceback is printed on request."""
-    line = RAISES.count("\n")
-    reasons = {
-        "raises": f"ZeroDivisionError: division by zero (raises.py, line {line})",
-        "raises_below": f"LinAlgError: Singular matrix (raises_below.py, line {line})",
-        "breaks": "ZeroDivisionError: division by zero (breaks.py, line 3)",
-    }
-    found = compare.check("four_bar", ("analytic", *reasons), samples=24)
-    assert {engine: found.verdicts[engine][1] for engine in reasons} == reasons
-    assert capfd.readouterr().err == ""
+def test_a_traceback_is_printed_on_request(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setenv(TRACEBACK, "1")
     compare.check("four_bar", ("analytic", "raises"), samples=24)
     printed = capfd.readouterr().err
-    assert f'raises.py", line {line}, in spoilt' in printed
+    assert f'raises.py", line {LINE}, in spoilt' in printed
     assert printed.splitlines()[-1] == "ZeroDivisionError: division by zero"
 
 
@@ -206,10 +173,7 @@ def test_an_engine_that_is_asked_for_and_cannot_run_is_bad_input(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["four_bar", "--engines", "analytic,needy", "--out", str(tmp_path)]) == 2
-    assert (
-        capsys.readouterr().err
-        == "--engines needy: it needs no-such-thing, which is not installed: pip install needy\n"
-    )
+    assert capsys.readouterr().err == f"--engines needy: {NEEDY}\n"
     assert [*tmp_path.iterdir()] == []
 
 

@@ -10,14 +10,14 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.isolation import Ended, Limits
-from compare.engines.stopping import Stopped
-from compare.hard import case as hard_case
-from compare.hard import cases as hard
-from compare.hard.case import Case, examine
-from compare.report.hard import tables as hard_tables
-from compare.report.hard.section import hard_cases
-from compare.report.html import render
+from compare.engines.processes.inside import Ended, Limits
+from compare.engines.processes.stopping import Stopped
+from compare.measure.hard import case as hard_case
+from compare.measure.hard import cases as hard
+from compare.measure.hard.case import Case, examine
+from compare.report.pages.html import render
+from compare.report.pages.report import in_full
+from compare.report.tables import hard as hard_tables
 from scenes import Failure, Motion, Sampling, Settings, Status
 from tests import scene_files
 from tests.comparisons import Plug, Stub, changed
@@ -112,7 +112,8 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(registry, "checked_reference", wrong)
     monkeypatch.setattr(
-        "compare.judge.round_off.sensitivity", lambda _, __, true, ___: dict.fromkeys(true.samples, 0 * true["time"])
+        "compare.mechanics.round_off.sensitivity",
+        lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"]),
     )
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert row["outcome"] == "silent"
@@ -175,7 +176,7 @@ def test_a_stopped_run_goes_on_where_it_was(ladder: str, tmp_path: Path, examine
 def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) -> None:
     cases = hard.hard_cases([ladder], ["analytic", "exudyn"], tmp_path, lambda _: None, print)
     assert examined
-    by_engine = {row["engine"]: row for row in hard_tables.counts(cases).to_dict("records")}
+    by_engine = {row["engine"]: row for row in hard_tables.counts(cases)}
     assert by_engine["analytic"]["not certified"] == 1
     assert by_engine["exudyn"]["by isolation"] == 1
     assert by_engine["exudyn"]["right"] == 2
@@ -185,20 +186,20 @@ def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) ->
         " 1 wrong results passed for right ones, 0 right results were refused."
     )
     ((shown, table),) = hard_tables.ladders(cases)
-    assert shown.title == "Rod"
-    assert list(table["length of the rod, mm"]) == ["shorter", "as_is", "locking"]
-    assert list(table["exudyn"]) == ["ok", "ok", "timed_out (isolation)"]
+    assert shown.file.title == "Rod"
+    assert [row["length of the rod, mm"] for row in table] == ["shorter", "as_is", "locking"]
+    assert [row["exudyn"] for row in table] == ["ok", "ok", "timed_out (isolation)"]
 
 
 def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
     file = Path(ladder)
     file.write_text(LADDER.replace("[steps]", "digits = true\n[steps]"), encoding="utf-8")
-    monkeypatch.setattr("compare.hard.digits.AROUND", np.array([1e-3]))  # few positions do here
+    monkeypatch.setattr("compare.measure.hard.digits.AROUND", np.array([1e-3]))  # few positions do here
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert row["outcome"] == "right"
     assert 0 <= row["acceleration_lost"] <= row["acceleration_allowed"] <= 4
-    table = hard_tables.digits(pd.DataFrame([row]))
-    assert list(table.columns[3:]) == ["position", "velocity", "acceleration", "reaction", "torque"]
+    (digits,) = hard_tables.digits(pd.DataFrame([row]))
+    assert list(digits)[3:] == ["position", "velocity", "acceleration", "reaction", "torque"]
     lost = pd.DataFrame([{"group": "velocity", "lost": 5.0, "allowed": 2.0}])
     monkeypatch.setattr(hard_case, "digits_lost", lambda _: lost)
     (row,) = examine(Case(ladder, "as_is", "analytic"))
@@ -207,9 +208,9 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
 
 def test_the_section_of_the_report(ladder: str, judge: Callable[..., dict[str, Any]], right: Motion) -> None:
     rows = [judge(right), judge(Failure(Status.wrong_branch, "it flips")), *examine(Case(ladder, "as_is", "analytic"))]
-    html = render("hard/section.html", hard=hard_cases(pd.DataFrame(rows)), maps=[])
+    html = render("hard.html", **in_full(pd.DataFrame(rows), pd.DataFrame()))
     assert "3 runs of 1 linkages" in html
     assert "0 wrong results passed for right ones, 0 right results were refused." in html
     assert "All solve it." in html
     assert "then wrong_branch" in html
-    assert not render("hard/section.html", hard=hard_cases(pd.DataFrame()), maps=[]).strip()
+    assert not render("hard.html", **in_full(pd.DataFrame(), pd.DataFrame())).strip()

@@ -11,10 +11,11 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.stopping import Stopped
-from compare.hard import stability
+from compare.engines.processes.stopping import Stopped
 from compare.judge.floor import establish
-from compare.report.hard.stability import LETTERS, stability_maps
+from compare.measure.hard import stability
+from compare.report.figures.hard import LETTERS, stability_maps
+from compare.report.figures.offline import offline
 from scenes import Scene, Status
 from tests import scene_files
 
@@ -162,12 +163,12 @@ def test_what_an_engine_raises_beside_its_runs_is_its_status(press: Scene, monke
     assert str(bad["reason"]).startswith("at_steps: KeyError: 72 (tests/compare/hard/test_stability.py, line ")
     assert odd["reason"] == "at_steps: TypeError: expected scenes.Settings, found int"
     (_, figure), *_ = stability_maps(pd.DataFrame([good, bad]))
-    assert figure.checked()
+    assert offline(figure)
 
 
 def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
     ((title, drawn),) = stability_maps(sweeps)
-    figure = drawn.checked()
+    figure = offline(drawn)
     assert "sweeps" in title
     solved, failed, theory = figure.data
     for cell in sweeps.to_dict("records"):

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import compare
-from compare.engines.reference import Floor, Reference
-from compare.judge.agreement import Agreement, Word, agreement, sized, within, worst_error
-from compare.judge.gates import gates
-from compare.judge.judgement import Judgement
+from compare.judge.agreement import Agreement, Judgement, Word, agreement, worst_error
 from compare.judge.measure import Measurement, measure
-from compare.judge.round_off import explain
+from compare.judge.verdict import sized, within
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import Floor, Reference
+from compare.mechanics.round_off import explain
 from scenes import Failure, Motion, Status
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 from tests.comparisons import SAMPLING, Outcome, Plug, changed, commanded
 
 Judge = Callable[..., Judgement]
@@ -35,9 +35,9 @@ def judge(reference: Reference, exudyn: Measurement, plug: Plug) -> Judge:
     ) -> Judgement:
         plug(outcome)
         scene = replace(reference.scene, tolerances={"stub": limits})
-        of = replace(reference, scene=scene)
+        of = replace(reference, mechanics=Mechanics(scene))
         measured = [exudyn if engine == "exudyn" else measure(of, engine, SAMPLING) for engine in engines]
-        return Judgement(scene, SAMPLING, of, explain(of, SAMPLING), measured, list(gates(scene, measured)), [])
+        return Judgement(scene, SAMPLING, of, explain(of, SAMPLING), measured, [])
 
     return judged
 
@@ -73,6 +73,13 @@ def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, re
     verdict = plain(agreement(judge(Motion(wrong))))
     assert verdict.word is Word.disagrees
     assert verdict.sentence.startswith("stub disagrees with the closed form by 25 % in P3.fx; likely cause: ")
+
+
+@pytest.mark.parametrize("name", ["infeed", "e", "nano"])
+def test_a_cause_is_there_whatever_its_body_is_called(judge: Judge, reference: Reference, name: str) -> None:
+    judged = judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))
+    vars(judged)["causes"] = {"stub": f"stub: {name}'s mass is 12 % too large"}
+    assert agreement(judged).sentence.endswith(f"; likely cause: {name}'s mass is 12 % too large.")
 
 
 def test_one_that_is_a_little_off_its_promise_disagrees(judge: Judge, reference: Reference) -> None:

@@ -9,16 +9,17 @@ from typing import Any
 import pytest
 
 import scenes
-from compare.engines import reference
-from compare.judge import checks, errors, estimate, measure, verdict
+from compare.judge import checks, errors, measure, verdict
 from compare.judge import gates as gates_module
+from compare.judge.agreement import Judgement
 from compare.judge.canaries import thinned
 from compare.judge.canaries.canaries import canaries
 from compare.judge.canaries.sizes import sizes
-from compare.judge.escalation import offers
 from compare.judge.gates import Gate, gates
-from compare.judge.judgement import Judgement, judgement
-from compare.judge.round_off import Explained
+from compare.judge.judgement import judgement
+from compare.judge.measure import offers
+from compare.mechanics import reference, scales
+from compare.mechanics.round_off import Explained
 from scenes import Motion, Sampling, Status
 from tests import scene_files
 from tests.comparisons import SAMPLING, SLOW, References, all_checks
@@ -65,7 +66,7 @@ def test_a_body_may_have_the_name_of_a_point(tmp_path: Path) -> None:
     """Its angle is relative to a radian, not to the travel of the point."""
     file = tmp_path / "named.toml"
     file.write_text(re.sub(r"\bA\b", "crank", scene_files.text("four_bar")), encoding="utf-8")
-    found = reference.found(scenes.load(file))
+    found = reference.uncertified(scenes.load(file))
     of = sizes(found.scene, found.cycle, found.cycle, found.scale)
     assert of["crank.x"].max() < 1.0
     assert (of["crank.angle"] == 1.0).all()
@@ -92,7 +93,7 @@ SLOW_DRIVE = {
 
 
 def test_power_is_found_out_of_balance_where_the_drive_is_slow() -> None:
-    slow = reference.found(scene_files.load("slider_crank", SLOW_DRIVE))
+    slow = reference.uncertified(scene_files.load("slider_crank", SLOW_DRIVE))
     found = judgement(slow, ("pymunk",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
     assert found.ok
     assert not canaries(found)
@@ -122,7 +123,7 @@ def compared_with_itself(patch: pytest.MonkeyPatch) -> None:
 
 
 def a_channel_left_out(patch: pytest.MonkeyPatch) -> None:
-    real = reference.relative_errors
+    real = scales.relative_errors
     left_out = lambda *of: {c: off for c, off in real(*of).items() if c != "P3.fx"}  # noqa: E731
     patch.setattr(reference, "relative_errors", left_out)
 
@@ -194,19 +195,19 @@ def test_a_wrong_comparison_is_noticed(wrong: Patch, press: Judgement, monkeypat
 
 
 def sizes_a_thousand_times_too_large(patch: pytest.MonkeyPatch) -> None:
-    real = reference.sizes
-    for module in (reference, checks, estimate):
+    real = scales.sizes
+    for module in (scales, checks):
         patch.setattr(module, "sizes", lambda *of: 1000 * real(*of))
 
 
 def one_scale_for_all_forces(patch: pytest.MonkeyPatch) -> None:
-    real = reference.force_scales
+    real = scales.force_scales
 
     def one(*of: Any) -> dict[str, float]:
         scale = real(*of)
         return dict.fromkeys(scale, max(scale.values()))
 
-    patch.setattr(reference, "force_scales", one)
+    patch.setattr(scales, "force_scales", one)
 
 
 def round_off_that_explains_a_million_times_as_much(patch: pytest.MonkeyPatch) -> None:
@@ -260,7 +261,12 @@ def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, m
     runs = {m.run.engine: m.run for m in press.measurements}
     FROM_THE_START[wrong](monkeypatch)
     found = judgement(
-        reference.found(press.scene), [*runs], SAMPLING, lambda name: (offers(name, "balanced"), ""), print, known(runs)
+        reference.uncertified(press.scene),
+        [*runs],
+        SAMPLING,
+        lambda name: (offers(name, "balanced"), ""),
+        print,
+        known(runs),
     )
     assert canaries(found)
 
@@ -281,7 +287,7 @@ def test_wrong_lines_of_the_table_are_found() -> None:
     assert all(record is not None and record.above and record.found for record in records)
 
 
-MEASURED = [("compare.engines.reference", "_distance"), ("compare.judge.checks", "_drive")]
+MEASURED = [("compare.mechanics.scales", "_distance"), ("compare.judge.checks", "_drive")]
 
 
 @pytest.mark.parametrize(("module", "function"), MEASURED)

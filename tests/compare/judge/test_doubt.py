@@ -15,10 +15,11 @@ import compare
 import scenes
 from analytic.solve import Solver
 from compare.engines import registry
-from compare.engines.reference import Reference
 from compare.engines.runner import Run
-from compare.judge.judgement import Judgement, _voted
+from compare.judge.agreement import Judgement
+from compare.judge.judgement import _voted
 from compare.judge.measure import Measurement
+from compare.mechanics.reference import Reference
 from compare.run import main
 from scenes import InputError, Motion, Scene, Settings, Status
 from tests.comparisons import commanded

@@ -7,35 +7,43 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.engines.motion_vectors import MotionVectors
-from compare.engines.press_switches import acts, stroke_end
-from compare.engines.reference import Floor, Reference, Remembering
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import by_group, compare, error_table, worst_of
 from compare.judge.floor import establish
 from compare.judge.measure import measure
+from compare.mechanics.motion_vectors import MotionVectors
+from compare.mechanics.reference import Floor, Reference, Remembering
 from scenes import Motion, Sampling, Status
-from scenes.motion import Samples, channels, quantity
+from scenes.model.motion import Samples, channels, quantity
 from scenes.scene import Force, PressForce
-from tests.comparisons import SAMPLING, Plug, References, changed, commanded, of_scene, row_of, size_of, vector_of
+from tests.comparisons import (
+    SAMPLING,
+    Plug,
+    References,
+    changed,
+    commanded,
+    of_scene,
+    row_of,
+    rows_of,
+    size_of,
+    vector_of,
+)
 
 # --- errors -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "channel", [c for c in channels(scenes.load("toggle_press")) if c not in ("time", "crank_angle")]
-)
-def test_an_error_in_any_channel_is_found(reference: Reference, motion: Motion, channel: str) -> None:
-    scale = reference.scale[channel]
-    table = error_table("x", compare(reference, SAMPLING, changed(motion, channel, -1e-3 * scale)), reference)
-    row = row_of(table, channel)
-    error = 1e-3 * scale / size_of(motion, channel, scale)
-    assert row.max == pytest.approx(error, rel=1e-9)
-    assert row.max_at == pytest.approx(200.0)
-    assert row.max_at_unit == "deg"
-    assert row.rms == pytest.approx(error / np.sqrt(SAMPLING.count), rel=1e-9)
-    assert all(row.max <= 1e-14 for row in table if row.channel not in vector_of(channel))
+@pytest.mark.parametrize("name", ["toggle_press", "shaper", "driven_toggle", "swinging_law"])
+def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
+    reference = references(name)
+    plain = commanded(reference)
+    for channel in {*channels(reference.scene)} - {"time", reference.scene.drive_channel}:
+        scale = reference.scale[channel]
+        table = rows_of(reference, changed(plain, channel, -1e-3 * scale))
+        row, error = row_of(table, channel), 1e-3 * scale / size_of(plain, channel, scale)
+        assert row.max == pytest.approx(error, rel=1e-9), channel
+        assert row.rms == pytest.approx(error / np.sqrt(SAMPLING.count), rel=1e-9), channel
+        assert all(row.max <= 1e-14 for row in table if row.channel not in vector_of(channel)), channel
 
 
 def test_scales(reference: Reference) -> None:
@@ -50,14 +58,14 @@ def test_scales(reference: Reference) -> None:
 
 def test_angles_count_modulo_a_turn(reference: Reference, motion: Motion) -> None:
     turned = Motion({**motion.samples, "rod.angle": motion["rod.angle"] + 2 * np.pi})
-    table = error_table("x", compare(reference, SAMPLING, turned), reference)
+    table = rows_of(reference, turned)
     assert row_of(table, "rod.angle").max <= 1e-14
 
 
 def test_the_drives_error_is_told_apart(reference: Reference) -> None:
     """A crank that lags by 1e-4 rad, everything else right for where it is."""
     lagging = reference.at(SAMPLING.commanded(reference.scene) - 1e-4, SAMPLING.times(reference.scene))
-    table = error_table("x", compare(reference, SAMPLING, lagging), reference)
+    table = rows_of(reference, lagging)
     assert row_of(table, "P5.y").max <= 1e-14
     assert row_of(table, "P5.y").commanded_max == pytest.approx(1e-4 * 0.865 / (2 * np.pi) / 0.18363, rel=1e-2)
     assert row_of(table, "crank_angle").commanded_max == pytest.approx(1e-4, rel=1e-9)
@@ -67,19 +75,19 @@ def test_toggle_windows_and_last_turn(reference: Reference) -> None:
     sampling = Sampling(360, turns=2)
     plain = commanded(reference, sampling)
     first_turn = changed(plain, "P5.y", 1e-3, row=100)  # at 100 degrees the slider moves
-    row = row_of(error_table("x", compare(reference, sampling, first_turn), reference), "P5.y")
+    row = row_of(rows_of(reference, first_turn, sampling), "P5.y")
     assert row.max > 1e-3
     assert row.last_turn_max <= 1e-14
     assert row.toggle_max <= 1e-14
     at_bottom = changed(plain, "P5.y", 1e-3, row=373)
-    row = row_of(error_table("x", compare(reference, sampling, at_bottom), reference), "P5.y")
+    row = row_of(rows_of(reference, at_bottom, sampling), "P5.y")
     assert row.last_turn_max == row.toggle_max == row.max
 
 
 def test_no_error_is_shown_below_the_floor(reference: Reference, motion: Motion) -> None:
     assert reference.floor.by_channel, "the certify extra is part of the test extra"
     high = replace(reference, floor=replace(reference.floor, by_channel=dict.fromkeys(motion.samples, 1e-9)))
-    table = error_table("x", compare(high, SAMPLING, motion), high)
+    table = rows_of(high, motion)
     assert {row.max for row in table} == {1e-9}
 
 
@@ -91,19 +99,6 @@ def test_an_uncertified_reference_has_no_error_to_show(reference: Reference, mot
 
 
 # --- other drives -----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["shaper", "driven_toggle", "swinging_law"])
-def test_an_error_in_any_channel_of_any_drive_is_found(references: References, name: str) -> None:
-    reference = references(name)
-    plain = commanded(reference)
-    for channel in channels(reference.scene):
-        if channel not in ("time", reference.scene.drive_channel):
-            disturbed = changed(plain, channel, -1e-3 * reference.scale[channel])
-            table = error_table("x", compare(reference, SAMPLING, disturbed), reference)
-            scale = reference.scale[channel]
-            assert row_of(table, channel).max == pytest.approx(1e-3 * scale / size_of(plain, channel, scale)), channel
-            assert all(row.max <= 1e-14 for row in table if row.channel not in vector_of(channel)), channel
 
 
 def test_scales_of_a_driven_slider(references: References) -> None:
@@ -120,15 +115,13 @@ def test_scales_of_a_driven_slider(references: References) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "at", "unit"), [("driven_toggle", -38.888889, "mm"), ("swinging_law", 0.66666667, "s")]
+    ("name", "at", "unit"),
+    [("toggle_press", 200.0, "deg"), ("driven_toggle", -38.888889, "mm"), ("swinging_law", 0.66666667, "s")],
 )
 def test_where_the_largest_error_is(references: References, name: str, at: float, unit: str) -> None:
     reference = references(name)
-    point = reference.scene.output
-    row = row_of(
-        error_table("x", compare(reference, SAMPLING, changed(commanded(reference), f"{point}.vx", 1.0)), reference),
-        f"{point}.vx",
-    )
+    channel = f"{reference.scene.output}.vx"
+    row = row_of(rows_of(reference, changed(commanded(reference), channel, 1.0)), channel)
     assert row.max_at == pytest.approx(at)
     assert row.max_at_unit == unit
 
@@ -138,7 +131,7 @@ def test_a_law_is_followed_in_its_rates(references: References) -> None:
     reference = references("turning_law")
     position, time = SAMPLING.commanded(reference.scene), SAMPLING.times(reference.scene)
     late = Motion({**reference.at(position, time + 0.01).samples, "time": time})
-    table = error_table("x", compare(reference, SAMPLING, late), reference)
+    table = rows_of(reference, late)
     errors = {group: worst_of(rows).max for group, rows in by_group(table).items()}
     assert errors["position"] <= 1e-14
     assert errors["velocity"] > 1e-2
@@ -161,7 +154,7 @@ def test_what_only_the_analytic_core_says_is_not_compared(references: References
     reference = references("driven_toggle")
     motion = commanded(reference)
     assert {quantity(channel) for channel in motion.samples} >= {"transmission", "to_lock"}
-    table = error_table("x", compare(reference, SAMPLING, motion), reference)
+    table = rows_of(reference, motion)
     assert {row.channel for row in table} == set(channels(reference.scene)) - {"time"}
 
 
@@ -206,7 +199,7 @@ def standing(reference: Reference, row: int, *, acting: bool) -> Motion:
 def worst(reference: Reference, motion: Motion) -> tuple[float, float]:
     """Return the largest error, and the largest violation of Newton, Euler and power."""
     errors = error_table("x", compare(reference, SAMPLING, motion), replace(reference, floor=Floor({}, "")))
-    return worst_of(errors).max, max(c.worst for c in checks(reference.scene, motion, reference.travel))
+    return worst_of(errors).max, max(c.worst for c in checks(reference.mechanics, motion, reference.travel))
 
 
 @pytest.mark.parametrize("acting", [True, False])
@@ -243,7 +236,7 @@ def test_the_floor_is_certified_across_a_switch(
     pressing: Reference, monkeypatch: pytest.MonkeyPatch, acting: bool
 ) -> None:
     oracle = Run("multiprecision", None, Status.ok, motion=standing(pressing, LOWER_DEAD_POINT, acting=acting))
-    monkeypatch.setattr("compare.engines.runner.run", lambda engine, *_: replace(oracle, engine=engine))
+    monkeypatch.setattr("compare.engines.runner.HERE.run", lambda engine, *_: replace(oracle, engine=engine))
     floor = establish(pressing.scene).floor
     assert max(floor.by_channel.values()) <= 1e-12
     assert floor.doubt == ""
@@ -256,11 +249,11 @@ def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
     state = MotionVectors(
         scene, pressing.at(scene.drive.start + 0.3 + np.linspace(0, 2 * np.pi, 73), np.linspace(0, 1, 73))
     )
-    assert stroke_end(state, load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
+    assert state.stroke_end(load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
     half = MotionVectors(
         scene, pressing.at(scene.drive.start + np.linspace(0, 3, 73), np.linspace(0, 3 / (2 * np.pi), 73))
     )
-    assert stroke_end(half, load) == half.displacement(scene.bodies[load.body])[0][-1]
+    assert half.stroke_end(load) == half.displacement(scene.bodies[load.body])[0][-1]
 
 
 def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
@@ -276,7 +269,7 @@ def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
         "B.vy": np.array([-1.0, -1e-4, -1e-4]),
     }
     state = MotionVectors(scene, Motion({"time": still, **moving, "B.ax": still, "B.ay": still}))
-    may = acts(state, load, -1.48)
+    (may,) = state.acts([-1.48])
     assert may.all(axis=0).tolist() == [False, True, False]
     assert may.any(axis=0).tolist() == [False, True, True]
 

@@ -7,13 +7,10 @@ import pytest
 
 from compare.engines.runner import Run
 from compare.judge.errors import ChannelError
-from compare.judge.escalation import escalated, offers
-from compare.judge.measure import Measurement
+from compare.judge.measure import Measurement, escalated, offers
 from scenes import Settings, Status
 
-FAST, BALANCED, EXACT = (
-    Settings(*of[:1], promise=of[1]) for of in (("fast", 1e-2), ("balanced", 1e-3), ("exact", 1e-6))
-)
+TIERS = {name: Settings(name, promise=by) for name, by in (("fast", 1e-2), ("balanced", 1e-3), ("exact", 1e-6))}
 
 
 @dataclass
@@ -37,8 +34,7 @@ class Engine:
 
 @pytest.fixture(autouse=True)
 def tiers(monkeypatch: pytest.MonkeyPatch) -> None:
-    offered = {"fast": FAST, "balanced": BALANCED, "exact": EXACT}
-    monkeypatch.setattr("compare.judge.escalation.tiers", lambda _: offered)
+    monkeypatch.setattr("compare.judge.measure.tiers", lambda _: TIERS)
 
 
 def test_all_are_held_to_the_promise_asked_for() -> None:
@@ -46,30 +42,42 @@ def test_all_are_held_to_the_promise_asked_for() -> None:
     assert [(s.label, s.promise) for s in offers("x", "fast")] == [(s, 1e-2) for s in ("fast", "balanced", "exact")]
 
 
-def test_what_is_ok_is_not_tried_again() -> None:
-    engine = Engine({})
-    measured, said = escalated(engine, offers("x", "balanced"))
-    assert engine.tried == ["balanced"]
-    assert measured.run.status is Status.ok
-    assert said == ""
-
-
-def test_the_next_that_is_ok_is_taken() -> None:
-    engine = Engine({"fast": Status.wrong_branch, "balanced": Status.not_converged})
-    measured, said = escalated(engine, offers("x", "fast"))
-    assert engine.tried == ["fast", "balanced", "exact"]
-    assert measured.run.settings == replace(EXACT, promise=1e-2)
-    assert said == (
+WRONG, SLOW, AWAY = Status.wrong_branch, Status.not_converged, Status.diverged
+TAKEN = [  # the accuracy asked for, how settings end, which are tried, which is taken, and how the sentence ends
+    ("balanced", {}, ["balanced"], "balanced", ""),
+    (
+        "fast",
+        {"fast": WRONG, "balanced": SLOW},
+        ["fast", "balanced", "exact"],
+        "exact",
         "x: fast ended wrong_branch, fast is not enough; balanced ended not_converged, balanced is not enough;"
-        " so exact was taken"
-    )
+        " so exact was taken",
+    ),
+    ("balanced", {"balanced": WRONG, "exact": SLOW}, ["balanced", "exact", "fast"], "fast", "so fast was taken"),
+    (
+        "balanced",
+        dict.fromkeys(("fast", "balanced", "exact"), AWAY),
+        ["balanced", "exact", "fast"],
+        "balanced",
+        "balanced ended diverged, balanced is not enough; exact ended diverged, exact is not enough;"
+        " fast ended diverged, fast is not enough",
+    ),
+    *(  # what accuracy cannot help
+        ("balanced", {"balanced": status}, ["balanced"], "balanced", "")
+        for status in (Status.cannot_assemble, Status.crashed, Status.timed_out)
+    ),
+]
 
 
-def test_where_nothing_helps_the_first_stays() -> None:
-    engine = Engine(dict.fromkeys(("fast", "balanced", "exact"), Status.diverged))
-    measured, said = escalated(engine, offers("x", "balanced"))
-    assert measured.run.settings == BALANCED
-    assert said.endswith("exact ended diverged, exact is not enough; fast ended diverged, fast is not enough")
+@pytest.mark.parametrize(("asked", "ends", "tried", "taken", "end"), TAKEN)
+def test_what_is_tried_and_taken(asked: str, ends: dict[str, Status], tried: list[str], taken: str, end: str) -> None:
+    engine = Engine(ends)
+    measured, sentence = escalated(engine, offers("x", asked))
+    assert engine.tried == tried
+    assert measured.run.settings == replace(TIERS[taken], promise=TIERS[asked].promise)
+    assert measured.run.status is ends.get(taken, Status.ok)
+    assert sentence.endswith(end)
+    assert bool(sentence) == (len(tried) > 1)
 
 
 @pytest.mark.parametrize(
@@ -87,17 +95,3 @@ def test_where_nothing_helps_the_first_stays() -> None:
 def test_settings_that_leave_hardly_any_of_the_error_are_named(errors: dict[str, float], finer: str) -> None:
     engine = Engine(dict.fromkeys(("fast", "balanced", "exact"), Status.inaccurate), errors)
     assert escalated(engine, offers("x", "balanced"))[0].finer == finer
-
-
-@pytest.mark.parametrize("status", [Status.cannot_assemble, Status.crashed, Status.timed_out])
-def test_what_accuracy_cannot_help_is_not_tried_again(status: Status) -> None:
-    engine = Engine({"balanced": status})
-    escalated(engine, offers("x", "balanced"))
-    assert engine.tried == ["balanced"]
-
-
-def test_where_the_more_accurate_fail_a_cheaper_one_may_hold() -> None:
-    engine = Engine({"balanced": Status.inaccurate, "exact": Status.inconsistent})
-    measured, said = escalated(engine, offers("x", "balanced"))
-    assert measured.run.settings == replace(FAST, promise=1e-3)
-    assert said.endswith("so fast was taken")

@@ -7,25 +7,25 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Reference, found, scales
 from compare.engines.runner import run
-from compare.judge import constraints as constraints_module
-from compare.judge.checks import checks
-from compare.judge.constraints import Constraints
-from compare.judge.errors import GROUPS, SHOWN_GROUPS
-from compare.judge.estimate import estimate
+from compare.judge.checks import checks, estimate
 from compare.judge.measure import checked_run, measure
-from compare.judge.projection import projected
-from compare.judge.round_off import EPS
+from compare.mechanics import constraints as constraints_module
+from compare.mechanics.constraints import Constraints
+from compare.mechanics.mechanics import GROUPS, SHOWN_GROUPS, Mechanics
+from compare.mechanics.projection import projected
+from compare.mechanics.reference import Reference, uncertified
+from compare.mechanics.round_off import EPS
+from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
-from scenes.motion import force_channels, quantity
+from scenes.model.motion import force_channels, quantity
 from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of, vector_of
 
 
 def largest(reference: Reference, motion: Motion) -> dict[str, float]:
     """Return the largest estimated error by channel."""
-    return {c: float(e.max()) for c, e in estimate(reference.scene, motion, reference.travel).errors.items()}
+    return {c: float(e.max()) for c, e in estimate(reference.mechanics, motion, reference.travel).errors.items()}
 
 
 def settings(engine: str) -> list[Settings]:
@@ -40,7 +40,7 @@ ENGINES = [(engine, of) for engine in ("exudyn", "pymunk") for of in settings(en
 @pytest.mark.parametrize(("engine", "of"), ENGINES, ids=lambda of: getattr(of, "label", of))
 def test_the_estimate_is_the_error(name: str, engine: str, of: Settings) -> None:
     """But for where an error ends in rounding, or in what the step onto the constraints leaves, its square."""
-    measured = measure(found(scenes.load(name)), engine, SAMPLING, of)
+    measured = measure(uncertified(scenes.load(name)), engine, SAMPLING, of)
     worst = max(row.max for row in measured.errors if row.group in SHOWN_GROUPS)
     assert measured.estimate == pytest.approx(worst, rel=0.02, abs=1e-9)
 
@@ -50,7 +50,7 @@ def test_a_moved_channel_is_off_by_as_much(references: References, name: str) ->
     """Rates and forces one after the other, and nothing else is; by the scales of the motion itself."""
     reference = references(name)
     motion = commanded(reference)
-    own = scales(reference.scene, motion, reference.travel)
+    own = scales(reference.mechanics, motion, reference.travel)
     for channel in own:
         if GROUPS.get(quantity(channel), "drive") not in ("drive", "position"):
             off = largest(reference, changed(motion, channel, -1e-3 * own[channel]))
@@ -75,11 +75,11 @@ def test_an_open_joint_is_closed_in_the_estimate(references: References, name: s
 @pytest.mark.parametrize("name", ["toggle_press", "crank_press"])
 @pytest.mark.parametrize("lag", [1e-2, -1e-2])
 def test_a_drive_that_lags_is_off_alone(name: str, lag: float) -> None:
-    reference = found(scenes.load(name))
+    reference = uncertified(scenes.load(name))
     scene = reference.scene
     motion = reference.at(SAMPLING.commanded(scene) - lag, SAMPLING.times(scene))
     assert max(largest(reference, motion).values()) <= 1e-12
-    (drive,) = (check for check in checks(scene, motion, reference.travel) if check.check == "drive")
+    (drive,) = (check for check in checks(Mechanics(scene), motion, reference.travel) if check.check == "drive")
     assert drive.worst == pytest.approx(1e-2)
 
 
@@ -90,12 +90,12 @@ def test_a_body_that_is_mirrored_is_another(reference: Reference, motion: Motion
     mirrored = P2 + ((P4 - P2) / (P3 - P2)).conjugate() * (P3 - P2)
     sketch = replace(reference.scene.sketch, points={**points, "P4": (mirrored.real, mirrored.imag)})
     other = replace(reference.scene, sketch=sketch)
-    assert max(largest(replace(reference, scene=other), motion).values()) > 0.1
+    assert max(largest(replace(reference, mechanics=Mechanics(other)), motion).values()) > 0.1
 
 
 def near_lock(rung: str) -> Reference:
     (step,) = (step for step in hard.ladder("dead_centre_driven").rungs if step.label == rung)
-    return found(step.scene())
+    return uncertified(step.scene())
 
 
 def test_what_rounding_explains_is_no_error() -> None:
@@ -103,7 +103,7 @@ def test_what_rounding_explains_is_no_error() -> None:
     reference = near_lock("1e-9")
     motion = run("exudyn", reference.scene, Sampling(), registry.engine("exudyn").EXACT).motion
     assert motion is not None
-    true = projected(reference.scene, motion).closed
+    true = projected(reference.mechanics, motion).closed
     assert np.abs(motion["A.ay"] - true["A.ay"])[-1] > reference.scale["A.ay"]
     assert max(largest(reference, motion).values()) <= 1e-7  # elsewhere, of the engine's own
 
@@ -116,7 +116,7 @@ def test_it_explains_no_more_than_the_condition_allows(channel: str, power: int)
     constraints = Constraints(scene)
     J = constraints.jacobian(constraints.poses(motion))[-1]
     kappa = float(np.linalg.norm(J) * np.linalg.norm(np.linalg.inv(J)))
-    own = scales(scene, motion, reference.travel)
+    own = scales(reference.mechanics, motion, reference.travel)
     forces = force_channels(scene)
     kind = forces if channel in forces else [c for c in own if GROUPS.get(quantity(c)) == GROUPS[quantity(channel)]]
     allowed = EPS * kappa**power * max(abs(motion[c][-1]) / own[c] for c in kind)
@@ -138,9 +138,9 @@ def test_a_crank_that_has_turned_a_thousand_times_is_rounded_as_much_more(refere
 def test_a_long_motion_is_taken_in_blocks(
     reference: Reference, motion: Motion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = projected(reference.scene, motion)
+    whole = projected(reference.mechanics, motion)
     monkeypatch.setattr(constraints_module, "BLOCK", 10 * 15**2)
-    blocks = projected(reference.scene, motion)
+    blocks = projected(reference.mechanics, motion)
     assert np.array_equal(whole.branch, blocks.branch)
     assert np.array_equal(whole.condition, blocks.condition)
     for channel, samples in whole.closed.samples.items():
@@ -151,7 +151,7 @@ def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, mo
     forces = force_channels(reference.scene)
     rest = Motion({channel: samples for channel, samples in motion.samples.items() if channel not in forces})
     assert set(largest(reference, rest)).isdisjoint(forces)
-    assert {c.check for c in checks(reference.scene, rest, reference.travel)}.isdisjoint(("reaction", "torque"))
+    assert {c.check for c in checks(reference.mechanics, rest, reference.travel)}.isdisjoint(("reaction", "torque"))
 
 
 @pytest.mark.parametrize("of", ["stiffness", "length"])

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.judge.checks import Check, checks
 from compare.judge.verdict import judged, limits
+from compare.mechanics.reference import Reference
 from scenes import Motion, Settings, Status
 from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of
 
@@ -54,12 +54,12 @@ def verdict(found: list[Check]) -> Run:
 def test_each_guard_alone(reference: Reference, motion: Motion, guard: str, channel: str, sign: int) -> None:
     by, status, reason = GUARDS[guard, channel]
     wrong = changed(motion, channel, sign * by * reference.scale[channel])
-    found = [check for check in checks(reference.scene, wrong, reference.travel) if check.check == guard]
+    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == guard]
     run = verdict(found)
     assert (run.status, run.found_by) == (status, "checks")
     assert reason in run.reason
     assert run.reason.endswith("at crank angle 200.0000 deg" if guard != "drive" else " deg")
-    assert verdict(checks(reference.scene, motion, reference.travel)).status is Status.ok
+    assert verdict(checks(reference.mechanics, motion, reference.travel)).status is Status.ok
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
@@ -68,7 +68,7 @@ def test_a_promise_alone(reference: Reference, motion: Motion, guard: str, share
     """Of the size there, whichever is the larger."""
     channel = BROKEN[guard]
     wrong = changed(motion, channel, share * 1e-3 * size_of(motion, channel, reference.scale[channel]))
-    found = [check for check in checks(reference.scene, wrong, reference.travel) if check.check == guard]
+    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == guard]
     run = verdict(found)
     assert run.status is (Status.ok if share < 1 else INACCURATE)
 
@@ -78,7 +78,7 @@ def test_the_force_of_a_driven_slider(references: References, by: float, status:
     reference = references("driven_toggle")
     motion = commanded(reference)
     wrong = changed(motion, "drive.force", by * size_of(motion, "drive.force", reference.scale["drive.force"]))
-    found = [check for check in checks(reference.scene, wrong, reference.travel) if check.check == "force"]
+    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == "force"]
     assert verdict(found).status is status
 
 
@@ -90,7 +90,7 @@ def test_every_guard_is_tested() -> None:
 
 @pytest.mark.parametrize("channel", NOT_A_NUMBER)
 def test_what_is_not_a_number_passes_no_guard(reference: Reference, motion: Motion, channel: str) -> None:
-    found = checks(reference.scene, changed(motion, channel, np.nan), reference.travel)
+    found = checks(reference.mechanics, changed(motion, channel, np.nan), reference.travel)
     refused = {
         guard
         for guard in {limit.check for limit in limits(PROMISE)}
@@ -105,7 +105,7 @@ def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motio
     other = commanded(of_scene(reference, replace(reference.scene, sketch=upward)))
     half = np.arange(SAMPLING.count) < 30
     flipped = Motion({c: np.where(half, motion[c], other[c]) for c in motion.samples if c in other})
-    run = verdict(checks(reference.scene, flipped, reference.travel))
+    run = verdict(checks(reference.mechanics, flipped, reference.travel))
     assert run.status is Status.wrong_branch
     assert run.reason.endswith("flips to another branch at crank angle 150.0000 deg")
 
@@ -116,7 +116,7 @@ def test_a_singular_pose_breaks_nothing_but_its_joints(reference: Reference, mot
     at = np.arange(SAMPLING.count) == row
     flat = {f"P5.{q}": np.where(at, motion[f"P4.{q}"], motion[f"P5.{q}"]) for q in ("x", "y")}
     flat |= {f"{p}.{q}": np.where(at, 0.0, motion[f"{p}.{q}"]) for p in ("P3", "P2") for q in ("x", "y")}
-    found = {c.check: c for c in checks(reference.scene, Motion({**motion.samples, **flat}), reference.travel)}
+    found = {c.check: c for c in checks(reference.mechanics, Motion({**motion.samples, **flat}), reference.travel)}
     assert found["closure"].worst > 0.1
     assert all(np.isfinite(c.worst) for c in found.values())
     assert found["branch"].worst == 0.0

@@ -6,16 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from compare.engines.reference import Reference
 from compare.engines.runner import Run
 from compare.judge.checks import checks
-from compare.judge.errors import compare, error_table
+from compare.judge.errors import compare
 from compare.judge.gates import gates
 from compare.judge.measure import Measurement
 from compare.judge.verdict import compared, judged
+from compare.mechanics.reference import Reference
 from scenes import Motion, Status
-from scenes.motion import channels
-from tests.comparisons import SAMPLING, References, changed, commanded
+from scenes.model.motion import channels
+from tests.comparisons import SAMPLING, References, changed, commanded, rows_of, violations
 
 OK = Run("stub", None, Status.ok)
 
@@ -25,9 +25,9 @@ def test_no_channel_passes_the_checks(references: References, name: str) -> None
     """Among the checks are minima over the ways in which a press force may stand, and maxima over a body's points."""
     reference = references(name)
     motion = commanded(reference)
-    assert judged(OK, checks(reference.scene, motion, reference.travel)) == OK
+    assert judged(OK, checks(reference.mechanics, motion, reference.travel)) == OK
     for channel in set(channels(reference.scene)) - {"time"}:
-        found = checks(reference.scene, changed(motion, channel, np.nan), reference.travel)
+        found = checks(reference.mechanics, changed(motion, channel, np.nan), reference.travel)
         assert judged(OK, found).status is not Status.ok, channel
 
 
@@ -38,8 +38,7 @@ def test_each_balance_of_a_body_has_it(references: References, name: str) -> Non
     motion = commanded(reference)
     for pin in reference.scene.pins:
         for channel in (f"{pin.channel}.fx", f"{pin.channel}.fy"):
-            found = checks(reference.scene, changed(motion, channel, np.nan), reference.travel)
-            worst = {(c.check, c.of): c.worst for c in found}
+            worst = violations(reference, changed(motion, channel, np.nan))
             for body in {pin.first, pin.second} & set(reference.scene.bodies):
                 assert np.isnan([worst["Newton", body], worst["Euler", body]]).all(), (channel, body)
 
@@ -50,8 +49,7 @@ def test_each_balance_of_a_body_has_it(references: References, name: str) -> Non
 def test_an_open_joint_has_it(references: References, channel: str, body: str) -> None:
     """On a guide, at a bar's end, in a slot, and where a block turns against its slot."""
     reference = references("shaper")
-    found = checks(reference.scene, changed(commanded(reference), channel, np.nan), reference.travel)
-    assert np.isnan(next(c.worst for c in found if (c.check, c.of) == ("closure", body)))
+    assert np.isnan(violations(reference, changed(commanded(reference), channel, np.nan))["closure", body])
 
 
 def test_a_place_that_is_no_number_is_another_branch(reference: Reference, motion: Motion) -> None:
@@ -61,7 +59,7 @@ def test_a_place_that_is_no_number_is_another_branch(reference: Reference, motio
 
 
 def test_an_error_that_is_no_number_is_the_largest(reference: Reference, motion: Motion) -> None:
-    table = error_table("stub", compare(reference, SAMPLING, changed(motion, "P3.fx", np.nan)), reference)
+    table = rows_of(reference, changed(motion, "P3.fx", np.nan))
     row = pd.DataFrame(table).set_index("channel").loc["P3.fx"]
     assert row[["max", "unexplained", "rms", "commanded_max", "commanded_rms"]].isna().all()
     assert row["max_at"] == pytest.approx(200.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import compare
-from compare.report import tables
+from compare.report.tables import study as tables
 from compare.run import main
 from scenes import InputError, Scene
 from tests import scene_files

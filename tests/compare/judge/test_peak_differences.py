@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.engines.reference import Reference, found
 from compare.judge.measure import measure
 from compare.judge.peaks.peaks import peaks
+from compare.mechanics.reference import Reference, uncertified
 from scenes import Motion, Sampling
-from scenes.motion import force_channels
+from scenes.model.motion import force_channels
 from scenes.scene import Force
 from tests import scene_files
 from tests.comparisons import SAMPLING, Plug, commanded
@@ -92,10 +92,10 @@ def test_the_worst_turn_counts(reference: Reference, plug: Plug, turn: int) -> N
 
 def test_on_a_switch_either_side_is_right(plug: Plug) -> None:
     """The one sample in the last 0.1 mm is on the dead point, where the press force ends: it may act there or not."""
-    reference = found(scene_files.load("crank_press", {"drive.start": 90, "loads.0.last": 0.1}))
+    reference = uncertified(scene_files.load("crank_press", {"drive.start": 90, "loads.0.last": 0.1}))
     motion = commanded(reference)
     always = (Force("slider", "B", (0.0, 1600e3)),)
-    other = (found(replace(reference.scene, loads=loads)) for loads in ((), always))
+    other = (uncertified(replace(reference.scene, loads=loads)) for loads in ((), always))
     never_and_always = [one.at(motion["crank_angle"], motion["time"]) for one in other]
     (row,) = np.flatnonzero(np.abs(np.sin(motion["crank_angle"]) + 1) < 1e-9)
     for side in never_and_always:

@@ -11,8 +11,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 import analytic
-from compare.engines.reference import found
 from compare.judge.peaks.peaks import Peak, peaks
+from compare.mechanics.reference import uncertified
 from scenes import Sampling
 from tests import scene_files
 from tests.analytic.views import Change
@@ -23,7 +23,7 @@ MOTION = frozenset(("P5.x", "P5.y", "P5.vx", "P5.vy"))
 
 
 def numbers(name: str, changes: Changes = NONE, channels: frozenset[str] | None = None) -> dict[str, Peak]:
-    reference = found(scene_files.load(name, changes))
+    reference = uncertified(scene_files.load(name, changes))
     return {peak.name: peak for peak in peaks(reference, Sampling(72, channels=channels), [])}
 
 
@@ -278,7 +278,7 @@ def test_a_point_has_a_stroke_and_no_ends() -> None:
 @pytest.mark.parametrize("turn", [0.3, 1.0, 2.2])
 def test_the_stroke_of_a_point_is_the_same_in_any_frame(turn: float) -> None:
     scene, own = scene_files.load("four_bar"), numbers("four_bar")["stroke"].value
-    reference = found(Change(mirror=1, turn=np.exp(1j * turn), shift=0, length=1.0).scene(scene))
+    reference = uncertified(Change(mirror=1, turn=np.exp(1j * turn), shift=0, length=1.0).scene(scene))
     assert {peak.name: peak.value for peak in peaks(reference, Sampling(72), [])}["stroke"] == pytest.approx(
         own, rel=1e-9
     )

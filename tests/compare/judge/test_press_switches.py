@@ -7,9 +7,9 @@ import pytest
 
 import compare
 from compare.engines import registry
-from compare.engines.press_switches import Acting, fitted
+from compare.mechanics.press_switches import Acting, fitted
 from scenes import Sampling
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from scenes.scene import PressForce
 from tests import scene_files
 from tests.comparisons import SLOW

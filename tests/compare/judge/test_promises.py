@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from compare.engines.reference import found
 from compare.judge.measure import measure
+from compare.mechanics.reference import uncertified
 from scenes import Sampling
 from tests.clean_scenes import clean_scenes
 from tests.promises import record
@@ -15,7 +15,7 @@ LEAST = {"exudyn": 8, "pymunk": 5}  # of 10 scenes, to be ok: refusing all would
 
 def test_verdicts_keep_their_word(tmp_path: Path) -> None:
     records = [
-        record(Truth(scene), measure(found(scene), engine, SAMPLING).run, SAMPLING)
+        record(Truth(scene), measure(uncertified(scene), engine, SAMPLING).run, SAMPLING)
         for scene in clean_scenes(tmp_path, 10)
         for engine in LEAST
     ]

@@ -7,14 +7,15 @@ import pytest
 
 from compare import check
 from compare.engines import registry
-from compare.engines.reference import Floor, Reference, found
-from compare.judge import perturbation as sensitivity
 from compare.judge.checks import checks
-from compare.judge.constraints import Constraints, condition
 from compare.judge.errors import compare, error_table
-from compare.judge.round_off import EPS, Explained, explain
+from compare.mechanics import perturbation as sensitivity
+from compare.mechanics.constraints import Constraints
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import Floor, Reference, uncertified
+from compare.mechanics.round_off import EPS, Explained, explain
 from scenes import Sampling, hard
-from scenes.motion import channels, quantity
+from scenes.model.motion import channels, quantity
 from tests import scene_files
 from tests.comparisons import SAMPLING, changed, commanded, row_of
 
@@ -23,7 +24,7 @@ TURN = Sampling(360)
 
 def near_lock(rung: str) -> Reference:
     (step,) = (step for step in hard.ladder("lock_rrr").rungs if step.label == rung)
-    return found(step.scene())
+    return uncertified(step.scene())
 
 
 def largest(explained: Explained, *quantities: str) -> float:
@@ -50,7 +51,7 @@ def test_a_few_draws_find_nearly_the_worst(monkeypatch: pytest.MonkeyPatch) -> N
     near = near_lock("1e-5")
     few = explain(near, TURN)
     monkeypatch.setattr(sensitivity, "DRAWS", 60)
-    many = explain(near, TURN)
+    many = explain(near_lock("1e-5"), TURN)
     for quantities in (("x", "y"), ("vx", "vy"), ("ax", "ay"), ("fx", "fy")):
         assert largest(few, *quantities) >= largest(many, *quantities) / 3
 
@@ -62,8 +63,8 @@ def test_in_a_lock_doubles_can_tell_nothing() -> None:
     solve = registry.reference(scene)
     motion = solve(TURN.commanded(scene), TURN.times(scene))
     scale = dict.fromkeys(channels(scene), 1.0)
-    assert not explain(Reference(scene, solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
-    assert condition(scene, motion).max() > 1e15
+    assert not explain(Reference(Mechanics(scene), solve, 1.0, {}, scale, Floor({}, "")), TURN).decidable
+    assert Constraints(scene).condition(motion).max() > 1e15
 
 
 def test_the_allowance_is_a_few_roundings(reference: Reference) -> None:
@@ -103,7 +104,7 @@ def test_the_condition_is_that_of_the_matrix_that_moves_the_linkage(reference: R
     motion = commanded(reference)
     constraints = Constraints(reference.scene)
     values = np.linalg.svd(constraints.jacobian(constraints.poses(motion))[7], compute_uv=False)
-    found = condition(reference.scene, motion)
+    found = reference.mechanics.constraints.condition(motion)
     assert found[7] == pytest.approx(values[0] / values[-1])
     assert EPS * found.max() <= 1e-14
 
@@ -160,17 +161,17 @@ def test_where_doubles_are_the_limit_that_is_the_reason_and_not_the_core(name: s
 
 def test_what_cancels_explains_round_off_alone() -> None:
     """A spring of 1e8 N along a crank of 0.6 m that turns under some 100 N m: 1e8 N leaves less than 1e-6 N m."""
-    strong = explain(found(scene_files.load("loaded_four_bar", STRONG)), SAMPLING)
-    usual = explain(found(scene_files.load("loaded_four_bar")), SAMPLING)
+    strong = explain(uncertified(scene_files.load("loaded_four_bar", STRONG)), SAMPLING)
+    usual = explain(uncertified(scene_files.load("loaded_four_bar")), SAMPLING)
     assert 1e-12 < strong.error("drive.torque").max() < 1e-7
     assert usual.error("drive.torque").max() < 1e-12
 
 
 def test_a_gap_in_a_guide_above_round_off_is_seen() -> None:
-    reference = found(scene_files.load("slider_crank", {**MASSES, **SHORT}))
+    reference = uncertified(scene_files.load("slider_crank", {**MASSES, **SHORT}))
     motion = commanded(reference)
     for off, seen in ((0.0, False), (100 * EPS * 4, True)):  # m, of places at 4 m
         moved = changed(changed(motion, "B.x", -off * ALONG[1]), "B.y", off * ALONG[0])
-        gaps = [c for c in checks(reference.scene, moved, reference.travel) if c.check == "closure"]
+        gaps = [c for c in checks(reference.mechanics, moved, reference.travel) if c.check == "closure"]
         (gap,) = (c.worst for c in gaps if c.of == "slider")
         assert (gap > 0) == seen

@@ -6,9 +6,10 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Floor, Reference, found
 from compare.judge.judgement import judgement
-from compare.judge.sketch import distances, warnings
+from compare.judge.notes import off_sketch, warnings
+from compare.mechanics.mechanics import Mechanics
+from compare.mechanics.reference import Floor, Reference, uncertified
 from scenes import Failure, Motion, Sampling, Scene, Status
 from tests import scene_files
 
@@ -16,18 +17,18 @@ UPSIDE_DOWN = {"sketch.E": [-27, 46], "sketch.G": [-59, 28], "sketch.F": [-43, 9
 
 
 def unscaled(scene: Scene) -> Reference:
-    return Reference(scene, registry.reference(scene), 0.0, {}, {}, Floor({}, ""))
+    return Reference(Mechanics(scene), registry.reference(scene), 0.0, {}, {}, Floor({}, ""))
 
 
 @pytest.mark.parametrize("name", scenes.shipped())
 def test_shipped_sketches_are_near(name: str) -> None:
     reference = unscaled(scenes.load(name))
-    assert set(distances(reference)) == set(reference.scene.sketch.points)
+    assert set(off_sketch(reference)) == set(reference.scene.sketch.points)
     assert not [*warnings(reference)]
 
 
 def test_a_leg_drawn_upside_down_is_named() -> None:
-    reference = found(scene_files.load("walking_leg", UPSIDE_DOWN))
+    reference = uncertified(scene_files.load("walking_leg", UPSIDE_DOWN))
     judged = judgement(reference, [], Sampling(4), lambda _: ([], ""), lambda _: None)
     assert len(judged.reasons) == 1
     far, _, what_follows = judged.reasons[0].partition("; ")
@@ -41,7 +42,7 @@ def test_a_leg_drawn_upside_down_is_named() -> None:
 def test_the_place_of_a_driven_slider_is_as_drawn(displacement: float, off: float) -> None:
     """The crosshead's pin is drawn where it is 64 mm along its guide."""
     reference = unscaled(scene_files.load("driven_toggle", {"sketch.displacement": displacement}))
-    assert abs(distances(reference)["E"] - off) <= 1e-12  # m, roundings
+    assert abs(off_sketch(reference)["E"] - off) <= 1e-12  # m, roundings
     named = [sentence for sentence in warnings(reference) if "check that sketch.displacement is where" in sentence]
     assert [sentence.partition("points: ")[2].partition(";")[0] for sentence in named] == (
         ["E by 86 mm"] if displacement == 150 else []
@@ -52,7 +53,7 @@ def test_a_drive_that_cannot_be_where_the_sketch_has_it() -> None:
     def nowhere(*_: object) -> Motion:
         raise Failure(Status.cannot_assemble, "too far")
 
-    assert distances(replace(unscaled(scenes.load("toggle_press")), at=nowhere)) == {}
+    assert off_sketch(replace(unscaled(scenes.load("toggle_press")), at=nowhere)) == {}
 
 
 def test_a_point_of_the_ground_that_nothing_uses_makes_no_sketch_near() -> None:

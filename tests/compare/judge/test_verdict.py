@@ -8,12 +8,12 @@ import pytest
 
 import analytic
 from compare.engines import registry
-from compare.engines.reference import Reference
 from compare.engines.runner import Run, run
 from compare.judge.errors import compare, error_table
 from compare.judge.gates import gates
 from compare.judge.measure import Measurement, checked_run, measure
-from compare.speed.timing import Budget
+from compare.measure.speed.timing import Budget
+from compare.mechanics.reference import Reference
 from compare.study import study
 from scenes import Failure, Motion, Settings, Status
 from tests.comparisons import SAMPLING, Plug, Stub, changed, size_of

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.engines.reference import Reference, found
 from compare.judge.measure import Measurement, measure
+from compare.mechanics.reference import Reference, uncertified
 from scenes import Sampling, Scene, Settings, Status
 from sim_models.exudyn import engine as exudyn_model
-from sim_models.exudyn import stepping as exudyn_stepping
+from sim_models.exudyn.runs import stepping as exudyn_stepping
 from sim_models.exudyn.settings import LOOSE, TimeStepping
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.settings import PymunkSettings, TextbookSettings
@@ -17,7 +17,7 @@ from tests.comparisons import SAMPLING
 
 
 def measured(scene: Scene, engine: str, settings: Settings, sampling: Sampling = SAMPLING) -> Measurement:
-    return measure(found(scene), engine, sampling, settings)
+    return measure(uncertified(scene), engine, sampling, settings)
 
 
 def with_rod(length: float) -> Scene:

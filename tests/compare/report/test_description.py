@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from compare.report.description import described
-from compare.report.style import draw, layout, stacked
+from compare.report.figures.description import described
+from compare.report.figures.figure import draw, stacked
+from compare.report.figures.style import layout
 
 
 def test_extremes_with_their_places_and_curves() -> None:
@@ -13,8 +14,8 @@ def test_extremes_with_their_places_and_curves() -> None:
     draw(figure, "b", x, np.array([0.0, 5.0, 0.0]), 1)
     draw(figure, "c", x, np.full(3, np.nan), 1)
     draw(figure, "d", x, np.full(3, np.nan), 2)
-    figure.update_yaxes(title="speed [mm/s]", row=1).update_yaxes(title="error [-]", row=2)
-    figure.update_xaxes(title="crank angle [deg]", row=2)
+    figure.update_yaxes(title="speed [mm/s]", panel=1).update_yaxes(title="error [-]", panel=2)
+    figure.update_xaxes(title="crank angle [deg]", panel=2)
     assert described("P5", figure.update_layout(layout(400))) == (
         "P5, over crank angle [deg]. speed [mm/s]: from −2 (a) at 20 to 5 (b) at 10. error [-]: no values."
     )

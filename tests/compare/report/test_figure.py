@@ -8,8 +8,8 @@ import plotly.graph_objects as go
 import pytest
 from plotly.subplots import make_subplots
 
-from compare.report.figure import Figure
-from compare.report.style import draw, grid, side_by_side, stacked
+from compare.report.figures.figure import Figure, draw, grid, side_by_side, stacked
+from compare.report.figures.offline import offline
 
 TITLES = ("a", "b", "c")
 
@@ -52,4 +52,4 @@ def test_arrays_are_packed_and_what_is_not_finite_is_null() -> None:
 
 def test_a_wrong_attribute_is_found() -> None:
     with pytest.raises(ValueError, match="colour"):
-        stacked().update_xaxes(colour="red").checked()
+        offline(stacked().update_xaxes(colour="red"))

@@ -3,20 +3,25 @@
 from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
+from pathlib import Path
+from types import CodeType
 
 import numpy as np
 import pandas as pd
 import pytest
+from jinja2 import Environment, PackageLoader
 
-from compare.engines.axis import prefixed
-from compare.report import tables
-from compare.report.curves import Panel, over_angle, panels
-from compare.report.page import page
-from compare.report.singular import assur_groups
-from compare.report.speed.figure import work_precision
+from compare.mechanics.axis import prefixed
+from compare.report.figures.curves import Panel, over_angle, panels
+from compare.report.figures.offline import offline
+from compare.report.figures.singular import assur_groups
+from compare.report.figures.speed import work_precision
+from compare.report.pages.html import ByteCode
+from compare.report.pages.report import page
+from compare.report.tables import study as tables
 from compare.study import Study
 from scenes import Motion, load
-from scenes.motion import Samples, channels
+from scenes.model.motion import Samples, channels
 from tests import scene_files
 from tests.comparisons import SLOW, Studies, studied
 from tests.pages import check_figures
@@ -37,16 +42,8 @@ def curve(panel: Panel, name: str) -> Callable[[Motion], Samples]:
 
 def test_every_joint_has_a_panel(result: Study) -> None:
     titles = [panel.title for panel in panels(result.reference, result.sampling)]
-    for wanted in (
-        "P5: displacement",
-        "P5: velocity",
-        "P5: acceleration",
-        "Pin O",
-        "Pin P1",
-        "Pin P2",
-        "Pin P3",
-        "Pin P4",
-    ):
+    pins = (f"Pin {point}" for point in ("O", "P1", "P2", "P3", "P4"))
+    for wanted in ("P5: displacement", "P5: velocity", "P5: acceleration", *pins):
         assert any(title.startswith(wanted) for title in titles), wanted
     assert any("slider" in title for title in titles)
     assert any("torque" in title for title in titles)
@@ -65,7 +62,7 @@ def test_curves_are_in_the_units_of_their_axes(result: Study) -> None:
 
 
 def test_the_error_below_is_the_engines(result: Study) -> None:
-    figure = over_angle(result, panel_of(result, "Pin P3")).checked()
+    figure = offline(over_angle(result, panel_of(result, "Pin P3")))
     drawn = next(trace for trace in figure.data if trace.name == "pymunk error")
     motion, true = result.motions["pymunk"], result.motion  # whose drive is where it was asked to be, to rounding
     off = np.hypot(*(motion[f"P3.{axis}"] - true[f"P3.{axis}"] for axis in ("fx", "fy")))
@@ -86,7 +83,7 @@ def test_what_gives_one_component_is_drawn_where_that_is_enough(result: Study) -
     actual = {c: rows for c, rows in pymunk.comparison.actual.items() if c not in ("P5.x", "P3.fx")}
     less = replace(pymunk, run=replace(pymunk.run, motion=motion), comparison=replace(pymunk.comparison, actual=actual))
     study = replace(result, measurements=[reference, less])
-    along, pin = ([t.name for t in over_angle(study, panel_of(study, p)).checked().data] for p in ("P5: d", "Pin P3"))
+    along, pin = ([t.name for t in offline(over_angle(study, panel_of(study, p))).data] for p in ("P5: d", "Pin P3"))
     assert along.count("pymunk") == along.count("pymunk error") == 1
     assert (pin.count("analytic"), pin.count("pymunk"), pin.count("pymunk error")) == (3, 1, 1)
 
@@ -96,8 +93,8 @@ def test_what_gives_one_component_is_drawn_where_that_is_enough(result: Study) -
     [(0.18, 1e3, "mN"), (1.0, 1.0, "N"), (340e3, 1e-3, "kN"), (1e-12, 1e9, "nN"), (9e6, 1e-3, "kN"), (2e7, 1e-6, "MN")],
 )
 def test_prefixes(scale: float, factor: float, unit: str) -> None:
-    found, named = prefixed(scale, "N")
-    assert found == pytest.approx(factor)
+    size, named = prefixed(scale, "N")
+    assert size == pytest.approx(factor)
     assert named == unit
 
 
@@ -107,14 +104,7 @@ def test_prefixes(scale: float, factor: float, unit: str) -> None:
 @pytest.mark.parametrize(
     ("name", "title", "first", "last", "autorange", "said"),
     [
-        (
-            "driven_toggle",
-            "crosshead displacement [mm]",
-            100,
-            -150,
-            "reversed",
-            "-150 mm/s from 100 to -150 mm, one cycle",
-        ),
+        ("driven_toggle", "crosshead displacement [mm]", 100, -150, "reversed", "-150 mm/s from 100 to -150 mm, one"),
         ("tangent", "crank angle [deg]", 130, 50, "reversed", "crank at -20 rpm from 130 to 50°, one cycle"),
         ("turning_law", "time [s]", 0, 1.1, True, "crank by a motion law of 1.1 s, again and again, one cycle"),
         ("shaper", "crank angle [deg]", 10, 370, True, "crank at 60 rpm, one turn, 72 samples per turn"),
@@ -181,3 +171,20 @@ def test_every_mechanism_has_a_page(studies: Studies, name: str) -> None:
     text = page(studies(name))
     assert text.endswith("</html>\n")
     assert "nan" not in tables.verdict(studies(name))
+
+
+def test_templates_are_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And anew wherever what is compiled cannot be kept."""
+    compiled, real = list[str | None](), Environment._compile
+
+    def compiling(self: Environment, source: str, filename: str) -> CodeType:
+        compiled.append(filename)
+        return real(self, source, filename)
+
+    monkeypatch.setattr(Environment, "_compile", compiling)
+    for folder, times in ((tmp_path, 1), (tmp_path / "missing", 2)):
+        compiled.clear()
+        for _ in range(2):
+            loader = PackageLoader("compare.report.pages", "")
+            Environment(loader=loader, bytecode_cache=ByteCode(str(folder))).get_template("base.html")
+        assert len(compiled) == times

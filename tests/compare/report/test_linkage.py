@@ -7,11 +7,11 @@ from xml.etree.ElementTree import Element, fromstring, tostring
 import numpy as np
 import pytest
 
-from compare.engines.reference import found
+from compare.mechanics.reference import uncertified
 from compare.report.linkage.drawing import Drawing
 from compare.report.linkage.svg import linkage_svg, picture
 from scenes import Motion, Scene
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 from tests import scene_files
 from tests.comparisons import References, commanded
 
@@ -25,18 +25,18 @@ def numbers(text: str | None) -> list[float]:
 
 
 def corners(path: Element) -> list[complex]:
-    found = numbers(path.get("d"))
-    return [complex(*pair) for pair in zip(found[::2], found[1::2], strict=True)]
+    coordinates = numbers(path.get("d"))
+    return [complex(*pair) for pair in zip(coordinates[::2], coordinates[1::2], strict=True)]
 
 
 def drawn(scene: Scene, motion: Motion) -> tuple[Drawing, Element]:
-    """Return the drawing, and its SVG as it was written."""
+    """The drawing, and its SVG as it was written."""
     drawing = Drawing(scene, motion)
     return drawing, fromstring(tostring(picture(drawing)[0]))
 
 
 def placed(group: Element, places: list[complex]) -> list[complex]:
-    """Return places in a group's own frame as they are in the picture."""
+    """Places in a group's own frame as they are in the picture."""
     x, y, angle = [*numbers(group.get("transform")), 0.0][:3]
     return [complex(x, y) + np.exp(1j * np.radians(angle)) * place for place in places]
 
@@ -126,7 +126,7 @@ def test_a_load_ends_where_it_attacks_and_a_force_begins_there(references: Refer
 
 def test_a_scene_without_masses_has_no_forces() -> None:
     gone = dict.fromkeys([f"bodies.{body}.mass" for body in scene_files.load("shaper").bodies] + ["loads"])
-    reference = found(scene_files.load("shaper", gone))
+    reference = uncertified(scene_files.load("shaper", gone))
     root = drawn(reference.scene, commanded(reference))[1]
     assert not any(set((element.get("class") or "").split()) & {"force", "scale"} for element in root.iter())
 
@@ -170,3 +170,4 @@ def test_one_svg_moves_by_itself(references: References) -> None:
         assert (float(angle) + turned + 180) % 360 - 180 == pytest.approx(0, abs=PLACE)
     still = linkage_svg(scene, motion, moving=False)
     assert "keyframes" not in still
+    assert fromstring(still).tag == f"{SVG}svg"

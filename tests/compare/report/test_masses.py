@@ -5,9 +5,10 @@ import json
 import pytest
 
 import compare
-from compare.report import tables
-from compare.report.files import json_text, summary
-from compare.report.page import page
+from compare.report.output.files import summary
+from compare.report.pages.report import page
+from compare.report.plain import json_text
+from compare.report.tables import study as tables
 from tests import scene_files
 from tests.comparisons import Studies
 

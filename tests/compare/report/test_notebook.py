@@ -2,21 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from xml.etree.ElementTree import fromstring
 
 import numpy as np
 import pytest
 
 import compare
 import scenes
-from compare.report.notebook import Result, Varied
+from compare.report.notebook import CheckResult, Varied
 from scenes import InputError
 
 LENGTH = "bodies.rocker.lengths.C-B"
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result() -> CheckResult:
     scene = replace(scenes.load("four_bar"), title="A <four> bar", tolerances={"exudyn": {"position": 1e-99}})
     return compare.check(scene, engines=("analytic", "exudyn"), samples=36)
 
@@ -26,9 +25,9 @@ def family() -> Varied:
     return compare.vary("four_bar", f"{LENGTH}=250:1000:2", engines=("analytic",), samples=36)
 
 
-def test_a_plot_has_every_engine_and_the_error(result: Result) -> None:
+def test_a_plot_has_every_engine_and_the_error(result: CheckResult) -> None:
     figure = result.plot("T.ay")
-    assert figure.layout.yaxis.title.text == "T.ay [m/s^2]"
+    assert figure.layout.yaxis.title.text == "T.ay [m/s²]"
     reference, *markers, error, floor = figure.data
     assert np.array_equal(reference.y, result.motion["T.ay"])
     assert [trace.name for trace in markers] == ["analytic", "exudyn"]
@@ -39,7 +38,7 @@ def test_a_plot_has_every_engine_and_the_error(result: Result) -> None:
     assert max(error.y) == table["max"]["exudyn", "T.ay"]
 
 
-def test_a_shown_plot_has_no_button_that_sends_its_data(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_shown_plot_has_no_button_that_sends_its_data(result: CheckResult, monkeypatch: pytest.MonkeyPatch) -> None:
     """By whatever a notebook asks a figure for; tests/compare/test_browser_controls.py has its buttons."""
     import plotly.io
 
@@ -57,12 +56,12 @@ def test_a_shown_plot_has_no_button_that_sends_its_data(result: Result, monkeypa
 
 
 @pytest.mark.parametrize("channel", ["T.az", "time", "B.to_lock"])
-def test_a_channel_that_is_none(result: Result, channel: str) -> None:
+def test_a_channel_that_is_none(result: CheckResult, channel: str) -> None:
     with pytest.raises(KeyError, match="no such channel"):
         result.plot(channel)
 
 
-def test_a_result_in_a_notebook(result: Result) -> None:
+def test_a_result_in_a_notebook(result: CheckResult) -> None:
     shown = result._repr_html_()
     assert "<h4>A &lt;four&gt; bar</h4>" in shown
     for part in ("<td>exudyn</td>", "<th>torque</th>", "<li>exudyn position: ", "<td>Largest pin force</td>", "<svg"):
@@ -70,15 +69,8 @@ def test_a_result_in_a_notebook(result: Result) -> None:
     assert "[ms]" not in shown, "a clock ran"
     assert repr(result).startswith("four_bar: ")
     assert len(repr(result)) < 1000
-
-
-def test_the_linkage_as_one_picture(result: Result) -> None:
-    moving, still = result.svg(), result.svg(moving=False)
-    assert "@keyframes" in moving
-    assert "@keyframes" not in still
-    for picture in (moving, still):
-        assert fromstring(picture).tag == "{http://www.w3.org/2000/svg}svg"
-        assert "<script" not in picture
+    assert "@keyframes" in result.svg()
+    assert "@keyframes" not in result.svg(moving=False)
 
 
 def test_a_family_in_a_notebook(family: Varied) -> None:

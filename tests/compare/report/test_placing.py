@@ -6,11 +6,12 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Timer
+from types import ModuleType
 
 import pytest
 
-from compare.report import placing
-from compare.report.placing import OLDER, check_writable, placed, remove
+from compare.report.output import placing
+from compare.report.output.placing import OLDER, check_writable, placed, remove
 from scenes import InputError
 
 OWN = ("page.html", "motion.*.csv")
@@ -18,7 +19,7 @@ LEFT = ".name-0123abcd"
 
 
 def contents(folder: Path) -> dict[str, str]:
-    """Return all files below a folder."""
+    """All files below a folder."""
     return {str(p.relative_to(folder)): p.read_text(encoding="utf-8") for p in folder.rglob("*") if p.is_file()}
 
 
@@ -30,21 +31,26 @@ def fill(folder: Path, files: dict[str, str]) -> Path:
 
 
 OLDER_RESULT = {"page.html": "older", "motion.a.csv": "1", "motion.b.csv": "2"}
+NEW = {"page.html": "new", "motion.a.csv": "3"}
 OTHERS = {"notes.txt": "the user's", "more/deep/figure.svg": "the user's too", "family.html": "of another kind"}
 
 
 @pytest.fixture
 def older(tmp_path: Path) -> Path:
-    """Return a folder that holds an older result and what else is there."""
+    """A folder that holds an older result and what else is there."""
     return fill(tmp_path / "name", OLDER_RESULT | OTHERS)
+
+
+@pytest.fixture(params=[True, False], ids=["in one step", "by renames"])
+def either_way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have the system exchange two folders, and then not."""
+    if not request.param:
+        monkeypatch.setattr(placing, "_exchanged", lambda *_: False)
 
 
 def replace(folder: Path) -> None:
     with placed(folder, "name", OWN) as aside:
-        fill(aside, {"page.html": "new", "motion.a.csv": "3"})
-
-
-NEW = {"page.html": "new", "motion.a.csv": "3"}
+        fill(aside, NEW)
 
 
 def test_a_first_result_makes_its_folders(tmp_path: Path) -> None:
@@ -55,25 +61,18 @@ def test_a_first_result_makes_its_folders(tmp_path: Path) -> None:
     assert (tmp_path / "new" / "out" / "name").stat().st_mode == beside.stat().st_mode
 
 
-def no_exchange(*_: object) -> bool:
-    return False
-
-
-def no_links(*_: object, **__: object) -> None:
+def not_permitted(*_: object, **__: object) -> None:
     raise OSError(1, "Operation not permitted")
 
 
-@pytest.mark.parametrize("cannot", ["", "exchange", "link", "lock"])
+@pytest.mark.usefixtures("either_way")
+@pytest.mark.parametrize("cannot", [None, (os, "link"), (fcntl, "flock")])
 def test_the_older_stays_until_the_new_takes_its_place(
-    cannot: str, older: Path, monkeypatch: pytest.MonkeyPatch
+    cannot: tuple[ModuleType, str] | None, older: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """On file systems that cannot exchange folders, link files, or lock, too."""
-    if cannot == "exchange":
-        monkeypatch.setattr(placing, "_exchanged", no_exchange)
-    if cannot == "link":
-        monkeypatch.setattr(os, "link", no_links)
-    if cannot == "lock":
-        monkeypatch.setattr(fcntl, "flock", no_links)
+    if cannot:
+        monkeypatch.setattr(*cannot, not_permitted)
     (older / "link").symlink_to("nowhere")
     older.chmod(0o750)
     with placed(older.parent, "name", OWN) as aside:
@@ -88,19 +87,14 @@ def test_the_older_stays_until_the_new_takes_its_place(
 
 def test_two_folders_are_exchanged_in_one_step(older: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No rename is needed where the system can."""
-    monkeypatch.setattr(Path, "rename", no_links)
+    monkeypatch.setattr(Path, "rename", not_permitted)
     replace(older.parent)
     assert contents(older) == NEW | OTHERS
 
 
-@pytest.mark.parametrize("exchange", [True, False])
+@pytest.mark.usefixtures("either_way")
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt(), ValueError("a slip")])
-def test_a_failure_leaves_the_older_one(
-    error: BaseException, exchange: bool, older: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if not exchange:
-        monkeypatch.setattr(placing, "_exchanged", no_exchange)
-
+def test_a_failure_leaves_the_older_one(error: BaseException, older: Path) -> None:
     def fail() -> None:
         with placed(older.parent, "name", OWN) as aside:
             fill(aside, NEW)
@@ -124,7 +118,7 @@ def test_a_swap_that_fails_halfway_puts_the_older_one_back(
             raise error
         return real(path, to)
 
-    monkeypatch.setattr(placing, "_exchanged", no_exchange)
+    monkeypatch.setattr(placing, "_exchanged", lambda *_: False)
     monkeypatch.setattr(Path, "rename", second_fails)
     with pytest.raises(InputError if isinstance(error, OSError) else KeyboardInterrupt):
         replace(older.parent)
@@ -165,13 +159,8 @@ def test_a_run_killed_between_two_renames_loses_nothing(older: Path) -> None:
     assert list(older.parent.iterdir()) == [older]
 
 
-@pytest.mark.parametrize("exchange", [True, False])
-def test_runs_at_the_same_time_leave_one_whole_result(
-    exchange: bool, older: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if not exchange:
-        monkeypatch.setattr(placing, "_exchanged", no_exchange)
-
+@pytest.mark.usefixtures("either_way")
+def test_runs_at_the_same_time_leave_one_whole_result(older: Path) -> None:
     def run(number: int) -> None:
         with placed(older.parent, "name", OWN) as aside:
             for name in ("page.html", "motion.a.csv", f"motion.{number}.csv"):
@@ -179,9 +168,9 @@ def test_runs_at_the_same_time_leave_one_whole_result(
 
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(run, range(40)))
-    found = contents(older)
-    last = found["page.html"]
-    assert found == OTHERS | {"page.html": last, "motion.a.csv": last, f"motion.{last}.csv": last}
+    whole = contents(older)
+    last = whole["page.html"]
+    assert whole == OTHERS | {"page.html": last, "motion.a.csv": last, f"motion.{last}.csv": last}
     assert list(older.parent.iterdir()) == [older]
 
 
@@ -198,37 +187,17 @@ def test_a_partial_result_goes_with_its_folder_unless_more_is_there(tmp_path: Pa
 # --- what is in the way is found before -------------------------------------------------------------------------------
 
 
-def a_file(place: Path) -> None:
-    place.write_text("", encoding="utf-8")
-
-
-def a_folder_for_a_file(place: Path) -> None:
-    (place / "page.html").mkdir(parents=True)
-
-
-def a_folder_for_a_pattern(place: Path) -> None:
-    (place / "motion.x.csv").mkdir(parents=True)
-
-
-def a_link_to_nowhere(place: Path) -> None:
-    place.symlink_to(place.parent / "not there")
-
-
-def a_loop(place: Path) -> None:
-    place.symlink_to(place)
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (a_file, "name is a file"),
-        (a_folder_for_a_file, "page.html is a folder"),
-        (a_folder_for_a_pattern, "motion.x.csv is a folder"),
-        (a_link_to_nowhere, "name is a link to what is not there"),
-        (a_loop, "name is a link to what is not there"),
+        (Path.touch, "name is a file"),
+        (lambda place: (place / "page.html").mkdir(parents=True), "page.html is a folder"),
+        (lambda place: (place / "motion.x.csv").mkdir(parents=True), "motion.x.csv is a folder"),
+        (lambda place: place.symlink_to(place.parent / "not there"), "name is a link to what is not there"),
+        (lambda place: place.symlink_to(place), "name is a link to what is not there"),
     ],
 )
-def test_what_is_in_the_way(make: Callable[[Path], None], words: str, tmp_path: Path) -> None:
+def test_what_is_in_the_way(make: Callable[[Path], object], words: str, tmp_path: Path) -> None:
     make(tmp_path / "name")
     before = sorted(tmp_path.rglob("*"))
     with pytest.raises(InputError, match=f"^--out {tmp_path}: expected a folder .*{words}$"):
@@ -242,14 +211,14 @@ def test_what_is_in_the_way(make: Callable[[Path], None], words: str, tmp_path: 
         ("file", "file is a file"),
         ("file/below", "file is a file"),
         ("nowhere/below", "nowhere is a link to what is not there"),
-        ("x" * 300, "File name too long"),
+        ("x" * 300, "a name has 255 bytes at most there"),
         ("new/" + "x" * 300, "a name has 255 bytes at most there"),
         ("new/" + "é" * 130, "a name has 255 bytes at most there"),
     ],
 )
 def test_a_path_that_cannot_be(out: str, words: str, tmp_path: Path) -> None:
-    a_file(tmp_path / "file")
-    a_link_to_nowhere(tmp_path / "nowhere")
+    (tmp_path / "file").touch()
+    (tmp_path / "nowhere").symlink_to(tmp_path / "not there")
     with pytest.raises(InputError, match=words):
         check_writable(tmp_path / out, ["name"], OWN)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "nowhere"]
@@ -286,7 +255,7 @@ def test_a_lock_of_another_process_is_waited_for_and_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Nothing is lost: the result is placed once the other lets go."""
-    monkeypatch.setattr("compare.report.placing.PATIENCE", 0.2)
+    monkeypatch.setattr("compare.report.output.placing.PATIENCE", 0.2)
     (tmp_path / "name").mkdir()
     lock = placing._lock(tmp_path)
     assert lock is not None

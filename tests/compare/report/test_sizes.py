@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from compare.report import curves
 from compare.report.extremes import CURVE, extremes
-from compare.report.html import ROWS, Parts, first, shortened
-from compare.report.linkage.moving import SAMPLES, Moving
-from compare.report.page import page
-from compare.report.speed.figure import work_precision
+from compare.report.figures import curves
+from compare.report.figures.speed import work_precision
+from compare.report.linkage.moving import SAMPLES, MovingPicture
+from compare.report.pages.html import ROWS, Parts, first, shortened
+from compare.report.pages.report import page
 from compare.study import Study
 from scenes import Motion, load
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from tests.comparisons import studied
 from tests.pages import unpacked, without_scripts
 
@@ -32,7 +32,7 @@ def result() -> Study:
 
 
 def longer(result: Study) -> Study:
-    """Return a study of many more samples, with noise so that nothing can be packed, and one error far above all."""
+    """A study of many more samples, with noise so that nothing can be packed, and one error far above all."""
     noise, count = np.random.default_rng(1), TIMES * result.sampling.samples + 1
 
     def of(samples: Samples) -> Samples:
@@ -62,9 +62,9 @@ def longer(result: Study) -> Study:
 
 
 def values(figure: str, kind: str) -> Samples:
-    """Return all numbers in the typed arrays of a figure."""
-    found = re.findall(rf'"dtype":"{kind}","bdata":"([^"]*)"', figure)
-    return np.concatenate([np.frombuffer(b64decode(data.replace("\\u002f", "/")), kind) for data in found])
+    """All numbers in the typed arrays of a figure."""
+    arrays = re.findall(rf'"dtype":"{kind}","bdata":"([^"]*)"', figure)
+    return np.concatenate([np.frombuffer(b64decode(data.replace("\\u002f", "/")), kind) for data in arrays])
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_a_long_run_has_a_page_that_opens_and_shows_its_worst_sample(long_page: 
 
 def test_a_long_run_moves_through_some_samples_with_the_extremes(result: Study) -> None:
     long = longer(result)
-    moving = Moving(long, [*curves.panels(long.reference, long.sampling)])
+    moving = MovingPicture(long, [*curves.panels(long.reference, long.sampling)])
     assert len(moving.rows) <= SAMPLES
     assert 11_111 in moving.rows
     assert np.abs(long.motion["P5.ay"]).argmax() in moving.rows
@@ -95,7 +95,7 @@ def test_a_long_run_moves_through_some_samples_with_the_extremes(result: Study) 
 
 def test_what_moves_the_linkage_can_be_unpacked(result: Study) -> None:
     """As its format is described: second differences, then an engine's part, byte by byte."""
-    moving = Moving(result, [*curves.panels(result.reference, result.sampling)])
+    moving = MovingPicture(result, [*curves.panels(result.reference, result.sampling)])
     line, _, packed = gzip.decompress(b64decode(moving.data)).partition(b"\n")
     head = json.loads(line)
     words = np.frombuffer(packed, np.uint8).reshape(4, -1).T.copy()

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from compare.engines.axis import axis
-from compare.engines.reference import found
 from compare.judge.peaks.peaks import peaks
-from compare.report import first_screen
-from compare.report.units import units
+from compare.mechanics.axis import axis
+from compare.mechanics.reference import uncertified
+from compare.report.numbers import units
+from compare.report.tables import first_screen
 from scenes import Sampling
 from tests import scene_files
 from tests.scene_files import Changes
@@ -39,11 +39,11 @@ QUANTITIES = {
 @pytest.mark.parametrize("case", SCENES)
 def test_every_peak_reads_from_1_to_10000_in_one_unit(case: str) -> None:
     name, changes = SCENES[case]
-    reference = found(scene_files.load(name, changes))
+    reference = uncertified(scene_files.load(name, changes))
     numbers = (reference.scene, peaks(reference, Sampling(72), []), units(reference))
-    shown = [*first_screen.peaks(*numbers), *first_screen.joints(*numbers)]
+    whole, joints = first_screen.answers(*numbers)
     texts: dict[str, list[str]] = {}
-    for number in shown:
+    for number in (*whole, *joints):
         if number.unit in QUANTITIES and number.value != 0:
             texts.setdefault(number.unit, []).append(number.text)
     assert {"m", "N", "W"} <= texts.keys()
@@ -56,16 +56,17 @@ def test_every_peak_reads_from_1_to_10000_in_one_unit(case: str) -> None:
 
 
 def test_what_is_zero_is_written_so() -> None:
-    reference = found(scene_files.load("slider_crank"))
+    reference = uncertified(scene_files.load("slider_crank"))
     numbers = (reference.scene, peaks(reference, Sampling(72), []), units(reference))
-    (moment,) = [joint for joint in first_screen.joints(*numbers) if joint.name == "Largest guide moment at slider"]
+    whole, joints = first_screen.answers(*numbers)
+    (moment,) = [joint for joint in joints if joint.name == "Largest guide moment at slider"]
     assert moment.text == "0"
-    assert "Work a turn" not in [number.name for number in first_screen.peaks(*numbers)]
-    assert not any(np.isnan(number.value) for number in first_screen.peaks(*numbers))
+    assert "Work a turn" not in [number.name for number in whole]
+    assert not any(np.isnan(number.value) for number in whole)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "double_toggle_clamp"])
 def test_a_place_that_is_zero_within_round_off_is_zero(name: str) -> None:
-    place = first_screen._place(axis(scene_files.load(name)), "B.vx", -1.4e-14)
+    place = first_screen.pose_button(axis(scene_files.load(name)), "B.vx", -1.4e-14)
     assert place is not None
     assert place.text.split("°")[0].split(" ")[0] == "0"

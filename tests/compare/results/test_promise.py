@@ -14,7 +14,7 @@ from compare.judge.measure import Measurement
 from compare.results.result import read_result, read_results
 from compare.run import main
 from scenes import InputError, Sampling, Scene
-from scenes.motion import Samples
+from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import SLOW, References
 from tests.foreign import MILLIMETRES, Writer, channels, instants, write

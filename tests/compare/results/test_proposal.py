@@ -14,7 +14,7 @@ from compare.results.proposal import proposed
 from compare.results.result import read_result
 from compare.run import main
 from scenes import Scene, Status
-from scenes.motion import quantity
+from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
 from tests import scene_files
 from tests.comparisons import SLOW, References
@@ -68,12 +68,12 @@ def test_the_command_prints_it_and_writes_nothing(
     scene = scene_files.load(SCENE)
     file = write(tmp_path, Writer().texts(Writer().columns(scene, instants(scene, 40), ["T.x", "A.vy"])), "")
     file.with_suffix(".toml").unlink()
-    assert main([str(scene_files.path(SCENE)), "--result-mapping", f"theirs={file}"]) == 0
+    assert main(["map", str(scene_files.path(SCENE)), f"theirs={file}"]) == 0
     printed = capsys.readouterr().out
     assert '"A.vy" = "c2"  # sure' in printed
     assert [path.name for path in tmp_path.iterdir()] == ["theirs.csv"]
     file.write_text("a,b\n" + "2,1\n1,2\n" * 5)
-    assert main([str(scene_files.path(SCENE)), "--result-mapping", f"theirs={file}"]) == 2
+    assert main(["map", str(scene_files.path(SCENE)), f"theirs={file}"]) == 2
     assert "expected a column that rises as the time does" in capsys.readouterr().err
 
 
@@ -98,7 +98,7 @@ MOVED = [  # what the rows are by, and by how much: the crank's column, rad, a l
     *(("time", 0.0, 0.0, turn) for turn in (0.01, 0.05, 1.0)),
     *(("both", 1.0, 3.0, 0.05), ("crank", 0.1, 0.0, 0.05), ("time", 0.0, 2.0, 0.05)),
 ]
-NEAR = 5e-3  # of a channel's, or a vector's, largest value: more than what a proposal rounds to nothing leaves
+CLOSE_TO_TRUE = 5e-3  # of a channel's, or a vector's, largest value: more than what a proposal rounds to nothing leaves
 
 
 def _proposal(
@@ -123,9 +123,9 @@ def _proposal(
     off = {c: read[c] - true[c] for c in sure}
     off |= {c: np.angle(np.exp(1j * off[c])) for c in sure if quantity(c) == "angle"}
     sizes = {c: max(np.abs(true[f"{c[:-1]}{q}"]).max() for q in ("xy" if c[-1] in "xy" else c[-1])) for c in sure}
-    wrong = [c for c in sure if not np.abs(off[c]).max() <= NEAR * sizes[c]]
+    wrong = [c for c in sure if not np.abs(off[c]).max() <= CLOSE_TO_TRUE * sizes[c]]
     cycles = (read["time"] - times) / scene.drive.cycle
-    return len(sure), wrong + ["time"] * bool(not np.abs(cycles - np.round(cycles)).max() <= NEAR / (2 * pi))
+    return len(sure), wrong + ["time"] * bool(not np.abs(cycles - np.round(cycles)).max() <= CLOSE_TO_TRUE / (2 * pi))
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.judge.causes.evidence import Kind
+from compare.judge.causes.cause import Kind
+from compare.judge.causes.words import words
 from compare.judge.foreign import assess_result
 from compare.judge.triage import cause
 from compare.results.result import read_result
 from scenes import Scene, Status
-from scenes.motion import Samples, quantity
+from scenes.model.motion import Samples, quantity
 from tests import scene_files
 from tests.comparisons import SLOW, References
 from tests.foreign import Writer, channels, instants, write
@@ -90,16 +91,16 @@ def over_degrees(scene: Scene, columns: Columns) -> Columns:
 T = [f"T.{q}" for q in ("x", "y", "vx", "vy", "ax", "ay")]
 A = [f"A.{q}" for q in ("x", "y", "vx", "vy", "ax", "ay")]
 MAPPINGS = {
-    "millimetres": Wrong(Kind.unit, "all lengths are in millimetres", written(length=1e-3)),
-    "inches": Wrong(Kind.unit, "all lengths are in inches", written(length=0.0254)),
-    "degrees": Wrong(Kind.unit, "degrees in place of radians", written(angle=np.pi / 180)),
+    "millimetres": Wrong(Kind.unit, "all lengths are in mm", written(length=1e-3)),
+    "inches": Wrong(Kind.unit, "all lengths are in in", written(length=0.0254)),
+    "degrees": Wrong(Kind.unit, "deg in place of rad", written(angle=np.pi / 180)),
     "kilonewtons": Wrong(Kind.unit, "kN in place of N", written(force=1e3)),
     "mirrored": Wrong(Kind.frame, "in another frame, mirrored", written(mirrored=True)),
     "turned": Wrong(Kind.frame, "in another frame, turned by 34.38 deg", written(turn=0.6)),
     "shifted": Wrong(Kind.frame, "its origin at (120 mm, -340 mm)", written(origin=complex(0.12, -0.34))),
     "all of the frame": Wrong(
         Kind.frame,
-        "mirrored, turned by 34.38 deg, with its origin at (120 mm, -340 mm) and all lengths are in millimetres",
+        "mirrored, turned by 34.38 deg, with its origin at (120 mm, -340 mm) and all lengths are in mm",
         written(mirrored=True, turn=0.6, origin=complex(0.12, -0.34), length=1e-3),
     ),
     "other sides": Wrong(
@@ -118,7 +119,9 @@ MAPPINGS = {
     "another point": Wrong(
         Kind.moment, "slider's guide moment is about another point, 20 mm", spoil=about_another_point
     ),
-    "axis in degrees": Wrong(Kind.unit, "by which the rows are, is in degrees", spoil=over_degrees),
+    "axis in deg in place of rad": Wrong(
+        Kind.unit, "by which the rows are, is in deg in place of rad", spoil=over_degrees
+    ),
 }
 QUICK = ("millimetres", "mirrored", "turned", "far too late")
 
@@ -132,5 +135,5 @@ def test_it_is_named_as_what_it_is(name: str, tmp_path: Path, references: Refere
     assert assess_result(reference, result).run.status is not Status.ok
     assert result.run.motion is not None
     found = cause(reference, result.request, result.run.motion)
-    assert wrong.words in found.sentence
+    assert wrong.words in words(scene, found)
     assert found.kind is wrong.kind

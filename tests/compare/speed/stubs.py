@@ -6,9 +6,9 @@ from itertools import repeat
 from math import inf, nan
 from typing import Any
 
-from compare.engines.reference import Reference
-from compare.speed.row import SpeedRow
-from compare.speed.timing import Budget
+from compare.measure.speed.row import SpeedRow
+from compare.measure.speed.timing import Budget
+from compare.mechanics.reference import Reference
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
 
 STEPS = (72, 144, 360, 720, 1440, 7200)

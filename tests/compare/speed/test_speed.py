@@ -11,16 +11,17 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.reference import Reference
 from compare.engines.settings import TIERS
-from compare.judge.round_off import explain
-from compare.report.page import page
-from compare.report.speed import tables as speed_tables
-from compare.report.speed.figure import work_precision as picture
-from compare.speed.row import SpeedRow
-from compare.speed.speed_table import speed_table
-from compare.speed.timing import Budget
-from compare.speed.work_precision import choices, orders, solved, step_costs
+from compare.measure.speed.row import SpeedRow
+from compare.measure.speed.speed_table import speed_table
+from compare.measure.speed.timing import Budget
+from compare.measure.speed.work_precision import choices, orders, solved, step_costs
+from compare.mechanics.reference import Reference
+from compare.mechanics.round_off import explain
+from compare.report.figures.offline import offline
+from compare.report.figures.speed import work_precision as picture
+from compare.report.pages.report import page
+from compare.report.tables import speed as speed_tables
 from compare.study import Study, _offers, study
 from scenes import Sampling
 
@@ -178,7 +179,7 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
 def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:
     sampling = Sampling(72)
     motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
-    return Study(reference.scene, sampling, reference, explain(reference, sampling), [], [], [], motion, speed)
+    return Study(reference.scene, sampling, reference, explain(reference, sampling), [], [], motion, speed)
 
 
 def test_the_sentence(reference: Reference) -> None:
@@ -235,7 +236,7 @@ def test_the_picture(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> N
     noted, failing = second_order(144, note="for show, only"), StubSettings("fails")
     monkeypatch.setattr(StubEngine, "WORK_PRECISION", (*StubEngine.WORK_PRECISION, noted, failing))
     result = study(reference.scene, ["analytic", "stub"], Sampling(72), Budget(1, 0.0), quiet)
-    figure = picture(result).checked()
+    figure = offline(picture(result))
     reactions = [(number, trace) for number, trace in enumerate(figure.data) if trace.xaxis == "x4"]
     drawn = {trace.name: trace for _, trace in reactions}
     assert [*drawn["stub"].x] == pytest.approx([72, 144, 360])

@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from compare.engines.runner import Run
-from compare.speed.timing import Budget, Times, take_turns
+from compare.measure.speed.timing import Budget, Times, take_turns
 from scenes import Status
 
 from .stubs import quiet

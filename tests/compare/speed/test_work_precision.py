@@ -7,8 +7,17 @@ from math import nan
 import numpy as np
 import pytest
 
-from compare.speed.row import SpeedRow
-from compare.speed.work_precision import above_floor, as_fast, choices, contests, front, in_doubt, orders, step_costs
+from compare.measure.speed.row import SpeedRow
+from compare.measure.speed.work_precision import (
+    above_floor,
+    as_fast,
+    choices,
+    contests,
+    front,
+    in_doubt,
+    orders,
+    step_costs,
+)
 
 from .stubs import STEPS, family, table
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +15,10 @@ from tests import scene_files
 from tests.absolute_coordinates import solve
 from tests.agreement import errors, worst
 
-NAMES = (*scene_files.MECHANISMS, "wedge", "wedge_of_points", "oldham")
+NAMES = (
+    *scene_files.MECHANISMS,
+    *("wedge", "wedge_of_points", "oldham", "shared_pivot", "toggle_press", "loaded_four_bar", "three_at_a_pin"),
+)
 ROD = "bodies.rod.lengths.P4-P5"
 CHEAP = next(settings for settings in LONG_WORK_PRECISION if settings.label == "trapezoidal, loose Newton, 144")
 BOTH_ROUTES = pytest.mark.parametrize("settings", [DEFAULT, EXACT], ids=lambda settings: settings.label)
@@ -34,33 +36,21 @@ def run(
     return simulation.read()
 
 
-def point(motion: Motion, name: str, prefix: str = "") -> NDArray[np.complex128]:
-    return motion[f"{name}.{prefix}x"] + 1j * motion[f"{name}.{prefix}y"]
-
-
-def force(motion: Motion, pin: str) -> NDArray[np.complex128]:
-    return motion[f"{pin}.fx"] + 1j * motion[f"{pin}.fy"]
-
-
-def dot(a: NDArray[Any] | complex, b: NDArray[Any]) -> Any:
-    return (np.conj(a) * b).real
-
-
 def locking(start: float, end: float = 100, sketch: scene_files.Changes = scene_files.NONE) -> Scene:
-    """Return the toggle press with a short rod, which locks at -95.06 and at 166.09 deg, driven between those."""
+    """The toggle press with a short rod, which locks at -95.06 and at 166.09 deg, driven between those."""
     drive = {"body": "crank", "speed": 60 if end > start else -60, "start": start, "end": end}
     return scene_files.load("toggle_press", {ROD: 200, "drive": drive, **sketch})
 
 
 def meeting_spring(length: float) -> scene_files.Changes:
-    """Return a spring for the slider-crank whose ends meet at the start."""
+    """A spring for the slider-crank whose ends meet at the start."""
     spring = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": length}
     return {"ground.points.P": [4, 0], "springs": [spring]}
 
 
 @cache
 def referred(name: str) -> tuple[Scene, dict[str, NDArray[np.float64]]]:
-    """Return a scene, and its motion at 61 instants from equations written in the tests."""
+    """A scene, and its motion at 61 instants from equations written in the tests."""
     scene = scene_files.load(name)
     return scene, solve(scene, *scene.drive.at(Sampling(60).times(scene)))
 
@@ -73,7 +63,7 @@ LEVEL = {
 
 
 def by_level(motion: Motion, expected: Mapping[str, NDArray[np.float64]]) -> dict[str, float]:
-    """Return the largest error of each level."""
+    """The largest error of each level."""
     found = dict.fromkeys(LEVEL.values(), 0.0)
     for kind, error in worst(errors(motion, expected)).items():
         found[LEVEL[kind]] = float(np.maximum(found[LEVEL[kind]], error))

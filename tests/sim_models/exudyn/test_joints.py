@@ -7,9 +7,10 @@ import pytest
 from scipy.optimize import brentq
 
 from scenes import Sampling, Scene
-from scenes.motion import channels
+from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed, MotionLaw, PressForce
 from sim_models.exudyn import engine as model
+from sim_models.exudyn import poses as exudyn_poses
 from sim_models.exudyn.drive import RunningDrive, pieces
 from sim_models.exudyn.engine import DEFAULT, EXACT
 from sim_models.exudyn.poses import PoseSolver
@@ -29,20 +30,21 @@ SMOOTH = {"position": 1e-13, "velocity": 1e-7, "acceleration": 5e-6, "force": 5e
 DIFFERENCED = {"position": 1e-14, "velocity": 2e-14, "acceleration": 5e-10, "force": 5e-10, "moment": 1e-10}
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_mechanism_by_time_steps(name: str) -> None:
-    scene, reference = referred(name)
-    motion = run(scene, DEFAULT, samples=60)
-    assert set(motion.samples) == set(channels(scene))
-    check(by_level(motion, reference), SMOOTH)
+ROUTES: dict[str, tuple[ExudynSettings, dict[str, float]]] = {
+    "steps": (DEFAULT, SMOOTH),
+    "steps of reduced coordinates": (replace(DEFAULT, reduced=True), SMOOTH),
+    "pointwise": (EXACT, DIFFERENCED),
+}
 
 
+@pytest.mark.parametrize("route", ROUTES)
 @pytest.mark.parametrize("name", NAMES)
-def test_mechanism_pointwise(name: str) -> None:
+def test_mechanism(name: str, route: str) -> None:
     scene, reference = referred(name)
-    motion = run(scene, EXACT, samples=60)
+    settings, limits = ROUTES[route]
+    motion = run(scene, settings, samples=60)
     assert set(motion.samples) == set(channels(scene))
-    check(by_level(motion, reference), DIFFERENCED)
+    check(by_level(motion, reference), limits)
 
 
 def test_a_law_keeps_the_order() -> None:
@@ -100,7 +102,7 @@ def test_press_load_at_the_dead_point(settings: ExudynSettings) -> None:
 
 
 def pressing(last: float, changes: scene_files.Changes) -> Scene:
-    """Return the slider-crank with bodies of 1 kg and a press load."""
+    """The slider-crank with bodies of 1 kg and a press load."""
     masses = {f"bodies.{body}.mass": 1 for body in ("crank", "rod", "slider")}
     loads = [{"body": "slider", "at": "B", "force": [-100, 0], "last": last}]
     return scene_files.load("slider_crank", {**masses, "loads": loads, **changes})
@@ -169,3 +171,30 @@ def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
     exact = run(scene, EXACT, samples=60).samples
     found = by_level(simulation.read(), {name: exact[name] for name in channels(scene) if name != "time"})
     check(found, SMOOTH | {"acceleration": 2e-5, "force": 2e-5, "moment": 2e-5})  # measured 5e-6 at 165.9 deg
+
+
+# --- poses -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("knots", [exudyn_poses.KNOTS, 1])
+def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From a single knot they are too far to be guessed, and each has to be followed."""
+    monkeypatch.setattr(exudyn_poses, "KNOTS", knots)
+    poses = PoseSolver(scene_files.load("loaded_four_bar"))
+    first = start(poses)
+    there, rest = np.linspace(2.0, -1.5, 80), np.full(5, -1.5)
+    positions = np.concatenate([there, rest, there[::-1] + 0.01, [0.0, 0.3, 0.3]])  # it rests, turns back, and jumps
+    together, state = poses.through(first, positions), first
+    assert (together.position == positions).all()
+    for row, position in enumerate(positions):
+        state = poses.follow(state, float(position))
+        assert np.abs(together.q[row] - state.q).max() <= 1e-13
+        assert np.abs(together.tangent[row] - state.tangent).max() <= 1e-13
+        assert np.abs(together.curvature[row] - state.curvature).max() <= 1e-9  # round-off over its difference of 1e-5
+
+
+def test_curvature_is_the_change_of_the_tangent() -> None:
+    poses = PoseSolver(scene_files.load("loaded_four_bar"))
+    state, h = start(poses), 1e-4
+    after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
+    assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred

@@ -20,7 +20,6 @@ from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E
 
 EPS = 2.0**-52
 Array = NDArray[np.float64]
-Complex = NDArray[np.complexfloating[Any, Any]]
 
 
 def run(scene: Scene, samples: int = 36, digits: int = 50) -> Motion:
@@ -34,8 +33,7 @@ def named(name: str, samples: int = 36) -> Motion:
     return run(scene_files.load(name), samples)
 
 
-SMOOTH = ("loaded_four_bar", "two_rods")
-ALL = ("toggle_press", *SMOOTH, *scene_files.MECHANISMS)
+ALL = ("toggle_press", "loaded_four_bar", "two_rods", *scene_files.MECHANISMS)
 
 
 def slider_crank(changes: scene_files.Changes = scene_files.NONE) -> Scene:

@@ -127,7 +127,7 @@ def test_a_lock_that_roundings_make_or_undo_is_refused() -> None:
 
 def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """Balls that the loads make wide leave the motion proven and the forces not."""
-    simulation = model.build(scene_files.load("two_rods"), model.DEFAULT, Sampling(4))
+    simulation: Any = model.build(scene_files.load("two_rods"), model.DEFAULT, Sampling(4))
     exact = simulation._force
 
     def vague(*of: Any) -> Any:
@@ -155,8 +155,8 @@ def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_run_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch, name: str, steps: int, task: str) -> None:
     """By a clock that goes on by a second a step; no step is longer than two degrees."""
     ticks = count()
-    monkeypatch.setattr("scenes.budget.process_time", lambda: next(ticks))
-    monkeypatch.setattr("scenes.budget.perf_counter", lambda: inf)  # the time on the wall is long over
+    monkeypatch.setattr("scenes.model.budget.process_time", lambda: next(ticks))
+    monkeypatch.setattr("scenes.model.budget.perf_counter", lambda: inf)  # the time on the wall is long over
     with pytest.raises(Failure, match=rf"^{steps} s .* {task}: it is at crank angle [\d.]+ deg$") as failure:
         model.build(scenes.load(name), MultiprecisionSettings("short", seconds=steps), Sampling(72)).solve()
     assert failure.value.status is Status.timed_out

@@ -1,4 +1,4 @@
-"""Reactions and the drive's effort: Newton, Euler and power in every scene, and cases worked by hand."""
+"""Reactions and the drive's effort, worked by hand."""
 
 from dataclasses import replace
 from math import cos, pi, sin, sqrt
@@ -6,66 +6,18 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 
-from scenes import Failure, Motion, Scene, Status
+from scenes import Failure, Scene, Status
 from scenes.loads import PressForce
-from scenes.motion import channels
+from scenes.model.motion import channels
 from scenes.scene import MotionLaw
 from tests import scene_files
 
-from .motion import acting, inertia, mass_centre, point_motion, reactions, size_of, slid, turning
-from .runs import ALL, EPS, closed, continuing, named, run, slider_crank
+from .runs import EPS, closed, continuing, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
 from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import stroke as multiprecision_stroke  # noqa: E402
-
-
-@pytest.fixture(scope="module", params=ALL)
-def scene(request: pytest.FixtureRequest) -> Scene:
-    return scene_files.load(request.param)
-
-
-@pytest.fixture(scope="module")
-def motion(scene: Scene) -> Motion:
-    return named(scene.name)
-
-
-def test_every_body_obeys_newton_and_euler(scene: Scene, motion: Motion) -> None:
-    gravity = complex(*(scene.gravity or (0, 0)))
-    loads = acting(scene, motion)
-    for name, body in scene.bodies.items():
-        assert body.mass is not None
-        c, _, a = mass_centre(scene, motion, name)
-        force, moment = body.mass * (gravity - a), -inertia(scene, motion, name) * turning(motion, name)[2]
-        size = np.abs(force) + np.abs(moment) + body.mass * size_of(scene, motion, "a")  # what `carried` sums up
-        on = [(point, f, 0 * s, s) for owner, point, f, s in loads if owner == name]
-        on += [(point, f, couple, np.abs(f) + np.abs(couple)) for point, f, couple in reactions(scene, motion, name)]
-        for point, f, couple, terms in on:
-            force = force + f
-            moment = moment + couple + (np.conj(point_motion(scene, motion, point)[0] - c) * f).imag
-            size = size + terms * (1 + np.abs(c))
-        # Rounded channels: a dozen terms, each to half a unit in its last place, and arms to as much.
-        assert np.max(np.abs(force) / size) <= 16 * EPS
-        assert np.max(np.abs(moment) / size) <= 16 * EPS
-
-
-def test_power_of_drive_loads_and_weight_is_the_rate_of_kinetic_energy(scene: Scene, motion: Motion) -> None:
-    if scene.driven_slide is None:
-        power = motion["drive.torque"] * motion[f"{scene.drive.body}.omega"]
-    else:
-        power = motion["drive.force"] * slid(scene, motion, scene.drive.body)[1].real
-    size = np.abs(power)
-    for _, point, force, terms in acting(scene, motion):
-        v = point_motion(scene, motion, point)[1]
-        power, size = power + (np.conj(force) * v).real, size + terms * np.abs(v)
-    for name, body in scene.bodies.items():
-        assert body.mass is not None
-        _, v, a = mass_centre(scene, motion, name)
-        _, omega, alpha = turning(motion, name)
-        power = power + body.mass * (np.conj(v) * (complex(*(scene.gravity or (0, 0))) - a)).real
-        power = power - inertia(scene, motion, name) * omega * alpha
-    assert np.abs(power).max() <= 64 * EPS * size.max()  # rounded channels, some twenty products
+from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
 
 
 def test_slider_crank_statics_by_hand() -> None:
@@ -131,7 +83,7 @@ def stroke_end(scene: Scene, force: float) -> float:
         linkage = multiprecision_constraints.LinkageEquations(scene)
         continuation = continuing(linkage)
         q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
-        return multiprecision_stroke.end_of_stroke(linkage, continuation, q, load)
+        return multiprecision_start.end_of_stroke(linkage, continuation, q, load)
 
 
 def test_a_closing_stroke_ends_at_the_dead_point() -> None:

@@ -28,7 +28,7 @@ def slider_crank(changes: scene_files.Changes = scene_files.NONE) -> Scene:
 
 
 def driven_slider(start: float) -> Scene:
-    """Return the slider-crank driven by its slider, towards the crank; start in dm."""
+    """The slider-crank driven by its slider, towards the crank; start in dm."""
     drive = {"body": "slider", "speed": -0.1, "start": start, "end": 2.5}
     return slider_crank({"drive": drive, "sketch": {"displacement": 3.8, "A": [1, 0.3], "B": [3.8, 0]}})
 
@@ -40,10 +40,10 @@ def solve(scene: Scene, settings: AnySettings = DEFAULT, sampling: Sampling | No
 
 
 def off(values: Array, expected: Array | float) -> float:
-    """Return the largest error, relative to the largest value expected."""
+    """The largest error, relative to the largest value expected."""
     return float(np.max(np.abs(values - expected)) / np.max(np.abs(expected)))
 
 
 def reference(scene: Scene, sampling: Sampling) -> dict[str, Array]:
-    """Return every channel but the time, by formulas that no model shares."""
+    """Every channel but the time, by formulas that no model shares."""
     return absolute_coordinates.solve(scene, *scene.drive.at(sampling.times(scene)))

@@ -8,29 +8,15 @@ import pytest
 import scenes
 from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk import simulation as pymunk_simulation
 from sim_models.pymunk import start
 from sim_models.pymunk import stroke as pymunk_stroke
 from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT, EXACT, FAST
+from sim_models.pymunk.runs import simulation as pymunk_simulation
 from sim_models.pymunk.settings import AnySettings, TextbookSettings
-from sim_models.pymunk.start import Place
-
-from .runs import off, solve
+from sim_models.pymunk.start import DrivePlace
 
 SAMPLING = Sampling(72)
-
-
-@pytest.mark.parametrize("settings", [FAST, DEFAULT, TextbookSettings("", 4608)])
-@pytest.mark.parametrize("asked", [("P5.y",), ("P4.ax", "toggle.omega"), ("P4.fx", "P5.vy"), ("drive.torque",)])
-def test_exactly_the_channels_asked_for(settings: AnySettings, asked: tuple[str, ...]) -> None:
-    scene = scenes.load("toggle_press")
-    narrow = Sampling(72, channels=frozenset(asked))
-    motion, whole = solve(scene, settings, narrow), solve(scene, settings, SAMPLING)
-    assert set(motion.samples) == {"time", "crank_angle", *asked}
-    for channel in asked:
-        # Measured: 1e-7, which other sweeps over other masses leave where no forces are asked for; else nothing.
-        assert off(motion[channel], whole[channel]) <= 2e-6, channel
 
 
 def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -42,7 +28,7 @@ def test_no_force_asked_for_no_force_found(monkeypatch: pytest.MonkeyPatch) -> N
     for name in ("joint_forces", "check_impulses"):
         monkeypatch.setattr(pymunk_simulation, name, unwanted)
     monkeypatch.setattr("sim_models.pymunk.channels.reaction_channels", unwanted)
-    monkeypatch.setattr("sim_models.pymunk.stepping.AppliedForces", unwanted)
+    monkeypatch.setattr("sim_models.pymunk.runs.stepping.AppliedForces", unwanted)
     narrow = Sampling(72, channels=frozenset((f"{scene.output}.y",)))
     simulation = pymunk_model.build(scene, DEFAULT, narrow)
     simulation.solve()
@@ -56,7 +42,7 @@ def test_ends_of_strokes_are_looked_for_once_a_scene_and_only_for_press_forces(
 ) -> None:
     walked = []
 
-    def way(linkage: LinkageConstraints, *where: Any) -> Iterator[Place]:
+    def way(linkage: LinkageConstraints, *where: Any) -> Iterator[DrivePlace]:
         walked.append(linkage.scene.name)
         return start.way(linkage, *where)
 
@@ -77,6 +63,5 @@ def test_reading_computes_no_channel(settings: AnySettings, monkeypatch: pytest.
 
     simulation = pymunk_model.build(scenes.load("toggle_press"), settings, SAMPLING)
     simulation.solve()
-    for module in ("simulation", "textbook"):
-        monkeypatch.setattr(f"sim_models.pymunk.{module}.found_channels", late)
+    monkeypatch.setattr(pymunk_simulation, "wanted_channels", late)
     assert simulation.read()["P5.y"].shape == (73,)

@@ -8,20 +8,20 @@ import pytest
 
 import scenes
 from scenes import Failure, ProcessorBudget, Sampling, Scene, Status, hard
-from scenes.motion import channels
+from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk.checks import check_impulses, check_path
 from sim_models.pymunk.constraints import LinkageConstraints, solved
 from sim_models.pymunk.engine import DEFAULT, FAST
 from sim_models.pymunk.masses import ballasted_masses
+from sim_models.pymunk.runs.checks import check_impulses, check_path
+from sim_models.pymunk.runs.stepping import Integration
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import start
-from sim_models.pymunk.stepping import build
 from tests import scene_files
 from tests.agreement import errors
 
-from .runs import driven_slider, off, reference, slider_crank, solve
+from .runs import driven_slider, reference, slider_crank, solve
 
 
 @pytest.fixture(scope="module")
@@ -44,54 +44,46 @@ def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> N
     assert set(failure.motion.samples) == {*channels(press)}
 
 
+class Spoilable:
+    """A run whose record can be spoilt at step 100, between two samples, and then checked."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.linkage = LinkageConstraints(scene, ballasted_masses)
+        self.branch = self.linkage.branch(start(self.linkage))
+        self.run = Integration(scene, Sampling(72), 3, replace(DEFAULT, iterations=200), [])
+        self.run.advance(ProcessorBudget(60.0, "a test"))
+        self.good = self.run.record.copy()
+
+    def checked(self, body: int = 0, column: int = 0, change: float = 0.0) -> dict[str, float]:
+        self.run.record[:] = self.good
+        self.run.record[101, body, column] += change
+        return check_path(self.linkage, self.run.path, self.run.positions, self.branch)
+
+
 def test_every_step_is_checked(press: Scene) -> None:
-    linkage = LinkageConstraints(press, ballasted_masses)
-    pose = start(linkage)
-    start_branch = linkage.branch(pose)
-    run = build(press, ballasted_masses, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
-    run.advance(ProcessorBudget(60.0, "a test"))
-    before = check_path(linkage, run.record[1:], run.positions, start_branch)
-    good = run.record.copy()
-    crank, rod, slider = 0, 3, 4
-    run.record[101, slider, 2] -= 3e-3  # turned in its guide, which counts at the linkage's size
-    after = check_path(linkage, run.record[1:], run.positions, start_branch)
-    assert after["joint_gap"] == pytest.approx(3e-3 * linkage.size / 0.077, abs=before["joint_gap"])
-    for body, column, change, status in (
-        (rod, 0, 0.01, Status.diverged),  # gapes
-        (rod, 0, -0.01, Status.diverged),
-        (rod, 1, -0.01, Status.diverged),
-        (crank, 2, 1e-3, Status.diverged),  # drifts
-        (crank, 2, -1e-3, Status.diverged),
-        (slider, 4, np.nan, Status.nonfinite),
-    ):
-        run.record[:] = good
-        run.record[101, body, column] += change  # step 100 lies between two samples
+    run, (crank, rod, slider) = Spoilable(press), (0, 3, 4)
+    before = run.checked()
+    after = run.checked(slider, 2, -3e-3)  # turned in its guide, which counts at the linkage's size
+    assert after["joint_gap"] == pytest.approx(3e-3 * run.linkage.size / 0.077, abs=before["joint_gap"])
+    gapes, drifts = [(rod, 0, 0.01), (rod, 0, -0.01), (rod, 1, -0.01)], [(crank, 2, 1e-3), (crank, 2, -1e-3)]
+    diverged = dict.fromkeys(gapes + drifts, Status.diverged)
+    for spoilt, status in (diverged | {(slider, 4, np.nan): Status.nonfinite}).items():
         with pytest.raises(Failure, match=f"at crank angle {100 / 216 * 360:.4f} deg") as caught:
-            check_path(linkage, run.record[1:], run.positions, start_branch)
+            run.checked(*spoilt)
         assert caught.value.status is status
 
 
-@pytest.mark.parametrize("sign", [1, -1])
-def test_what_a_slider_drifts_and_joints_open_by_is_of_its_travel(sign: int) -> None:
+def test_what_a_slider_drifts_and_joints_open_by_is_of_its_travel() -> None:
     """Its way ends at 2.5 dm, far from zero: from 3.9 dm it is 1.4 dm long, and half of that is the crank's radius."""
-    scene = driven_slider(3.9)
-    linkage = LinkageConstraints(scene, ballasted_masses)
-    run = build(scene, ballasted_masses, [], Sampling(72), 3, replace(DEFAULT, iterations=200))
-    run.advance(ProcessorBudget(60.0, "a test"))
-    branch, good, (rod, slider) = linkage.branch(start(linkage)), run.record.copy(), (1, 2)
-    before = check_path(linkage, run.record[1:], run.positions, branch)
-    run.record[101, slider, 0] += sign * 7e-7 * 0.14
-    assert check_path(linkage, run.record[1:], run.positions, branch)["drive"] == pytest.approx(7e-7, rel=1e-3)
-    run.record[:] = good
-    run.record[101, rod, 0] += sign * 0.04 * 0.07
-    after = check_path(linkage, run.record[1:], run.positions, branch)
-    assert after["joint_gap"] == pytest.approx(0.04, abs=before["joint_gap"])
+    run, (rod, slider) = Spoilable(driven_slider(3.9)), (1, 2)
+    before = run.checked()
     assert before["joint_gap"] <= 1e-3  # by the curvature of a third of a degree
-    for change in (1.1e-6, -1.1e-6):
-        run.record[:] = good
-        run.record[101, slider, 0] += change * 0.14
+    for sign in (1, -1):
+        assert run.checked(slider, 0, sign * 7e-7 * 0.14)["drive"] == pytest.approx(7e-7, rel=1e-3)
+        gap = run.checked(rod, 0, sign * 0.04 * 0.07)["joint_gap"]
+        assert gap == pytest.approx(0.04, abs=before["joint_gap"])
         with pytest.raises(Failure, match="'slider' is not where the drive takes it"):
-            check_path(linkage, run.record[1:], run.positions, branch)
+            run.checked(slider, 0, sign * 1.1e-6 * 0.14)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -104,49 +96,67 @@ def test_forces_that_are_not_the_engines_are_seen(press: Scene, sign: int) -> No
         check_impulses(linkage, np.arange(3.0), forces, forces + 2e-6 * off)
 
 
-def test_crank_that_cannot_turn_around() -> None:
-    failure = failure_of(slider_crank({"bodies.crank.points.A": [3.5, 0]}))
-    assert failure.status is Status.cannot_assemble
+# In the four-bar B is at 0.6 from A, C at 0.05 from D and at |2.1 + 0.3i| from B: too long a coupler.
+APART = abs(2.1 + 0.3j) - 0.05 - abs(3 + 2.5j - (1 + 2j - 0.6 * np.exp(3.5j)))
+# A-K, about 370 mm, is itself no given length.
+UNMET = {"bodies.plate.lengths.A-L": 100, "bodies.plate.lengths.K-L": 200, "sketch.L": [90, 50]}
+REFUSED: dict[str, tuple[Scene, Status, str]] = {
     # The rod is at right angles to the guide where 0.35 sin(angle) = 0.3.
-    assert f"crank angle {np.arcsin(0.3 / 0.35):.4f}" in failure.reason
-
-
-def test_narrow_lock_is_not_stepped_over() -> None:
+    "a crank that cannot turn round": (
+        *(slider_crank({"bodies.crank.points.A": [3.5, 0]}), Status.cannot_assemble),
+        f"crank angle {np.arcsin(0.3 / 0.35):.4f}",
+    ),
     # 1.2 m minus 1.19999 m: the bars do not reach within 0.6 deg of 180, less than one continuation step on both sides.
-    failure = failure_of(scene_files.load("stretched_rocker", {"bodies.rocker.lengths.B-Q": 0.49999}))
-    assert failure.status is Status.cannot_assemble
-    assert "crank angle 3.130" in failure.reason
+    "a narrow lock": (
+        *(scene_files.load("stretched_rocker", {"bodies.rocker.lengths.B-Q": 0.49999}), Status.cannot_assemble),
+        "crank angle 3.130",
+    ),
+    "bodies that do not reach": (
+        *(scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05}), Status.cannot_assemble),
+        f"with all else closed C stays open by {APART:.4g} m at crank angle 3.500000 rad",
+    ),
+    "points by lengths that do not meet": (
+        *(scene_files.load("driven_toggle", UNMET), Status.cannot_assemble),
+        "from A and K to L of 'plate'",
+    ),
+    # 4 dm is where the rod and the crank are in line.
+    "a start too near a lock": (
+        *(driven_slider(3.999), Status.cannot_assemble),
+        "pymunk starts 3 steps before zero, where the bodies cannot be put together at slider at 4 dm",
+    ),
+    "a massless rod": (slider_crank({"bodies.rod.mass": 0}), Status.unsupported, "'rod'"),
+    "a point mass between bodies that forces move": (
+        *(scene_files.load("toggle_press", {"bodies.rod.com": [150, 0], "bodies.rod.inertia": 0}), Status.unsupported),
+        "'rod'",
+    ),
+    "bodies that turn together without inertia": (scene_files.load("telescope"), Status.unsupported, "'cylinder'"),
+}
 
 
-def test_bodies_that_do_not_reach() -> None:
-    """B is at 0.6 from A, C at 0.05 from D and at |2.1 + 0.3i| from B: too long a coupler."""
-    apart = abs(2.1 + 0.3j) - 0.05 - abs(3 + 2.5j - (1 + 2j - 0.6 * np.exp(3.5j)))
-    failure = failure_of(scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05}))
-    assert failure.status is Status.cannot_assemble
-    assert failure.reason.endswith(f"with all else closed C stays open by {apart:.4g} m at crank angle 3.500000 rad")
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_by_name_and_place(case: str) -> None:
+    scene, status, reason = REFUSED[case]
+    failure = failure_of(scene)
+    assert failure.status is status
+    assert reason in failure.reason
 
 
-def test_massless_rod_is_refused() -> None:
-    failure = failure_of(slider_crank({"bodies.rod.mass": 0}))
-    assert failure.status is Status.unsupported
-    assert "'rod'" in failure.reason
-
-
-def test_point_mass_is_refused_where_it_has_to_turn() -> None:
-    """Beside a pin on the crank its mass alone makes it turn heavily; between bodies that forces move nothing does."""
-    scene = slider_crank({"bodies.rod.com": [1, 0], "bodies.rod.inertia": 0})
-    found, expected = solve(scene, DEFAULT, Sampling(72)), reference(scene, Sampling(72))
-    # Measured: 3e-7 of accelerations, which the extrapolation leaves.
-    assert max(error.max() for error in errors(found, expected).values()) <= 1e-5
-
-    rod = {"bodies.rod.com": [150, 0], "bodies.rod.inertia": 0}
-    failure = failure_of(scene_files.load("toggle_press", rod))
-    assert failure.status is Status.unsupported
-    assert "'rod'" in failure.reason
-
-
-def test_massless_crank_is_fine() -> None:
-    assert solve(slider_crank({"bodies.crank.mass": 0}))["O.fx"] == pytest.approx(1000, abs=0.01)
+@pytest.mark.parametrize(
+    ("scene", "largest"),
+    [
+        # Beside a pin on the crank a point mass alone makes it turn heavily. Measured: 3e-7 of accelerations, which the
+        # extrapolation leaves.
+        (slider_crank({"bodies.rod.com": [1, 0], "bodies.rod.inertia": 0}), 1e-5),
+        # Either's inertia is both's: they turn as one. Measured: 2e-5 of accelerations, likewise.
+        (scene_files.load("telescope", {"bodies.cylinder.inertia": 1e-3}), 1e-4),
+        (scene_files.load("telescope", scene_files.without_masses("telescope")), 1e-4),
+        (slider_crank({"bodies.crank.mass": 0}), 1e-5),
+    ],
+    ids=["point mass", "one inertia of two", "kinematic", "massless crank"],
+)
+def test_what_can_be_turned_is_not_refused(scene: Scene, largest: float) -> None:
+    motion, expected = solve(scene, DEFAULT, Sampling(72)), reference(scene, Sampling(72))
+    assert max(error.max() for error in errors(motion, expected).values()) <= largest
 
 
 def test_overflow_is_no_result() -> None:
@@ -154,33 +164,6 @@ def test_overflow_is_no_result() -> None:
     assert isinstance(scene.drive, ConstantSpeed)
     failure = failure_of(replace(scene, drive=replace(scene.drive, speed=1e200)))  # which the file could not say
     assert failure.status is Status.nonfinite
-
-
-def test_points_by_lengths_that_do_not_meet() -> None:
-    lengths = {"bodies.plate.lengths.A-L": 100, "bodies.plate.lengths.K-L": 200}
-    failure = failure_of(scene_files.load("driven_toggle", {**lengths, "sketch.L": [90, 50]}))
-    assert failure.status is Status.cannot_assemble
-    assert "from A and K to L of 'plate'" in failure.reason  # A-K, about 370 mm, is itself no given length
-
-
-def test_start_too_near_a_lock_is_refused() -> None:
-    failure = failure_of(driven_slider(3.999))
-    assert failure.status is Status.cannot_assemble  # 4 dm is where the rod and the crank are in line
-    assert "steps before zero" in failure.reason
-    assert "slider at 4 dm" in failure.reason
-
-
-def test_bodies_that_turn_together_without_inertia() -> None:
-    failure = failure_of(scene_files.load("telescope"))
-    assert failure.status is Status.unsupported
-    assert "'cylinder'" in failure.reason
-    # Either's inertia is both's: they turn as one.
-    scene = scene_files.load("telescope", {"bodies.cylinder.inertia": 1e-3})
-    found, expected = solve(scene, DEFAULT, Sampling(72)), reference(scene, Sampling(72))
-    # Measured: 2e-5 of accelerations, which the extrapolation leaves.
-    assert max(error.max() for error in errors(found, expected).values()) <= 1e-4
-    kinematic = scene_files.load("telescope", scene_files.without_masses("telescope"))
-    assert off(solve(kinematic, DEFAULT, Sampling(72))["rod.alpha"], expected["rod.alpha"]) <= 1e-4
 
 
 def test_a_singular_matrix_gives_no_numbers_and_leaves_the_others_alone() -> None:
@@ -199,8 +182,7 @@ def test_a_dead_centre_between_two_samples_is_not_stepped_over(label: str) -> No
 
 @pytest.mark.parametrize("settings", [FAST, TextbookSettings("", 60)])
 def test_a_run_that_takes_too_long_names_its_steps(settings: AnySettings, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("simulation", "textbook"):
-        monkeypatch.setattr(f"sim_models.pymunk.{module}.SECONDS", 0.0)
+    monkeypatch.setattr("sim_models.pymunk.runs.simulation.SECONDS", 0.0)
     failure = failure_of(scenes.load("toggle_press"), settings)
     assert failure.status is Status.timed_out
     assert re.search("of processor time were not enough for .*steps", failure.reason)

@@ -1,0 +1,220 @@
+"""The branch of a group solved by Newton's method: poses over the drive's way, followed from the sketch.
+
+Long strides come first, then all poses between them at once; where these are not on one smooth branch, it is followed
+step by step. Every position asked for starts from the nearest of the poses, so that its answer depends on no other one.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import copysign, inf, pi, remainder, sqrt
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Failure, Scene, Status
+from scenes.model.motion import Samples
+
+from ..misfit import of_group
+from .geometry import RigidBody
+from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
+from .newton_group import ROUGHLY, assemble, correction, rates, refine
+
+STEPS = 360  # over a turn, or over the way of a driven slider
+STRIDE = 16  # steps: so far apart poses are at first
+ONE_STEP = 1.01  # steps: a step, and its roundings
+SMALLEST = 2.0**-20  # of a step: a singular configuration is found to that
+ASTRAY = 0.1  # of a move: a pose that is further off than that from where it was expected may be another branch's
+SMOOTH = 0.01  # of a move: how far off a parabola may be at the next pose, an eighth of it half way
+SAFE = 0.7  # of the stride that the last one's parabola allows
+FLAT = 0.1  # of what a parabola may be off: how much less is not relied on for the next stride
+SAME = 1e-6  # rad: two poses
+
+PlacedAt: TypeAlias = Callable[[Samples], Placed]  # position of the drive -> what the group hangs on, at rate one
+
+
+@dataclass(frozen=True)
+class Track:
+    """N poses by the drive's position, within one turn of a crank, and how they change with the position."""
+
+    equations: GroupEquations
+    step: float  # rad or m, between poses
+    turn: float  # the period of positions, 2 pi; infinite for a driven slider
+    position: Samples  # (N,), increasing
+    q: Samples  # (N, m)
+    dq: Samples  # (N, m), by unit of position
+    ddq: Samples  # (N, m)
+    branch: float  # the sign of det J: it changes where the branch meets another
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Which poses were reached, shape (N,)."""
+        return np.asarray(~np.isnan(self.q[:, 0]))
+
+    def guess(self, position: Samples) -> tuple[Samples, Samples]:
+        """Where Newton's method begins at positions of the drive, shape (n, m), and how far off a pose may be, (n,), m.
+
+        NaN where there is no pose near enough to begin from.
+        """
+        nearest = self.rows(self.nearest(position))
+        h = self._within(position - nearest.position, -self.turn / 2)
+        return nearest.ahead(np.where(np.abs(h) <= ONE_STEP * self.step, h, np.nan))
+
+    def ahead(self, h: Samples) -> tuple[Samples, Samples]:
+        """The same as `guess`, from each pose to the position that is h further, shape (N,)."""
+        guess = self.q + h[:, None] * (self.dq + h[:, None] / 2 * self.ddq)
+        return guess, ASTRAY * self.equations.length(guess - self.q) + ROUGHLY * self.equations.size
+
+    def at(self, guess: Samples, allowed: Samples, placed: FramePoses) -> tuple[FramePoses, Samples]:
+        """All frames near guesses, and their Jacobian, shape (n, m, 3 frames), NaN where there is no branch."""
+        q, closed = refine(correction(self.equations, placed), guess, self.equations.size)
+        closed &= self.equations.length(q - guess) <= allowed
+        pose = self.equations.pose(q, placed)
+        J = self.equations.jacobian(pose)
+        closed &= np.linalg.slogdet(J[..., : q.shape[-1]])[0] == self.branch
+        if not closed.all():
+            pose = self.equations.pose(np.where(closed[:, None], q, np.nan), placed)
+            J = np.where(closed[:, None, None], J, np.nan)
+        return pose, J
+
+    def moved(self, h: Samples, placed: PlacedAt) -> "Track":
+        """Return the poses at the positions that are h further, shape (N,); NaN where the branch does not reach."""
+        position = self.position + h
+        hung = placed(position)
+        pose, J = self.at(*self.ahead(h), hung.pose)
+        q = coordinates(pose.z, pose.angle)[:, : 3 * self.equations.bodies]
+        dq, ddq = rates(self.equations, pose, J, hung)
+        return replace(self, position=position, q=q, dq=dq, ddq=ddq)
+
+    @property
+    def comes_back(self) -> bool:
+        """Whether the last pose is the first one again."""
+        last, first = (np.exp(1j * self.q[row, 2::3]) for row in (-1, 0))
+        return bool(np.abs(last - first).max() <= SAME)
+
+    def rows(self, which: slice | NDArray[np.intp] | NDArray[np.bool_]) -> "Track":
+        """Some of the poses."""
+        q, dq, ddq = (values[which] for values in (self.q, self.dq, self.ddq))
+        return replace(self, position=self.position[which], q=q, dq=dq, ddq=ddq)
+
+    def nearest(self, position: Samples) -> NDArray[np.intp]:
+        """Return which poses are nearest to positions of the drive, shape (n,)."""
+        middles = (self.position[1:] + self.position[:-1]) / 2
+        return np.asarray(np.searchsorted(middles, self.position[0] + self._within(position - self.position[0], 0.0)))
+
+    def off_parabola(self, before: "Track") -> Samples:
+        """Return how far the parabola through each pose is off the one before, of how far it may be, shape (N,).
+
+        Above one, no position between may be found: a step can leap over a singular configuration, near which a
+        parabola holds for less than a step.
+        """
+        h, move = (before.position - self.position)[:, None], self.equations.length(self.q - before.q)
+        off = self.equations.length(self.q + h * (self.dq + h / 2 * self.ddq) - before.q)
+        share: Samples = off / (SMOOTH * move + ROUGHLY * self.equations.size)
+        return share
+
+    def _within(self, difference: Samples, least: float) -> Samples:
+        """Return the difference less the whole turns that leave it at `least` or up to a turn above."""
+        return difference if self.turn == inf else least + np.remainder(difference - least, self.turn)
+
+
+def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
+    """Follow the sketch's branch round the turn, along a driven slider's way, or to where it ends on both sides.
+
+    Raises:
+        Failure: `cannot_assemble` at the sketch; `unsupported` when a crank turns all the way and ends in another pose.
+    """
+    first = _begun(scene, group, bodies, placed)
+    start, step, turn = scene.sketch.drive, first.step, first.turn
+    least, most = scene.drive.extent
+    if not first.known.all():
+        at_sketch = np.array([sketched_coordinates(scene, group, bodies)]), placed(first.position).pose
+        open_by = of_group(scene, group, first.equations, *at_sketch)
+        why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
+        raise Failure(Status.cannot_assemble, why)
+    if scene.driven_slide is not None:
+        return _both(*(_march(first, placed, way) for way in (min(least - start, 0.0), max(most - start, 0.0))))
+    forward = _march(first, placed, turn)
+    ahead = forward.position[-1] - start
+    if ahead < turn - SMALLEST * step:
+        return _both(_march(first, placed, ahead - turn), forward)
+    if forward.comes_back:
+        return forward
+    if most - least > turn - step:
+        why = f"after one turn of the crank {', '.join(group.bodies)} are in another pose than before"
+        raise Failure(Status.unsupported, why)
+    middle = start + remainder((least + most) / 2 - start, turn)  # of a part of a turn, where one angle has one pose
+    both = _both(_march(first, placed, -turn), forward)
+    return both.rows(np.abs(both.position - middle) <= turn / 2)
+
+
+def _begun(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
+    """The pose at the sketch, q of shape (1, m); NaN for none."""
+    equations, position = equations_of(scene, bodies, group), np.array([scene.sketch.drive])
+    turn = 2 * pi if scene.driven_slide is None else inf
+    least, most = scene.drive.extent
+    step = (2 * pi if scene.driven_slide is None else most - least) / STEPS
+    hung = placed(position)
+    q = assemble(
+        correction(equations, hung.pose), np.array([sketched_coordinates(scene, group, bodies)]), equations.size
+    )
+    pose = equations.pose(q, hung.pose)
+    J = equations.jacobian(pose)
+    branch = float(np.linalg.slogdet(J[..., : q.shape[-1]])[0][0])
+    first = Track(equations, step, turn, position, q, *rates(equations, pose, J, hung), branch)
+    pose, J = first.at(*first.ahead(np.zeros(1)), hung.pose)
+    return replace(first, q=np.where(np.isnan(J[:, :1, 0]), np.nan, q))
+
+
+def _march(first: Track, placed: PlacedAt, way: float) -> Track:
+    """Return the poses from the first onwards, at most a step apart."""
+    strides = _strides(first, placed, way, STRIDE * first.step)
+    return _filled(strides, placed) or _strides(first, placed, way, first.step)
+
+
+def _strides(first: Track, placed: PlacedAt, way: float, longest: float) -> Track:
+    """Return the poses from the first onwards, a stride apart, shorter ones where Newton's method loses the branch."""
+    poses, smallest = [first], SMALLEST * first.step
+    h = first.step
+    while h >= smallest and (gone := abs(poses[-1].position[0] - first.position[0])) < abs(way) - smallest:
+        h = min(h, abs(way) - gone)
+        reached = poses[-1].moved(np.array([copysign(h, way)]), placed)
+        off = float(reached.off_parabola(poses[-1])[0])
+        if not off <= 1:
+            h /= 2
+        else:
+            poses.append(reached)
+            h = min(h * SAFE / sqrt(max(off, FLAT)), longest)  # a parabola is off by h^3 of a move by h
+    return _joined(poses)
+
+
+def _filled(track: Track, placed: PlacedAt) -> Track | None:
+    """Return a track with poses half way between its own until they are at most a step apart, each near the last.
+
+    None where the branch does not reach one of them, or they are near each other at no distance.
+    """
+    while True:
+        before, after = track.rows(slice(-1)), track.rows(slice(1, None))
+        apart = after.position - before.position
+        wide = (np.abs(apart) > ONE_STEP * track.step) | ~(after.off_parabola(before) <= 1)
+        if not wide.any():
+            return track
+        halved = np.flatnonzero(wide)
+        if np.abs(apart[halved]).min() < SMALLEST * track.step:
+            return None
+        between = before.rows(halved).moved(apart[halved] / 2, placed)
+        if not between.known.all():
+            return None
+        order = np.argsort(np.r_[: len(apart) + 1, halved + 0.5], kind="stable")
+        track = _joined([track, between]).rows(order)
+
+
+def _both(back: Track, forth: Track) -> Track:
+    """Return the poses on both sides of the first, by increasing position."""
+    return _joined([back.rows(slice(None, 0, -1)), forth])
+
+
+def _joined(poses: Sequence[Track]) -> Track:
+    columns = zip(*((pose.position, pose.q, pose.dq, pose.ddq) for pose in poses), strict=True)
+    position, q, dq, ddq = map(np.concatenate, columns)
+    return replace(poses[0], position=position, q=q, dq=dq, ddq=ddq)

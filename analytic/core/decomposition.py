@@ -1,0 +1,291 @@
+"""From the joint graph to a driver and Assur groups, in the order in which they can be solved.
+
+A dyad, a group of class II, is two bodies, its legs, joined by an inner joint, each hung by an outer joint on what is
+already placed. Its assembly branch is read once from the sketch and stays a number: nothing is remembered from one
+position of the drive to the next. Where no dyad hangs on what is placed, the fewest bodies that do hold each other make
+one larger group.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TypeAlias
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.arguments import scene_of
+from scenes.scene import GROUND
+
+from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
+from .group_equations import Group, PinJoint, SlideJoint
+from .numbers import Number, Vector, chosen
+
+FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
+
+
+@dataclass(frozen=True)
+class Pinned:
+    """A leg that turns about the placed point A."""
+
+    body: str
+    A: str
+
+
+@dataclass(frozen=True)
+class Guided:
+    """A leg that slides on the placed body `on`: its point F runs through G along t, both fixed in the frame of `on`.
+
+    Either of the two may be the slider of the scene: the line through either's point has to pass through
+    the other's, and the frames are parallel.
+    """
+
+    body: str
+    on: str
+    F: Vector  # m, in the frame of `body`
+    G: Vector  # m, in the frame of `on`
+    t: Vector  # unit, in both frames
+    slider: str  # the one of the two that the channels are named by
+
+
+Leg: TypeAlias = Pinned | Guided
+
+
+@dataclass(frozen=True)
+class InnerPin:
+    """RRR, RRP or PRP: the legs meet at the pin P; a pinned leg comes first."""
+
+    legs: tuple[Leg, Leg]
+    P: str
+    branch: Number  # RRR: of (B - A) x (P - A); RRP: of (P - A) . t; PRP: of t1 x t2
+
+
+@dataclass(frozen=True)
+class InnerSlide:
+    """RPR or RPP: the second leg is pinned at A and the first one slides on it."""
+
+    legs: tuple[Leg, Pinned]
+    guide: Guided  # of the first leg on the second
+    branch: Number  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
+
+
+Dyad: TypeAlias = InnerPin | InnerSlide
+
+
+@dataclass(frozen=True)
+class Decomposition:
+    """A linkage in solving order: the driver, then one Assur group after the other."""
+
+    driver: Leg
+    groups: tuple[Dyad | Group, ...]
+    bodies: Mapping[str, RigidBody]
+    carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
+    arm: Number  # m, the longest
+
+
+def decompose(scene: Scene) -> Decomposition:
+    """Split a linkage into its driver and its Assur groups: dyads as long as there are any, in the order of the file.
+
+    Raises:
+        Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
+    """
+    bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
+    placed = _Placed(scene, bodies)
+    driven = scene.drive.body
+    driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))
+    placed.add(driven)
+    groups: list[Dyad | Group] = []
+    while left := [name for name in scene.bodies if name not in placed.carries]:
+        group = next(_dyads(placed, left), None) or larger_group(placed, _fewest(placed, left))
+        groups.append(group)
+        for body in members(group):
+            placed.add(body)
+    return Decomposition(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies))
+
+
+def route(scene: Scene) -> str:
+    """Return how a scene is solved: `closed form: crank, RRR, RRP` or `crank, RRR, Newton on one-plate-two-three`.
+
+    Args:
+        scene: the mechanism.
+
+    Raises:
+        Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
+    """
+    groups = decompose(scene).groups
+    closed_form = not any(isinstance(group, Group) for group in groups)
+    driver = "crank" if scene.driven_slide is None else "driven slider"
+    return ("closed form: " if closed_form else "") + ", ".join([driver, *map(kind, groups)])
+
+
+def kind(group: Dyad | Group) -> str:
+    """Return the joints of a dyad, outer, inner, outer: `RRP`; or the bodies of a larger group."""
+    if isinstance(group, Group):
+        return f"Newton on {'-'.join(group.bodies)}"
+    first, second = ("R" if isinstance(leg, Pinned) else "P" for leg in group.legs)
+    return f"{first}R{second}" if isinstance(group, InnerPin) else f"{second}P{first}"
+
+
+def guides_cross(group: Dyad | Group) -> bool:
+    """Return whether a group is a dyad that is singular where two guides are parallel."""
+    return kind(group) in ("PRP", "RPP")
+
+
+def inner_joint(group: Dyad | Group) -> str:
+    """Return the name of a group in channels: its inner pin, or the slider of its inner slide."""
+    return group.guide.slider if isinstance(group, InnerSlide) else group.P
+
+
+def members(group: Dyad | Group) -> tuple[str, ...]:
+    """Return the bodies in the order in which they are placed; the inner pin goes with the first, a slider if any."""
+    if isinstance(group, Group):
+        return group.bodies
+    return tuple(leg.body for leg in sorted(group.legs, key=lambda leg: isinstance(leg, Pinned)))
+
+
+class _Placed:
+    """What is placed so far: bodies, the ground among them, and their points."""
+
+    def __init__(self, scene: Scene, bodies: Mapping[str, RigidBody]) -> None:
+        self.scene, self.bodies, self.at = scene, bodies, sketched(scene)
+        self.points = set(scene.ground)
+        slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+        self.slid = {name: {other for pair in slides if name in pair for other in pair} for name in scene.bodies}
+        self.carries: dict[str, tuple[str, ...]] = {}
+
+    def add(self, name: str) -> None:
+        self.carries[name] = tuple(point for point in self.scene.bodies[name].points if point not in self.points)
+        self.points.update(self.carries[name])
+
+    def __contains__(self, name: str) -> bool:
+        return name == GROUND or name in self.carries
+
+    def outer(self, name: str) -> list[Leg]:
+        """Return the joints by which a body hangs on what is placed."""
+        pins: list[Leg] = [Pinned(name, point) for point in self.scene.bodies[name].points if point in self.points]
+        known = (GROUND, *self.carries) if self.slid[name] else ()
+        slides = (self.guided(name, other) for other in known if other in self.slid[name])
+        return pins + [guided for guided in slides if guided is not None]
+
+    def guided(self, name: str, other: str) -> Guided | None:
+        """Return the slide between two bodies, the second of which may be the ground."""
+        for slider, on in ((name, other), (other, name)):
+            slide = None if slider == GROUND else self.scene.bodies[slider].slide
+            if slide is not None and slide.on == on:
+                foot, through = self.bodies[slider].first, as_complex(slide.through)
+                F, G = (foot, through) if slider == name else (through, foot)
+                return Guided(name, other, F, G, as_complex(slide.along), slider)
+        return None
+
+    def direction(self, leg: Guided) -> Vector:
+        """Return the direction of a guide in the sketch."""
+        return sketched_attitude(self.scene, leg.body, self.bodies) * leg.t
+
+
+# --- dyads -----------------------------------------------------------------------------------------------------------
+
+
+def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
+    """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
+    scene = placed.scene
+    legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1}
+    for P, owners in scene.owners.items():
+        for first, second in combinations(owners, 2):
+            if P not in placed.points and first in legs and second in legs:
+                yield _inner_pin(placed, P, legs[first], legs[second])
+    for first, second in combinations(legs, 2):
+        inner = placed.guided(first, second)
+        if inner is not None and isinstance(legs[second], Pinned):
+            yield _inner_slide(placed, legs[first], legs[second], inner)
+        elif inner is not None and isinstance(legs[first], Pinned):
+            reverse = placed.guided(second, first)
+            assert reverse is not None
+            yield _inner_slide(placed, legs[second], legs[first], reverse)
+
+
+def _inner_pin(placed: _Placed, P: str, one: Leg, two: Leg) -> InnerPin:
+    at = placed.at
+    if isinstance(one, Guided) and isinstance(two, Pinned):
+        one, two = two, one
+    if isinstance(one, Pinned) and isinstance(two, Pinned):
+        side = cross(at[two.A] - at[one.A], at[P] - at[one.A])
+        return InnerPin((one, two), P, _sign(side, f"{P} lies on the line {one.A}-{two.A}"))
+    if isinstance(one, Pinned) and isinstance(two, Guided):
+        ahead = ((at[P] - at[one.A]) * placed.direction(two).conjugate()).real
+        return InnerPin((one, two), P, _sign(ahead, f"{one.A}-{P} is square to the guide of {two.slider}"))
+    assert isinstance(one, Guided)
+    assert isinstance(two, Guided)
+    return InnerPin((one, two), P, _crossing(placed, one, two))
+
+
+def _inner_slide(placed: _Placed, one: Leg, two: Leg, guide: Guided) -> InnerSlide:
+    assert isinstance(two, Pinned)
+    if isinstance(one, Guided):
+        return InnerSlide((one, two), guide, _crossing(placed, one, guide))
+    ahead = ((placed.at[one.A] - placed.at[two.A]) * placed.direction(guide).conjugate()).real
+    return InnerSlide((one, two), guide, _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}"))
+
+
+def _crossing(placed: _Placed, one: Guided, two: Guided) -> Number:
+    crossing = cross(placed.direction(one), placed.direction(two))
+    why_not = f"the guides of {one.slider} and {two.slider} are parallel"
+    return _sign(chosen(abs(crossing) > FLAT, crossing, 0.0), why_not)
+
+
+def _sign(value: Number, why_not: str) -> Number:
+    """Return the sign of a value; of a recorded one, zero where it is."""
+    if np.ndim(value):
+        return np.sign(value)
+    if value == 0:
+        raise Failure(Status.unsupported, f"the sketch leaves the assembly branch open: {why_not}")
+    return 1 if value > 0 else -1
+
+
+# --- larger groups ---------------------------------------------------------------------------------------------------
+
+
+def _fewest(placed: _Placed, left: list[str]) -> tuple[str, ...]:
+    """Return the fewest of the bodies left that hang on what is placed without a freedom of their own.
+
+    All that is left has none, by Gruebler's count of the whole linkage.
+    """
+    subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
+    bodies = next(bodies for bodies in subsets if _freedoms(placed, bodies) <= 0)
+    if _freedoms(placed, bodies) < 0:
+        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(bodies)}")
+    return bodies
+
+
+def _freedoms(placed: _Placed, bodies: tuple[str, ...]) -> int:
+    """Return Gruebler's count: three a body, less two for each pin and each slide."""
+    return 3 * len(bodies) - 2 * len(_pins(placed, bodies)) - 2 * len(_slides(placed, bodies))
+
+
+def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
+    """Join bodies that are to be solved together."""
+    pins, slides = _pins(placed, bodies), _slides(placed, bodies)
+    return Group(bodies, pins, slides, next((pin.point for pin in pins if pin.on is not None), bodies[0]))
+
+
+def _pins(placed: _Placed, bodies: tuple[str, ...]) -> tuple[PinJoint, ...]:
+    """Return the bodies' pins: each on a placed point, or else on the first of the bodies that names the point."""
+    first: dict[str, str | None] = dict.fromkeys(placed.points)
+    joints = []
+    for body in bodies:
+        for point in placed.scene.bodies[body].points:
+            if point in first:
+                joints.append(PinJoint(point, body, first[point]))
+            first.setdefault(point, body)
+    return tuple(joints)
+
+
+def _slides(placed: _Placed, bodies: tuple[str, ...]) -> tuple[SlideJoint, ...]:
+    """Return the bodies' slides, on each other and on what is placed, and of what is placed on them."""
+    joined = [body for body in placed.scene.bodies.values() if body.name in bodies or body.name in placed.carries]
+    return tuple(
+        SlideJoint(body.name, body.slide.on)
+        for body in joined
+        if body.slide is not None
+        and {body.name, body.slide.on} & set(bodies)
+        and (body.slide.on in bodies or body.slide.on in placed)
+    )

@@ -1,0 +1,144 @@
+"""A body in its own frame, as complex numbers: where its points and its centre of mass lie, what it weighs."""
+
+import cmath
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+from scenes import InputError
+from scenes.scene import GROUND, Body, Scene
+
+from .numbers import Number, Vector, chosen, largest, least, root, samples
+
+
+def as_complex(vector: tuple[Number, Number]) -> Vector:
+    """Return the plane vector (x, y) as x + iy."""
+    x, y = vector
+    return x + 1j * y
+
+
+def cross(a: Vector, b: Vector) -> Number:
+    """Return the z component of a x b."""
+    return (a.conjugate() * b).imag
+
+
+def twice_area(a: Number, b: Number, c: Number) -> Number:
+    """Return twice the area of a triangle with sides a, b, c.
+
+    Kahan, "Miscalculating area and angles of a needle-like triangle" (2014): with a >= b >= c and these very
+    parentheses the relative error is a few roundings, however flat the triangle. Zero when the sides cannot close.
+    """
+    a, b, c = largest(a, b, c), largest(least(a, b), least(largest(a, b), c)), least(a, b, c)
+    return root((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))) / 2
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A body's frame: points and centre of mass as complex numbers, m; mass, kg; inertia about the com, kg m^2."""
+
+    local: Mapping[str, Vector]
+    com: Vector
+    mass: Number
+    inertia: Number
+
+    @property
+    def first(self) -> Vector:
+        """Return where the first point lies, body frame, m."""
+        return next(iter(self.local.values()))
+
+    def arm(self, foot: str, tip: str) -> Vector:
+        """Return the vector from one point of the body to another, body frame, m."""
+        return self.local[tip] - self.local[foot]
+
+    def com_arm(self, foot: str) -> Vector:
+        """Return the vector from a point of the body to its centre of mass, body frame, m."""
+        return self.com - self.local[foot]
+
+
+def rigid_body(scene: Scene, body: Body) -> RigidBody:
+    """Return a body's frame coordinates and mass properties; the mass is zero in a kinematic scene."""
+    if body.local is not None:
+        local = {point: as_complex(xy) for point, xy in body.local.items()}
+    else:
+        local = _from_lengths(scene, body)
+    mass = 0.0 if body.mass is None else body.mass
+    if body.com is not None and body.inertia is not None:
+        return RigidBody(local, as_complex(body.com), mass, body.inertia)
+    corners = [local[point] for point in body.corners]
+    sides_squared = sum(abs(a - b) ** 2 for i, a in enumerate(corners) for b in corners[i + 1 :])
+    # point mass, uniform bar m l^2 / 12, uniform triangular plate m (a^2 + b^2 + c^2) / 36; with more points, no mass
+    inertia = mass * sides_squared / {1: 1, 2: 12}.get(len(corners), 36)
+    return RigidBody(local, sum(corners) / len(corners), mass, inertia)
+
+
+def longest_arm(scene: Scene, bodies: Mapping[str, RigidBody]) -> Number:
+    """Return the largest distance of two points, or of a point from a guide, on one body or the ground, m.
+
+    Turns of guides count as moves at this arm. Where there is none, as of wedges, it is the way of the drive.
+    """
+    points = {name: list(body.local.values()) for name, body in bodies.items()}
+    points[GROUND] = [as_complex(xy) for xy in scene.ground.values()]
+    arms = [abs(a - b) for own in points.values() for a, b in combinations(own, 2)]
+    for slide in (body.slide for body in scene.bodies.values() if body.slide is not None):
+        t, through = as_complex(slide.along), as_complex(slide.through)
+        arms += [abs(cross(t, point - through)) for point in points[slide.on]]
+    start, end = scene.drive.extent
+    arm = largest(*arms) if arms else 0.0
+    return chosen(arm > 0, arm, end - start)
+
+
+def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
+    """Place the first point at the origin, the second on x, every further one on the side where the sketch shows it."""
+    assert body.lengths is not None
+    lengths = body.lengths
+    first, second, *others = body.points
+    at = sketched(scene) if others else {}
+    local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}
+    for C in others:
+        A, B = body.bases(C)
+        a, b = lengths[frozenset((B, C))], lengths[frozenset((A, C))]
+        base = local[B] - local[A]
+        c = abs(base)
+        x = (c + (b - a) * (b + a) / c) / 2
+        y = twice_area(a, b, c) / c
+        side = chosen(cross(at[B] - at[A], at[C] - at[A]) > 0, y, -y)
+        local[C] = local[A] + base / c * as_complex((x, side))
+    return local
+
+
+def guide_of(scene: Scene, point: str) -> tuple[Vector, Vector]:
+    """The direction, and a point, of the guide on the ground along which a point runs.
+
+    Raises:
+        InputError: the point is on no body that slides on the ground.
+    """
+    guided = scene.guided(point)
+    if guided is None:
+        raise InputError(f"{point} is on no body that slides on the ground")
+    _, slide = guided
+    return samples(as_complex(slide.along)), as_complex(slide.through)
+
+
+def sketched(scene: Scene) -> dict[str, Vector]:
+    """Return where the sketch shows each point, the ground's points included."""
+    return {point: as_complex(xy) for point, xy in {**scene.ground, **scene.sketch.points}.items()}
+
+
+def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) -> Vector:
+    """Return exp(i angle) of a body in the sketch, by the points of it, or of a body aligned with it, that are shown.
+
+    Of the turns that lay a body's points on the sketched ones, the one with the least squares.
+    """
+    aligned = scene.aligned[body]
+    if GROUND in aligned:
+        return 1 + 0j
+    if scene.drive.body in aligned:
+        return cmath.exp(1j * scene.sketch.drive)
+    at = sketched(scene)
+    shown = ([point for point in bodies[name].local if point in at] for name in (body, *sorted(aligned)))
+    points = next(points for points in shown if len(points) > 1)  # there is one: `scenes.file.consistency` sees to it
+    owner = bodies[next(name for name in (body, *sorted(aligned)) if set(points) <= set(bodies[name].local))].local
+    own, drawn = (sum(place[point] for point in points) / len(points) for place in (owner, at))
+    turn = sum((owner[point] - own).conjugate() * (at[point] - drawn) for point in points)
+    known = abs(turn) > 0
+    return chosen(known, turn, 1 + 0j) / chosen(known, abs(turn), 1.0)

@@ -1,0 +1,249 @@
+"""A group that holds no dyad, as equations: joints that must close, at all positions at once.
+
+The bodies' Cartesian coordinates q = (x, y, angle) of each body's first point are the unknowns, m of them; what the
+group hangs on is placed and moves as the drive has it. The joints' constraints, and their derivatives by the time, are
+
+    C(q) = 0,    J q' + placed = 0,    J q'' + placed + quadratic = 0,    J = dC / dq,                               (1)
+
+m of them too: Nikravesh, "Computer-Aided Analysis of Mechanical Systems" (1988), chapter 3.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.model.motion import Samples
+from scenes.scene import GROUND
+
+from .geometry import RigidBody, as_complex, sketched, sketched_attitude
+from .numbers import Number, Vector, chosen, largest
+
+Complex: TypeAlias = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class PinJoint:
+    """A pin of a larger group: at `point`, `body` hangs on the body `on` of the group, or on a placed point (None)."""
+
+    point: str
+    body: str
+    on: str | None
+
+
+@dataclass(frozen=True)
+class SlideJoint:
+    """A slide of a larger group: one of the two is a body of the group, the other is too, or is placed."""
+
+    slider: str
+    on: str
+
+
+@dataclass(frozen=True)
+class Group:
+    """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
+
+    bodies: tuple[str, ...]
+    pins: tuple[PinJoint, ...]
+    slides: tuple[SlideJoint, ...]
+    P: str
+
+    @property
+    def hangs_on(self) -> tuple[str, ...]:
+        """The placed bodies, the ground among them, and points that the group's joints are at."""
+        bodies = (name for slide in self.slides for name in (slide.slider, slide.on) if name not in self.bodies)
+        return (*dict.fromkeys(bodies), *dict.fromkeys(f".{pin.point}" for pin in self.pins if pin.on is None))
+
+
+@dataclass(frozen=True)
+class FramePoses:
+    """Where frames are: their first points, m, and their angles, rad, each of shape (..., frames)."""
+
+    z: Complex
+    angle: Samples
+
+    @cached_property
+    def u(self) -> Complex:
+        """Return the attitudes exp(i angle)."""
+        attitudes: Complex = np.exp(1j * self.angle)
+        return attitudes
+
+
+@dataclass(frozen=True)
+class Placed:
+    """What a group hangs on: frames, and how they move, each of shape (..., frames)."""
+
+    pose: FramePoses
+    v: Complex
+    omega: Samples
+    a: Complex
+    alpha: Samples
+
+
+@dataclass(frozen=True)
+class GroupEquations:
+    """The constants of the joints, between the frames of the group's b bodies and, after them, of what they hang on.
+
+    S and T mark the frames that a joint is between: -1 the one that a pin hangs on or that a slider slides on, 1 the
+    other, else 0. R and E are, with the same signs, the arms in them: of the pin; of the slider's first point and of
+    the guide's.
+    """
+
+    bodies: int  # b
+    S: Samples  # (p, frames), pins
+    R: Complex  # (p, frames), m
+    T: Samples  # (s, frames), slides
+    E: Complex  # (s, frames), m
+    on: NDArray[np.intp]  # (s,), the frame that the guide is in
+    along: Complex  # (s,), unit, in that frame
+    size: float  # m, the longest arm
+
+    def pose(self, q: Samples, placed: FramePoses) -> FramePoses:
+        """Return all frames, those of the group at the coordinates q, shape (..., m)."""
+        z, angle = in_plane(q)
+        return FramePoses(np.concatenate([z, placed.z], axis=-1), np.concatenate([angle, placed.angle], axis=-1))
+
+    def open(self, pose: FramePoses) -> Samples:
+        """Return C, shape (..., m): of each pin the gap, x and y; of each slide the offset, the difference of angles.
+
+        The offset is w x D, w the guide's direction and D from the guide's point to the slider's.
+        """
+        gap = _joined(self.S, pose.z) + _joined(self.R, pose.u)
+        rows = [gap.real, gap.imag]
+        if len(self.T):
+            w, D = self._guides(pose)
+            turned = np.remainder(_joined(self.T, pose.angle) + np.pi, 2 * np.pi) - np.pi
+            rows += [(w.conj() * D).imag, turned]
+        return np.concatenate(rows, axis=-1)
+
+    def jacobian(self, pose: FramePoses) -> Samples:
+        """Return dC by the coordinates of all frames, shape (..., m, 3 frames)."""
+        (p, frames), s = self.S.shape, len(self.T)
+        jacobian = np.zeros((*pose.z.shape[:-1], 2 * (p + s), frames, 3))
+        x, y = jacobian[..., :p, :, :], jacobian[..., p : 2 * p, :, :]
+        turning = 1j * self.R * pose.u[..., None, :]
+        x[..., 0], y[..., 1] = self.S, self.S
+        x[..., 2], y[..., 2] = turning.real, turning.imag
+        if s:
+            offset, turned = jacobian[..., 2 * p : 2 * p + s, :, :], jacobian[..., 2 * p + s :, :, :]
+            w, D = self._guides(pose)
+            gradients = self.T, 1j * self.T, 1j * self.E * pose.u[..., None, :]
+            for column, gradient in enumerate(gradients):
+                offset[..., column] = (w.conj()[..., None] * gradient).imag
+            offset[..., np.arange(s), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
+            turned[..., 2] = self.T
+        return jacobian.reshape(*jacobian.shape[:-2], 3 * frames)
+
+    def quadratic(self, pose: FramePoses, v: Complex, omega: Samples) -> Samples:
+        """The part of C'' besides J q'' of all frames, closed, shape (..., m).
+
+        A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
+        term has no imaginary part.
+        """
+        inward = -(omega**2) * pose.u
+        pins = _joined(self.R, inward)
+        rows = [pins.real, pins.imag]
+        if len(self.T):
+            w, _ = self._guides(pose)
+            turning = omega[..., self.on]
+            dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
+            ddD = _joined(self.E, inward)
+            offset = (w.conj() * (ddD - 2j * turning * dD)).imag
+            rows += [offset, np.zeros(offset.shape)]
+        return np.concatenate(rows, axis=-1)
+
+    def length(self, correction: Samples) -> Samples:
+        """Return the largest move of a correction, shape (...), m."""
+        return length_of(correction, self.size)
+
+    @cached_property
+    def arms(self) -> Samples:
+        """The moves by a unit of each coordinate, shape (m,), m."""
+        return np.where(np.arange(3 * self.bodies) % 3 == 2, self.size, 1.0)
+
+    def _guides(self, pose: FramePoses) -> tuple[Complex, Complex]:
+        """Return w and D of each slide, shape (..., s)."""
+        return self.along * pose.u[..., self.on], _joined(self.T, pose.z) + _joined(self.E, pose.u)
+
+
+def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) -> GroupEquations:
+    """Return the joints of a group; the foot of each body is its first point."""
+    index = {name: number for number, name in enumerate((*group.bodies, *group.hangs_on))}
+
+    def arm(body: str, local: Vector) -> Vector:
+        return local if body == GROUND else local - bodies[body].first
+
+    S, T = (np.zeros((len(joints), len(index))) for joints in (group.pins, group.slides))
+    R, E, along = np.zeros(S.shape, complex), np.zeros(T.shape, complex), np.zeros(len(T), complex)
+    for number, pin in enumerate(group.pins):
+        for name, sign in ((pin.body, 1), (pin.on or f".{pin.point}", -1)):
+            S[number, index[name]] = sign
+            R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
+    for number, joint in enumerate(group.slides):
+        slide = scene.bodies[joint.slider].slide
+        assert slide is not None
+        T[number, index[joint.slider]], T[number, index[joint.on]] = 1, -1
+        E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
+        along[number] = as_complex(slide.along)
+    on = np.array([index[joint.on] for joint in group.slides], np.intp)
+    return GroupEquations(len(group.bodies), S, R, T, E, on, along, size_of(group, bodies))
+
+
+def size_of(group: Group, bodies: Mapping[str, RigidBody]) -> Number:
+    """Return the longest arm of a group, m, or one where its bodies are of one point each."""
+    locals_ = [bodies[name].local.values() for name in group.bodies]
+    longest = largest(*(abs(a - b) for local in locals_ for a in local for b in local))
+    return chosen(longest > 0, longest, 1.0)
+
+
+def sketched_coordinates(scene: Scene, group: Group, bodies: Mapping[str, RigidBody]) -> list[Number]:
+    """Return the m coordinates that lay each body on its sketched points with the least squares."""
+    at = sketched(scene)
+    q: list[Number] = []
+    for name in group.bodies:
+        local = bodies[name].local
+        shown = [point for point in local if point in at]
+        u = sketched_attitude(scene, name, bodies)
+        feet = [at[point] + u * (bodies[name].first - local[point]) for point in shown]
+        feet = feet or list(at.values())  # of a body on a guide nothing need be shown
+        foot = sum(feet) / len(feet)
+        q += [foot.real, foot.imag, np.arctan2(u.imag, u.real)]
+    return q
+
+
+def length_of(correction: Samples, size: float | Samples) -> Samples:
+    """The largest move of corrections of shape (..., m) of a group, or of groups each of its size, shape (...), m."""
+    moves = np.abs(correction)
+    moves[..., 2::3] *= np.asarray(size)[..., np.newaxis]
+    length: Samples = moves.max(axis=-1)
+    return length
+
+
+def in_plane(q: Samples) -> tuple[Complex, Samples]:
+    """Return points and angles, each of shape (..., b), from coordinates of shape (..., 3 b), or their rates."""
+    bodies = q.reshape(*q.shape[:-1], q.shape[-1] // 3, 3)
+    return bodies[..., 0] + 1j * bodies[..., 1], bodies[..., 2]
+
+
+def coordinates(plane: Complex, turn: Samples) -> Samples:
+    """Return x, y and angle of frame after frame, shape (..., 3 frames)."""
+    return np.stack([plane.real, plane.imag, turn], axis=-1).reshape(*plane.shape[:-1], 3 * plane.shape[-1])
+
+
+def stacked(shape: tuple[int, ...], *frames: Sequence[NDArray[Any]]) -> Iterator[NDArray[Any]]:
+    """Yield samples of one frame after the other with the frames as last axis, of one shape, the given one or more."""
+    shape = np.broadcast_shapes(shape, *(samples.shape for columns in frames for samples in columns))
+    for columns in frames:
+        together = np.empty((*shape, len(columns)), complex if np.iscomplexobj(columns[0]) else float)
+        for column, samples in enumerate(columns):
+            together[..., column] = samples
+        yield together
+
+
+def _joined(signed: Samples | Complex, x: Samples | Complex) -> Any:
+    """Return sums over the frames of each joint, shape (..., joints), row by row unlike a matrix product."""
+    return np.einsum("...jf,...f->...j", signed, x)

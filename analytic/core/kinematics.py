@@ -1,0 +1,257 @@
+"""Position, velocity and acceleration of the whole linkage, group after group, for many positions at once."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.drive import Driven
+from scenes.model.motion import Samples
+from scenes.scene import GROUND
+
+from .continuation import Track, follow
+from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
+from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
+from .group_equations import FramePoses, Group, Placed, in_plane, stacked
+from .newton_group import rates
+from .numbers import samples
+from .placing import Closure, Kinematics, Placing
+
+RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]
+
+
+@dataclass(frozen=True)
+class Linkage(Decomposition):
+    """A decomposition whose larger groups have been followed: all that the kinematics needs."""
+
+    tracks: Mapping[Group, Track]
+
+
+def kinematics(
+    scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool = True, rrr: RRRPosition = rrr_position
+) -> Kinematics:
+    """Solve position and, with `rates`, velocity and acceleration at positions of the drive, shape (n,), rad or m.
+
+    Where a group does not reach, its `reach` is negative and it and all that hangs on it are NaN.
+    """
+    return Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
+
+
+def followed(scene: Scene, whole: Decomposition, tracks: Mapping[Group, Track] | None = None) -> Linkage:
+    """Return the linkage with the branch of every larger group, each followed once over the drive's way unless given.
+
+    Raises:
+        Failure: a larger group has no branch to follow, see `continuation.follow`.
+    """
+    if tracks is not None:
+        return Linkage(whole.driver, whole.groups, whole.bodies, whole.carries, whole.arm, tracks)
+    linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, whole.arm, tracks={})
+    for group in whole.groups:
+        if isinstance(group, Group):
+            with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
+                track = follow(scene, group, whole.bodies, partial(placed, scene, linkage, group))
+            linkage = replace(linkage, tracks={**linkage.tracks, group: track})
+        linkage = replace(linkage, groups=(*linkage.groups, group))
+    return linkage
+
+
+def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
+    """The frames that a group hangs on, by a drive of rate one; `before` is all that is placed by then."""
+    unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
+    return Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
+
+
+class Pass(Placing):
+    """One pass from the driver to the last group."""
+
+    def __init__(self, scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
+        super().__init__(scene, linkage, driven.position, rates=rates)
+        self.driven, self.rrr_position, self.tracks = driven, rrr, linkage.tracks
+
+    def solve(self) -> "Pass":
+        """Place everything."""
+        self.driver(self.linkage.driver, self.driven)
+        for group in self.linkage.groups:
+            if isinstance(group, InnerPin):
+                self.inner_pin(group)
+            elif isinstance(group, InnerSlide):
+                self.inner_slide(group)
+            else:
+                self.larger(group, self.driven.position)
+        return self
+
+    def driver(self, driver: Leg, driven: Driven) -> None:
+        """Place the driven body."""
+        spin = driven.rate.astype(self.real), driven.acceleration.astype(self.real)
+        if isinstance(driver, Pinned):
+            self.place(driver.body, driver.A, np.exp(1j * driven.position), spin if self.rates else None)
+            return
+        first = self.scene.bodies[driver.body].points[0]
+        k = self.k
+        k.z[first] = (driver.G + driver.t * driven.position).astype(self.complex)
+        k.v[first], k.a[first] = ((driver.t * rate).astype(self.complex) for rate in spin)
+        self.place_on_guide(driver, first)
+
+    # --- dyads
+
+    def inner_pin(self, dyad: InnerPin) -> None:
+        """Place the legs of a dyad with an inner pin."""
+        one, two = dyad.legs
+        if isinstance(one, Pinned) and isinstance(two, Pinned):
+            self.rrr(dyad, one, two)
+        elif isinstance(one, Pinned) and isinstance(two, Guided):
+            self.rrp(dyad, one, two)
+        elif isinstance(one, Guided) and isinstance(two, Guided):
+            self.prp(dyad, one, two)
+
+    def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
+        """Place two bars; P follows from the three sides of their triangle."""
+        A, B, P, k = one.A, two.A, dyad.P, self.k
+        bar_1 = self.linkage.bodies[one.body].arm(A, P)
+        bar_2 = self.linkage.bodies[two.body].arm(B, P)
+        r1, r2 = abs(bar_1), abs(bar_2)
+        d = k.z[B] - k.z[A]
+        distance = np.abs(d)
+        k.reach[P] = rrr_reach(r1, r2, distance)
+        k.to_lock[P] = np.minimum((r1 + r2) - distance, distance - abs(r1 - r2))
+        p, q, area = self.rrr_position(d, distance, r1, r2, k.reach[P], dyad.branch)
+        closure = k.closure[P] = Closure(1j * p, 1j * q, area)
+
+        spin_1 = spin_2 = None
+        if self.rates:
+            w1, w2 = closing(k.v[B] - k.v[A], *closure)
+            centripetal = (k.a[B] - w2**2 * q) - (k.a[A] - w1**2 * p)
+            alpha_1, alpha_2 = closing(centripetal, *closure)
+            spin_1, spin_2 = (w1, alpha_1), (w2, alpha_2)
+        self.place(one.body, A, p * (1 / bar_1), spin_1)
+        self.place(two.body, B, q * (1 / bar_2), spin_2)
+
+    def rrp(self, dyad: InnerPin, bar: Pinned, slider: Guided) -> None:
+        """Solve in guide axes: P = C + s t on the slider, A + p on the bar; only s and the bar's angle are unknown."""
+        A, P, k = bar.A, dyad.P, self.k
+        arm = self.linkage.bodies[bar.body].arm(A, P)
+        C, t = self.guide_through(slider, P), self.k.direction(slider)
+        e = (C[0] - k.z[A]) * t.conjugate()
+        k.reach[P] = slide_reach(abs(arm), e.imag)
+        k.to_lock[P] = abs(arm) - np.abs(e.imag)
+        p_t, p_n = dyad.branch * np.sqrt(k.reach[P]), e.imag
+        s = p_t - e.real
+        p = as_vectors(p_t, p_n) * t
+        closure = k.closure[P] = Closure(1j * p, samples(t), -p_t)
+
+        spin = None
+        base = self.carried(slider.on, C, s * t)
+        k.z[P] = samples(base[0])
+        if self.rates:
+            omega, ds = closing(base[1] - k.v[A], *closure)
+            a = base[2] + self.coriolis(slider.on, ds * t)
+            alpha, dds = closing(a - (k.a[A] - omega**2 * p), *closure)
+            k.v[P], k.a[P] = samples(base[1] + ds * t), samples(a + dds * t)
+            spin = omega, alpha
+        self.place_on_guide(slider, P)
+        self.place(bar.body, A, as_vectors(p_t, p_n) * (t / arm), spin)
+
+    def prp(self, dyad: InnerPin, one: Guided, two: Guided) -> None:
+        """Place two sliders, whose guides cross at P."""
+        P, k = dyad.P, self.k
+        C1, C2 = self.guide_through(one, P), self.guide_through(two, P)
+        t1, t2 = self.k.direction(one), self.k.direction(two)
+        closure = k.closure[P] = Closure(t1, t2, cross(t1, t2))
+        k.reach[P] = dyad.branch * closure.det
+        k.to_lock[P] = self.linkage.arm * k.reach[P]
+        k.z[P], k.v[P], k.a[P] = self.crossing(closure, one.on, C1, two.on, C2)
+        self.place_on_guide(one, P)
+        self.place_on_guide(two, P)
+
+    def inner_slide(self, dyad: InnerSlide) -> None:
+        """Place the legs of a dyad with an inner slide."""
+        one, two = dyad.legs
+        if isinstance(one, Pinned):
+            self.rpr(dyad, one, two)
+        else:
+            self.rpp(dyad, one, two)
+
+    def rpr(self, dyad: InnerSlide, one: Pinned, two: Pinned) -> None:
+        """With w the guide's direction, d = A1 - A2 has the side h across the guide, known, and sigma along it."""
+        k, guide, name = self.k, dyad.guide, inner_joint(dyad)
+        bodies = self.linkage.bodies
+        feet = (guide.F - bodies[one.body].local[one.A]) - (guide.G - bodies[two.body].local[two.A])
+        h = -cross(guide.t, samples(feet))
+        d = k.z[one.A] - k.z[two.A]
+        distance = np.abs(d)
+        k.reach[name] = slide_reach(distance, h)
+        k.to_lock[name] = distance - np.abs(h)
+        sigma = dyad.branch * np.sqrt(k.reach[name])
+        w = d * as_vectors(sigma, -h) / (distance * distance)
+        k.closure[name] = Closure(1j * w, d, -sigma)
+        spin = None
+        if self.rates:
+            dd, ddd = k.v[one.A] - k.v[two.A], k.a[one.A] - k.a[two.A]
+            omega = cross(w, dd) / sigma
+            slip = dot(w, dd) + omega * h
+            spin = omega, (cross(w, ddd) - 2 * omega * slip + omega**2 * h) / sigma
+        u = w * guide.t.conjugate()
+        self.place(one.body, one.A, u, spin)
+        self.place(two.body, two.A, u, spin)
+
+    def rpp(self, dyad: InnerSlide, one: Guided, two: Pinned) -> None:
+        """Turn the pinned leg with the outer guide; the other leg's point F then lies where its two guides cross."""
+        k, inner = self.k, dyad.guide
+        self.place(two.body, two.A, k.u[one.on], self.spin(one.on))
+        t1, t2 = self.k.direction(one), self.k.direction(inner)
+        name = inner_joint(dyad)
+        closure = k.closure[name] = Closure(t1, t2, cross(t1, t2))
+        k.to_lock[name] = self.linkage.arm * dyad.branch * closure.det
+        C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
+        z, v, a = self.crossing(closure, one.on, C1, two.body, C2)
+        body = self.linkage.bodies[one.body]
+        first = self.scene.bodies[one.body].points[0]
+        r = k.u[one.on] * (body.first - one.F)
+        k.z[first] = z + r
+        if self.rates:
+            k.v[first] = v + 1j * k.omega[one.on] * r
+            k.a[first] = a + turned(k.omega[one.on], k.alpha[one.on]) * r
+        self.place_on_guide(one, first)
+
+    # --- larger groups
+
+    def larger(self, group: Group, position: Samples) -> None:
+        """Place a larger group by Newton's method from the nearest pose of its branch."""
+        k, track = self.k, self.tracks[group]
+        placed = self.hung(group, position.shape)
+        pose, J = track.at(*track.guess(position), placed.pose)
+        own: list[NDArray[Any]] = [pose.z, pose.u]
+        if self.rates:
+            (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, J, placed))
+            own += [v, a, omega, alpha]
+        k.jacobian[group.P] = track.equations, pose, J[..., : 3 * len(group.bodies)]
+        k.reach[group.P] = np.where(np.isnan(J[..., 0, 0]), -1.0, 1.0)
+        for b, body in enumerate(group.bodies):
+            z, u, *moving = (values[..., b] for values in own)
+            foot = self.scene.bodies[body].points[0]
+            if foot not in k.z:
+                k.z[foot] = z
+                if self.rates:
+                    k.v[foot], k.a[foot] = moving[:2]
+            self.place(body, foot, u, (moving[2], moving[3]) if self.rates else None)
+
+    def hung(self, group: Group, shape: tuple[int, ...]) -> Placed:
+        """Return the frames of what the group hangs on, of a shape or more; a point's and the ground's do not turn."""
+        k, columns = self.k, len(group.hangs_on)
+        z, v, a = ([self.still] * columns for _ in range(3))
+        angle, omega, alpha = ([self.still.real] * columns for _ in range(3))
+        for column, name in enumerate(group.hangs_on):
+            if name in self.scene.bodies:
+                z[column], v[column], a[column] = self.fixed(name, self.linkage.bodies[name].first)
+                angle[column] = np.angle(k.u[name])
+                if self.rates:
+                    omega[column], alpha[column] = k.omega[name], k.alpha[name]
+            elif name != GROUND:
+                point = name.removeprefix(".")
+                z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
+        pose = FramePoses(*stacked(shape, z, angle))
+        return Placed(pose, *stacked(pose.z.shape[:-1], v, omega, a, alpha))

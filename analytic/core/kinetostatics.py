@@ -1,0 +1,247 @@
+"""Reactions of every pin and guide and the drive's effort, group after group, last first (d'Alembert's principle).
+
+A group is statically determinate once the groups that hang on it have passed on their pull. Section 3 of Yang (2023),
+doi:10.56578/jisc020103, sets up the same balance body by body.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from scenes import Scene
+from scenes.model.motion import Samples, force_channels
+from scenes.scene import Force, ForceTable, Load
+
+from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
+from .dyads import Vectors, cross, dot, inner_force
+from .geometry import as_complex, guide_of
+from .group_equations import Group, stacked
+from .kinematics import Linkage
+from .newton_group import joint_forces
+from .numbers import Number, chosen, samples
+from .placing import Kinematics
+
+StrokeEnds: TypeAlias = Mapping[int, Number]  # by number of the press force: where its slider's closing stroke ends, m
+
+
+class ActingForce(NamedTuple):
+    """A force on a body, N, the point where it acts, m, and a moment with it, N m."""
+
+    force: Vectors
+    at: Vectors
+    moment: Samples | float = 0.0
+
+
+@dataclass
+class Reactions:
+    """What holds the bodies and drives them; arrays of shape (n,)."""
+
+    pin: dict[tuple[str, str], Vectors] = field(default_factory=dict)  # (point, body): force of the pin on the body, N
+    guide: dict[str, tuple[Samples, Samples]] = field(default_factory=dict)  # slider: force, N; moment, N m
+    effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
+
+
+def kinetostatics(
+    scene: Scene, linkage: Linkage, stroke_ends: StrokeEnds, k: Kinematics, wanted: AbstractSet[str] | None = None
+) -> Reactions:
+    """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does."""
+    return Balance(scene, linkage, stroke_ends, k).solve(wanted)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """One pass from the last group to the driver."""
+
+    scene: Scene
+    linkage: Linkage
+    stroke_ends: StrokeEnds
+    k: Kinematics
+    reactions: Reactions = field(default_factory=Reactions)
+    slid_on: dict[str, list[ActingForce]] = field(
+        default_factory=dict
+    )  # by body: what the guides of other groups do to it
+
+    def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
+        """Balance one group after the other, as long as a reaction that is wanted is missing."""
+        for group in reversed(self.linkage.groups):
+            if wanted is not None and self.has(wanted):
+                return self.reactions
+            if isinstance(group, InnerPin):
+                self.inner_pin(group)
+            elif isinstance(group, InnerSlide):
+                self.inner_slide(group)
+            else:
+                self.larger(group)
+        self.driver()
+        return self.reactions
+
+    def has(self, wanted: AbstractSet[str]) -> bool:
+        """Return whether all reactions wanted were found; what was, is final."""
+        known = {pin.channel for pin in self.scene.pins if (pin.point, pin.second) in self.reactions.pin}
+        joints = {channel.rpartition(".")[0] for channel in wanted & set(force_channels(self.scene))}
+        return joints <= known | set(self.reactions.guide)
+
+    # --- dyads
+
+    def inner_pin(self, dyad: InnerPin) -> None:
+        """Balance a dyad with an inner pin."""
+        one, two = dyad.legs
+        closure = self.k.closure[dyad.P]
+        applied = [self.applied(leg.body, self.foot(leg)) for leg in dyad.legs]
+        Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
+        R = inner_force(Q1, Q2, *closure)
+        self.hold(one.body, dyad.P, R)
+        self.hold(two.body, dyad.P, -R)
+        for leg, (force, moment), on_leg in zip(dyad.legs, applied, (R, -R), strict=True):
+            if isinstance(leg, Pinned):
+                self.reactions.pin[leg.A, leg.body] = -(force + on_leg)
+            else:
+                arm = self.k.z[dyad.P] - self.k.z[self.foot(leg)]
+                self.outer_guide(leg, force + on_leg, moment + cross(arm, on_leg))
+
+    def inner_slide(self, dyad: InnerSlide) -> None:
+        """Balance a dyad with an inner slide."""
+        one, two = dyad.legs
+        force_1, moment_1 = self.applied(one.body, self.foot(one))
+        force_2, moment_2 = self.applied(two.body, two.A)
+        g1, g2, det = self.k.closure[inner_joint(dyad)]
+        if isinstance(one, Pinned):
+            n, N = g1, (moment_1 + moment_2) / -det
+        else:  # the normal of the inner guide is square to it, what is left over goes along the outer guide's normal
+            n, N = 1j * g2, dot(g1, force_1) / det
+        on_1 = n * N
+        self.reactions.pin[two.A, two.body] = on_1 - force_2
+        # Where either leg's balance gives M, take the slider's: its own lever is the short one, often none.
+        at = self.k.z[self.scene.bodies[dyad.guide.slider].points[0]]
+        if dyad.guide.slider == one.body and isinstance(one, Pinned):
+            M = -moment_1 - cross(at - self.k.z[one.A], on_1)
+        else:
+            M = moment_2 - cross(at - self.k.z[two.A], on_1)
+        self.channel(dyad.guide, N, M)
+        if isinstance(one, Pinned):
+            self.reactions.pin[one.A, one.body] = -(force_1 + on_1)
+        else:
+            self.outer_guide(one, force_1 + on_1, moment_1 + cross(at - self.k.z[self.foot(one)], on_1) + M)
+
+    def foot(self, leg: Leg) -> str:
+        """Return the point about which a leg's moments are taken."""
+        return leg.A if isinstance(leg, Pinned) else self.scene.bodies[leg.body].points[0]
+
+    def on_freedom(self, leg: Leg, force: Vectors, moment: Samples) -> Samples:
+        """Return the generalised force on a leg's own freedom: to turn, or to move along the guide."""
+        return moment if isinstance(leg, Pinned) else dot(self.k.direction(leg), force)
+
+    def outer_guide(self, leg: Guided, force: Vectors, moment: Samples) -> None:
+        """Let a leg's guide hold what acts on the leg, the moment about the leg's foot."""
+        t = self.k.direction(leg)
+        N = -cross(t, force)
+        at = self.k.z[self.scene.bodies[leg.slider].points[0]]
+        reaction = 1j * t * N
+        M = -moment
+        if leg.slider != leg.body:
+            M = M - cross(at - self.k.z[self.foot(leg)], reaction)
+        self.channel(leg, N, M)
+        self.slid_on.setdefault(leg.on, []).append(ActingForce(-reaction, at, -M))
+
+    def channel(self, leg: Guided, N: Samples, M: Samples) -> None:
+        """Keep what a guide does on the leg as what it does on the slider, which may be the other body."""
+        sign = 1 if leg.slider == leg.body else -1
+        self.reactions.guide[leg.slider] = sign * N, sign * M
+
+    # --- larger groups, driver
+
+    def larger(self, group: Group) -> None:
+        """Balance a larger group, by the transpose of its Jacobian."""
+        equations, _, J = self.k.jacobian[group.P]
+        applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
+        force, moment = stacked(J.shape[:-2], *zip(*applied, strict=True))
+        self.spread(group, *(np.moveaxis(each, -1, 0) for each in joint_forces(equations, J, force, moment)))
+
+    def spread(self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any) -> None:
+        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider."""
+        for pin, on_body in zip(group.pins, on_pinned, strict=True):
+            self.hold(pin.body, pin.point, on_body)
+            if pin.on is not None:
+                self.hold(pin.on, pin.point, -on_body)
+        for slide, N, M in zip(group.slides, guide_force, guide_moment, strict=True):
+            self.reactions.guide[slide.slider] = N, M
+            slider = self.scene.bodies[slide.slider]
+            assert slider.slide is not None
+            reaction = N * (1j * self.k.u[slide.on] * as_complex(slider.slide.along))
+            at = self.k.z[slider.points[0]]
+            for placed, sign in ((slide.on, -1), (slide.slider, 1)):
+                if placed not in group.bodies:
+                    self.slid_on.setdefault(placed, []).append(ActingForce(sign * reaction, at, sign * M))
+
+    def driver(self) -> None:
+        """Balance the driven body, and find the effort of the drive."""
+        leg = self.linkage.driver
+        force, moment = self.applied(leg.body, self.foot(leg))
+        if isinstance(leg, Pinned):
+            self.reactions.pin[leg.A, leg.body] = -force
+            self.reactions.effort = -moment
+        else:
+            t = self.k.direction(leg)
+            self.reactions.effort = -dot(t, force)
+            self.reactions.guide[leg.body] = -cross(t, force), -moment
+
+    def hold(self, body: str, point: str, force: Vectors) -> None:
+        """Add the inner pin's force to what the body already takes from the bodies that hang on that pin."""
+        pin = self.reactions.pin
+        pin[point, body] = pin[point, body] + force if (point, body) in pin else force
+
+    # --- everything but the joints of a body's own group
+
+    def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
+        """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
+        rigid, k = self.linkage.bodies[body], self.k
+        r = k.u[body] * rigid.com_arm(foot)
+        force = -rigid.mass * (k.a[foot] + r * k.rate[body])
+        moment = cross(r, force) - rigid.inertia * k.alpha[body]
+        if self.scene.gravity is not None:
+            weight = samples(rigid.mass * as_complex(self.scene.gravity))
+            force, moment = force + weight, moment + cross(r, weight)
+        for acting in (*self.from_outside(body), *self.at_pins(body), *self.slid_on.get(body, ())):
+            force = force + acting.force
+            moment = moment + cross(acting.at - k.z[foot], acting.force) + acting.moment
+        return force, moment
+
+    def from_outside(self, body: str) -> Iterator[ActingForce]:
+        """Yield loads and springs."""
+        z = self.k.z
+        for number, load in enumerate(self.scene.loads):
+            if load.body == body:
+                yield ActingForce(self.load(number, load), z[load.at])
+        for spring in self.scene.springs:
+            for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+                if mine == body:
+                    d = z[other] - z[at]
+                    apart = np.abs(d)
+                    over = chosen(apart + spring.length > 0, apart, 1.0)  # without a free length none where ends meet
+                    yield ActingForce(spring.stiffness * (d - spring.length * (d / over)), z[at])
+
+    def at_pins(self, body: str) -> list[ActingForce]:
+        """The pull at the pins that the body carries of the groups that are balanced, which is kept."""
+        pin, pulls = self.reactions.pin, []
+        for point in self.linkage.carries[body]:
+            solved = [pin[point, other] for other in self.scene.owners[point] if (point, other) in pin]
+            if solved:
+                pin[point, body] = -sum(solved[1:], start=solved[0])
+                pulls.append(ActingForce(pin[point, body], self.k.z[point]))
+        return pulls
+
+    def load(self, number: int, load: Load) -> Vectors:
+        """Return a load's force, N."""
+        if isinstance(load, Force):
+            return samples(as_complex(load.force))
+        first = self.scene.bodies[load.body].points[0]
+        t, through = guide_of(self.scene, first)
+        s = dot(t, self.k.z[first] - through)
+        if isinstance(load, ForceTable):
+            force: Vectors = t * load.along(s)
+            return force
+        acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[number])
+        return np.where(acts, as_complex(load.force), 0)

@@ -1,0 +1,141 @@
+"""What is placed so far, how it moves, and how points, bodies and guides are carried along by what is placed."""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.model.motion import Samples
+from scenes.scene import GROUND
+
+from .decomposition import Decomposition, Guided
+from .dyads import Vectors, closing, turned
+from .geometry import as_complex
+from .group_equations import FramePoses, GroupEquations
+from .numbers import Vector, samples
+
+Plane: TypeAlias = tuple[Vectors, Vectors, Vectors]  # position, velocity, acceleration
+Spin: TypeAlias = tuple[Samples, Samples]  # omega, alpha
+
+
+class Closure(NamedTuple):
+    """How a dyad closes; it is singular where det is zero.
+
+    At an inner pin, g is what a leg moves the pin by per unit of its freedom. RPP: the directions of both guides. RPR:
+    the guide's normal, and from the second leg's pin to the first's.
+    """
+
+    g1: Vectors
+    g2: Vectors
+    det: Samples  # g1 x g2
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Where everything is and how it moves. Arrays of shape (n,), or of shape () for what does not change."""
+
+    z: dict[str, Vectors] = field(default_factory=dict)  # points: position, m
+    v: dict[str, Vectors] = field(default_factory=dict)  # m/s
+    a: dict[str, Vectors] = field(default_factory=dict)  # m/s^2
+    u: dict[str, Vectors] = field(default_factory=dict)  # bodies: attitude exp(i angle)
+    omega: dict[str, Samples] = field(default_factory=dict)  # rad/s
+    alpha: dict[str, Samples] = field(default_factory=dict)  # rad/s^2
+    rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
+    foot: dict[str, str] = field(default_factory=dict)  # bodies: the point by which they were placed
+    closure: dict[str, Closure] = field(default_factory=dict)  # dyads, by inner joint
+    jacobian: dict[str, tuple[GroupEquations, FramePoses, Samples]] = field(
+        default_factory=dict
+    )  # larger groups, by inner joint
+    reach: dict[str, Samples] = field(default_factory=dict)  # by inner joint: positive where the group can be assembled
+    to_lock: dict[str, Samples] = field(default_factory=dict)  # dyads, by inner joint, m
+
+    def direction(self, leg: Guided) -> Vectors:
+        """Return the direction of a leg's guide in the plane."""
+        return samples(leg.t) if leg.on == GROUND else self.u[leg.on] * leg.t
+
+
+class Placing:
+    """Places one body after the other, at positions of the drive of one shape and precision.
+
+    Without `rates` only positions are found; velocities and accelerations are then zero where they are passed on, and
+    absent from the result.
+    """
+
+    def __init__(self, scene: Scene, linkage: Decomposition, precision: NDArray[Any], *, rates: bool) -> None:
+        self.scene, self.linkage, self.rates = scene, linkage, rates
+        self.real, self.complex = precision.dtype, np.result_type(precision.dtype, np.complex64)
+        self.still: Vectors = np.zeros((), self.complex)
+        k = self.k = Kinematics()
+        for point, xy in scene.ground.items():
+            k.z[point], k.v[point], k.a[point] = self.constant(as_complex(xy)), self.still, self.still
+        k.u[GROUND], k.omega[GROUND], k.alpha[GROUND] = self.constant(1), self.still.real, self.still.real
+
+    def constant(self, value: Vector) -> Vectors:
+        """Return a vector that is the same at all positions."""
+        return samples(value).astype(self.complex)
+
+    # --- guides
+
+    def guide_through(self, leg: Guided, P: str) -> Plane:
+        """Return where P is, fixed to what the leg slides on, while the leg's displacement is zero."""
+        return self.fixed(leg.on, leg.G + (self.linkage.bodies[leg.body].local[P] - leg.F))
+
+    def fixed(self, body: str, local: complex) -> Plane:
+        """Return a point fixed to a placed body, or the ground, at a place in its frame."""
+        if body == GROUND:
+            return self.constant(local), self.still, self.still
+        k, foot = self.k, self.k.foot[body]
+        r = k.u[body] * (local - self.linkage.bodies[body].local[foot])
+        if not self.rates:
+            return k.z[foot] + r, self.still, self.still
+        return k.z[foot] + r, k.v[foot] + 1j * k.omega[body] * r, k.a[foot] + k.rate[body] * r
+
+    def carried(self, body: str, C: Plane, r: Vectors) -> Plane:
+        """Return the point fixed to a body that is off another such point by r."""
+        if body == GROUND or not self.rates:
+            return C[0] + r, C[1], C[2]
+        k = self.k
+        return C[0] + r, C[1] + 1j * k.omega[body] * r, C[2] + k.rate[body] * r
+
+    def coriolis(self, body: str, slip: Vectors) -> Vectors:
+        """Return the acceleration of what slips along a guide that the body turns."""
+        return self.still if body == GROUND else 2j * self.k.omega[body] * slip
+
+    def crossing(self, closure: Closure, on_1: str, C1: Plane, on_2: str, C2: Plane) -> Plane:
+        """Return the point that runs along two guides through C1 and C2, each fixed to a placed body."""
+        t1, t2, _ = closure
+        s1, s2 = closing(C2[0] - C1[0], *closure)
+        one, two = self.carried(on_1, C1, s1 * t1), self.carried(on_2, C2, s2 * t2)
+        if not self.rates:
+            return one
+        ds1, ds2 = closing(two[1] - one[1], *closure)
+        a1, a2 = one[2] + self.coriolis(on_1, ds1 * t1), two[2] + self.coriolis(on_2, ds2 * t2)
+        dds1, _ = closing(a2 - a1, *closure)
+        return one[0], one[1] + ds1 * t1, a1 + dds1 * t1
+
+    # --- bodies
+
+    def place_on_guide(self, leg: Guided, foot: str) -> None:
+        """Carry a leg's own points along with its placed point `foot`; it turns with what it slides on."""
+        self.place(leg.body, foot, self.k.u[leg.on], self.spin(leg.on))
+
+    def spin(self, body: str) -> Spin | None:
+        """Return how a placed body turns."""
+        return (self.k.omega[body], self.k.alpha[body]) if self.rates else None
+
+    def place(self, body: str, foot: str, u: Vectors, spin: Spin | None) -> None:
+        """Carry the body's own points along with its placed point `foot`."""
+        k, linkage = self.k, self.linkage
+        k.u[body], k.foot[body] = u, foot
+        if spin is not None:
+            k.omega[body], k.alpha[body] = spin
+            k.rate[body] = turned(*spin)
+        for point in linkage.carries[body]:
+            if point not in k.z:
+                r = u * linkage.bodies[body].arm(foot, point)
+                k.z[point] = k.z[foot] + r
+                if spin is not None:
+                    k.v[point] = k.v[foot] + r * (1j * spin[0])
+                    k.a[point] = k.a[foot] + r * k.rate[body]

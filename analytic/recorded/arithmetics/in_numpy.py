@@ -1,0 +1,174 @@
+"""Recorded expressions as NumPy calls, one an operation, whose results are in few arrays that stay in cache."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from math import ceil, inf, isqrt, nan
+from typing import Any
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+from ...core.group_equations import length_of
+from ...core.newton_group import Correction, refine, solved
+from ..expressions import Closing, Expression, needed
+from .walk import SIGNS, walk
+
+BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time
+OF_FEWER = ("where", "less", "less_equal", "sin", "cos")  # often of all machines alike: arrays of their own shape
+
+
+class StraightLine:
+    """The values of expressions, for many calls: a `walk.Line`."""
+
+    def __init__(self, expressions: Sequence[Expression]) -> None:
+        self._evaluate, self._count = function_of(expressions), len(expressions)
+
+    def __call__(self, numbers: Mapping[str, Samples | float], samples: Mapping[str, Samples]) -> Samples:
+        """The values, as of a `walk.Line`."""
+        given = {**numbers, **samples}
+        m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
+        rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
+        height = max(1, BLOCK // n) if n else m
+        with np.errstate(all="ignore"), row_by_row(n):
+            for first in range(0, m, height):
+                for start in range(0, n, BLOCK):
+                    place = slice(first, first + height), slice(start, start + BLOCK)
+                    here = {name: _part(values, *place) for name, values in given.items()}
+                    self._evaluate(here, rows[:, *place])
+        return rows
+
+
+class NewtonsMethod:
+    """A larger group's coordinates at many positions, each corrected as `core.newton_group` does."""
+
+    def __init__(self, closing: Closing) -> None:
+        self.names = [one.of[0] for one in closing.coordinates]
+        self.outer = {one.order: f"outer {one.order}" for one in closing.outer}
+        self._evaluate = function_of([*closing.C, *closing.J], self.outer)
+
+    def __call__(self, shape: tuple[int, ...], *given: Any) -> Samples:
+        """The coordinates, shape (k, m, n), NaN where none are near enough, given what `Recorder.closed` has."""
+        k = len(self.names)
+        begin = np.stack([np.broadcast_to(one, shape) for one in given[:k]], axis=-1)
+        (allowed, branch, size), outer = given[k : k + 3], given[k + 3 :]
+        q, closes = refine(self.correction(outer), begin, size)
+        closes &= length_of(q - begin, size) <= allowed
+        closes &= np.linalg.slogdet(self._equations(q, outer)[1])[0].reshape(shape) == branch
+        return np.moveaxis(np.where(closes[..., np.newaxis], q, np.nan), -1, 0)
+
+    def correction(self, outer: Iterable[Any]) -> Correction:
+        """That of the coordinates, shape (m, n, k), by their equations."""
+        given = list(outer)
+        return lambda q: solved(*reversed(self._equations(q, given))).reshape(q.shape)
+
+    def _equations(self, q: Samples, outer: Iterable[Any]) -> tuple[Samples, Samples]:
+        """C and J of every position, shape (m n, k) and (m n, k, k)."""
+        *shape, k = q.shape
+        rows = np.zeros((k + k * k, *shape))
+        names = *self.names, *self.outer.values()
+        self._evaluate(dict(zip(names, (*np.moveaxis(q, -1, 0), *outer), strict=True)), rows)
+        flat = rows.reshape(k + k * k, -1).T
+        return flat[:, :k], flat[:, k:].reshape(-1, k, k)
+
+
+def function_of(expressions: Sequence[Expression], known: Mapping[int, str] | None = None) -> Any:
+    """The function of what is given, by name, and of an array, into whose rows it writes the values of expressions.
+
+    Args:
+        expressions: those wanted.
+        known: by order of making the names of those that are given.
+    """
+    code = _Code(expressions, known or {})
+    run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, "solutions": solutions, **code.methods}
+    exec(compile("\n".join(code.lines), "<straight line>", "exec"), run)  # of names made here alone
+    return run["evaluate"]
+
+
+class _Code:
+    """The text of a function: results that end are written over, those wanted are written where they go."""
+
+    def __init__(self, expressions: Sequence[Expression], known: Mapping[int, str]) -> None:
+        order = needed(expressions, known)
+        self.last = {one.order: made.order for made in order if made.order not in known for one in made.operands}
+        self.rows: dict[int, int] = {}
+        for row, expression in enumerate(expressions):
+            self.rows.setdefault(expression.order, row)
+        self.lines = ["def evaluate(given, row):", "    shape = row.shape[1:]"]
+        self.methods: dict[str, NewtonsMethod] = {}
+        self.free: list[str] = []
+        self.arrays = 0
+        names = walk(order, self, {at: f"given[{name!r}]" for at, name in known.items()})
+        for row, expression in enumerate(expressions):
+            name = names[expression.order]
+            if name not in (f"row[{row}]", "0.0"):
+                self.lines.append(f"    row[{row}] = {name}")
+
+    def write(self, made: Expression, of: Sequence[str]) -> str:
+        """Write an operation."""
+        name = self._value(made, of)
+        ended = (text for one, text in zip(made.operands, of, strict=True) if self.last[one.order] == made.order)
+        self.free += sorted({text for text in ended if text.startswith("a") and text[1:].isdecimal()})
+        return name
+
+    def _value(self, made: Expression, of: Sequence[str]) -> str:
+        arguments, operation, name = ", ".join(of), made.operation, f"v{made.order}"
+        match operation:
+            case "constant":
+                return repr(made.of[0])
+            case "input":
+                return f"given[{made.of[0]!r}]"
+            case "component":
+                return f"{of[0]}[{int(made.of[1].of[0])}]"
+            case "system":
+                return self._kept(name, f"solutions(shape, [{arguments}])")
+            case "closed":
+                self.methods[f"newton{made.order}"] = NewtonsMethod(made.of[0])
+                return self._kept(name, f"newton{made.order}(shape, {arguments})")
+        spelled = SIGNS.get(operation, f"np.{operation}({arguments})").format(*of)
+        if not made.sampled or operation in OF_FEWER:
+            return self._kept(name, spelled)
+        target = f"row[{self.rows[made.order]}]" if made.order in self.rows else self._array()
+        self.lines.append(f"    np.{operation}({arguments}, out={target})")
+        return target
+
+    def _kept(self, name: str, text: str) -> str:
+        self.lines.append(f"    {name} = {text}")
+        return name
+
+    def _array(self) -> str:
+        if self.free:
+            return self.free.pop()
+        self.arrays += 1
+        return self._kept(f"a{self.arrays}", "np.empty(shape)")
+
+
+def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Samples:
+    """The x of A x = b, shape (k, m, n), given the entries of A, row by row, and of b."""
+    k = (isqrt(1 + 4 * len(entries)) - 1) // 2
+    rows = np.empty((*shape, k * k + k))
+    for column, entry in enumerate(entries):
+        rows[..., column] = entry
+    x = solved(rows[..., : k * k].reshape(*shape, k, k), rows[..., k * k :])
+    return np.ascontiguousarray(np.moveaxis(x, -1, 0))
+
+
+@contextmanager
+def row_by_row(n: int) -> Iterator[None]:
+    """Have NumPy meet numbers of shape (m, 1) with samples of shape (m, n) without a copy of them for each sample.
+
+    It makes copies where its buffer holds several rows; short rows are better off with them.
+    """
+    before = np.setbufsize(16 * ceil(n / 16) if 100 <= n <= np.getbufsize() else np.getbufsize())
+    try:
+        yield
+    finally:
+        np.setbufsize(before)
+
+
+def _part(values: Any, rows: slice, columns: slice) -> Any:
+    """The values of some machines and positions, of shape (m, n) or 1 for either, or a plain number."""
+    if np.ndim(values) == 0:
+        return float(values)
+    m, n = np.shape(values) if np.ndim(values) == 2 else (1, len(values))
+    return values.reshape(m, n)[rows if m > 1 else slice(None), columns if n > 1 else slice(None)]

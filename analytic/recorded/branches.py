@@ -1,0 +1,106 @@
+"""The branches of larger groups of many machines, each beside that of the scene.
+
+At the positions of the scene's poses (`core.continuation.Track`) Newton's method leads from those to each machine's.
+They are on one branch with what the machine's sketch shows where they are so at the sketch, and where from one pose to
+the next the way from the scene's to the machine's changes by little of the move. A machine of which that cannot be said
+is followed alone, by the core.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from scenes import Scene
+from scenes.drive import Driven
+from scenes.model.motion import Samples
+
+from ..core.continuation import SAME, Track
+from ..core.decomposition import decompose
+from ..core.group_equations import Group, length_of, sketched_coordinates
+from ..core.kinematics import followed
+from ..core.newton_group import ROUGHLY, assemble
+from .arithmetics.in_numpy import NewtonsMethod, StraightLine
+from .expressions import Expression
+from .program import Program, inputs_at
+from .traced import traced
+
+COARSE = 4  # steps of the core's own branch, from pose to pose
+BESIDE = 0.05  # of a move: by how much the way to a machine's pose may change meanwhile; half of what is allowed later
+
+
+def branches(scene: Scene, program: Program, numbers: Mapping[str, Samples], count: int) -> list[dict[Group, Track]]:
+    """The branches of all larger groups of each machine, NaN where they are unknown.
+
+    Args:
+        scene: whose machines they are.
+        program: recorded with the numbers that differ.
+        numbers: those, SI, by path, shape (machines, 1).
+        count: of the machines.
+
+    Raises:
+        Failure: the scene's own branch cannot be followed.
+    """
+    each: list[dict[Group, Track]] = [{} for _ in range(count)]
+    if program.closed:
+        whole = decompose(scene)
+        own = followed(scene, replace(whole, groups=whole.groups[: len(program.linkage.groups)]))
+        for group, track in own.tracks.items():
+            coarse = _thinned(track, scene.sketch.drive)
+            for tracks, q in zip(each, _poses(scene, program, numbers, group, coarse, each), strict=True):
+                tracks[group] = replace(coarse, q=q)
+    return each
+
+
+def _thinned(track: Track, sketch: float) -> Track:
+    """A branch with fewer poses, between which its parabolas still hold; that of the sketch is one of them."""
+    kept = replace(track, step=COARSE * track.step)
+    dropped = 1
+    while dropped:
+        before, after = kept.rows(slice(None, -2, 2)), kept.rows(slice(2, None, 2))
+        between = kept.position[1:-1:2]
+        drop = (after.position - before.position <= kept.step) & (after.off_parabola(before) <= 1) & (between != sketch)
+        rows = np.ones(len(kept.position), np.bool_)
+        rows[1:-1:2] = ~drop
+        kept, dropped = kept.rows(rows), int(drop.sum())
+    return kept
+
+
+def _poses(
+    scene: Scene,
+    program: Program,
+    numbers: Mapping[str, Samples],
+    group: Group,
+    track: Track,
+    before: list[dict[Group, Track]],
+) -> Samples:
+    """The coordinates of each machine at the poses of a branch, shape (machines, N, k), NaN where they are unknown."""
+    make, closed, k, start = program.make, program.closed[group], track.q.shape[1], scene.sketch.drive
+    closing, begin, (allowed, branch, size_of) = closed.of[0], closed.of[1 : k + 1], closed.of[k + 1 : k + 4]
+    (at,) = track.nearest(np.array([start]))
+    if track.position[at] != start:  # of a crank that is driven elsewhere than it is drawn
+        return np.full((len(before), *track.q.shape), np.nan)
+
+    def values(expressions: list[Expression], position: Samples, sought: Mapping[str, Samples]) -> Samples:
+        machine, samples = inputs_at(Driven(position, np.ones(()), np.zeros(())), before)
+        return StraightLine(expressions)({**numbers, **machine, branch.of[0]: track.branch}, {**samples, **sought})
+
+    drawn = [traced(make, one).x for one in sketched_coordinates(program.scene, group, program.linkage.bodies)]
+    rows = values([*drawn, size_of, *closing.outer], np.array([start]), {})
+    size = rows[k]
+    sketched = assemble(NewtonsMethod(closing).correction(rows[k + 1 :]), np.moveaxis(rows[:k], 0, -1), size)
+
+    guesses = dict(zip([one.of[0] for one in begin], track.q.T, strict=True))
+    anywhere = {allowed.of[0]: np.full(len(track.q), np.inf)}
+    q = np.moveaxis(values([make.component(closed, i) for i in range(k)], track.position, guesses | anywhere), 0, -1)
+    off = q[:, [at]] - sketched
+    off[..., 2::3] = np.remainder(off[..., 2::3] + np.pi, 2 * np.pi) - np.pi
+    changed = length_of(np.diff(q - track.q, axis=1), size)
+    beside = changed <= BESIDE * track.equations.length(np.diff(track.q, axis=0)) + ROUGHLY * size
+    known = np.repeat(length_of(off, size) <= ROUGHLY * size, len(track.q), axis=1)
+    known[:, at + 1 :] &= np.logical_and.accumulate(beside[:, at:], axis=1)
+    known[:, :at] &= np.logical_and.accumulate(beside[:, at - 1 :: -1] if at else beside[:, :0], axis=1)[:, ::-1]
+    if track.position[-1] - track.position[0] > track.turn - track.step and track.comes_back:
+        turned = np.abs(np.exp(1j * q[:, -1, 2::3]) - np.exp(1j * q[:, 0, 2::3])).max(axis=-1) <= SAME
+        known &= (turned & known.all(axis=1))[:, np.newaxis]
+    return np.where(known[..., np.newaxis], q, np.nan)

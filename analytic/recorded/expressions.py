@@ -1,0 +1,203 @@
+"""Real expressions, each made once, and none whose value is known."""
+
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, cos, isqrt, sin, sqrt
+from operator import add, mul, neg, sub, truediv
+from typing import Any, TypeAlias
+
+Operation: TypeAlias = Callable[..., float]
+
+OPERATIONS: Mapping[str, Operation] = {
+    "add": add,
+    "subtract": sub,
+    "multiply": mul,
+    "divide": truediv,
+    "negative": neg,
+    "absolute": abs,
+    "sqrt": sqrt,
+    "sin": sin,
+    "cos": cos,
+    "arctan2": atan2,
+    "minimum": min,
+    "maximum": max,
+    "less": lambda a, b: float(a < b),
+    "less_equal": lambda a, b: float(a <= b),
+    "where": lambda condition, yes, no: yes if condition else no,
+}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Expression:
+    """An operation on others; or a number in the place of the operation's name, or an input by its name and kind."""
+
+    order: int  # of making: what an expression needs comes before it
+    operation: str
+    of: tuple[Any, ...]
+    sampled: bool  # whether it differs from position to position
+
+    @property
+    def operands(self) -> list["Expression"]:
+        """The expressions that it is of."""
+        return [one for one in self.of if isinstance(one, Expression)]
+
+
+class Recorder:
+    """Makes expressions, each only once, in their simplest form."""
+
+    def __init__(self) -> None:
+        self.made: dict[tuple[Any, ...], Expression] = {}
+
+    def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
+        """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
+
+        Args:
+            closing: the equations.
+            of: where the method begins, how far off that it may end, the sign of the Jacobian's determinant there and
+                the group's size; then what the equations are of besides the coordinates.
+        """
+        return self._make("closed", (closing, *of), sampled=True)
+
+    def input(self, name: str, *, sampled: bool) -> Expression:
+        """Return an input: of each position, or a number."""
+        return self._make("input", (name,), sampled=sampled)
+
+    def system(self, A: Iterable[Expression], b: Sequence[Expression]) -> Expression:
+        """Return the linear equations A x = b, the m^2 entries of A row by row; zero where all of b is."""
+        if all(one.operation == "constant" and one.of[0] == 0 for one in b):
+            return self.constant(0.0)
+        return self._make("system", (*A, *b), sampled=True)
+
+    def component(self, system: Expression, i: int) -> Expression:
+        """Return one of the unknowns of linear equations."""
+        if system.operation == "constant":
+            return system
+        return self._make("component", (system, self.constant(i)), sampled=True)
+
+    @staticmethod
+    def unknowns(system: Expression) -> int:
+        """Return how many unknowns linear equations have."""
+        return (isqrt(1 + 4 * len(system.of)) - 1) // 2
+
+    def constant(self, value: float) -> Expression:
+        """Return a number."""
+        return self._make("constant", (float(value),), sampled=False)
+
+    def __call__(self, operation: str, *of: Expression) -> Expression:
+        """Return an operation on expressions, in its simplest form."""
+        known = [expression.of[0] if expression.operation == "constant" else None for expression in of]
+        if None not in known:
+            return self.constant(OPERATIONS[operation](*known))
+        match operation, known:
+            case "add", [0.0, _]:
+                return of[1]
+            case (("add" | "subtract"), [_, 0.0]):
+                return of[0]
+            case "subtract", [0.0, _]:
+                return self("negative", of[1])
+            case "multiply", [0.0, _] | [_, 0.0]:
+                return self.constant(0.0)
+            case "divide", [0.0, _]:
+                return self.constant(0.0)
+            case "multiply", [1.0, _]:
+                return of[1]
+            case (("multiply" | "divide"), [_, 1.0]):
+                return of[0]
+            case "multiply", [-1.0, _]:
+                return self("negative", of[1])
+            case (("multiply" | "divide"), [_, -1.0]):
+                return self("negative", of[0])
+            case "where", _ if of[1] is of[2]:
+                return of[1]
+            case "where", [float(condition), *_]:
+                return of[1] if condition else of[2]
+            case _ if any(one.operation == "negative" for one in of):
+                return self._signed(operation, *of)
+        return self._ordered(operation, of)
+
+    def _signed(self, operation: str, *of: Expression) -> Expression:
+        """Return an operation of which some are negative: signs go outwards, where sums take them in."""
+        signs = [one.operation == "negative" for one in of]
+        bare = [one.of[0] if sign else one for one, sign in zip(of, signs, strict=True)]
+        match operation, signs:
+            case "negative", _:
+                return bare[0]
+            case (("multiply" | "divide"), _):
+                return self("negative", self(operation, *bare)) if signs[0] != signs[1] else self(operation, *bare)
+            case "add", [True, True]:
+                return self("negative", self("add", *bare))
+            case "add", [True, False]:
+                return self("subtract", bare[1], bare[0])
+            case "add", [False, True]:
+                return self("subtract", *bare)
+            case "subtract", [True, True]:
+                return self("subtract", bare[1], bare[0])
+            case "subtract", [True, False]:
+                return self("negative", self("add", *bare))
+            case "subtract", [False, True]:
+                return self("add", *bare)
+            case "absolute", _:
+                return self("absolute", *bare)
+        return self._ordered(operation, of)
+
+    def _ordered(self, operation: str, of: tuple[Expression, ...]) -> Expression:
+        if operation in ("add", "multiply") and of[0].order > of[1].order:
+            of = of[1], of[0]
+        return self._make(operation, of, sampled=any(one.sampled for one in of))
+
+    def _make(self, operation: str, of: tuple[Any, ...], *, sampled: bool) -> Expression:
+        key = (operation, *(one.order if isinstance(one, Expression) else (one, str(one)) for one in of))
+        if key not in self.made:
+            self.made[key] = Expression(len(self.made), operation, of, sampled)
+        return self.made[key]
+
+
+@dataclass(eq=False)
+class Closing:
+    """A larger group's constraints C, of m coordinates and of what else there is, and their Jacobian J, row by row."""
+
+    coordinates: Sequence[Expression]  # inputs, in whose place Newton's method puts numbers
+    C: Sequence[Expression]
+    J: Sequence[Expression]
+    at_zero: tuple[Sequence[Expression], Sequence[Expression]] = ((), ())  # both at the coordinates that were found
+
+    @cached_property
+    def outer(self) -> list[Expression]:
+        """What the rows are of that the coordinates are not in."""
+        inner: set[int] = {one.order for one in self.coordinates}
+        outer: dict[int, Expression] = {}
+        for one in needed([*self.C, *self.J]):
+            if not inner.isdisjoint(of.order for of in one.operands):
+                inner.add(one.order)
+                outer |= {of.order: of for of in one.operands}
+        rows = {one.order: one for one in (*self.C, *self.J)}
+        return [one for order, one in {**outer, **rows}.items() if order not in inner and one.operation != "constant"]
+
+
+def needed(expressions: Iterable[Expression], known: Container[int] = ()) -> list[Expression]:
+    """Expressions and all that they are made of, in an order in which they can be evaluated.
+
+    Args:
+        expressions: those wanted.
+        known: the orders of those that are at hand, whatever they are made of.
+    """
+    order: dict[int, Expression] = {}
+    ahead = list(expressions)
+    while ahead:
+        expression = ahead.pop()
+        if expression.order not in order:
+            order[expression.order] = expression
+            ahead += expression.operands if expression.order not in known else ()
+    return [order[place] for place in sorted(order)]
+
+
+def substituted(
+    make: Recorder, expressions: Sequence[Expression], instead: Mapping[Expression, Expression]
+) -> list[Expression]:
+    """Expressions with others in the place of some that they are made of."""
+    new = {old.order: one for old, one in instead.items()}
+    for one in needed(expressions):
+        if one.order not in new and any(of.order in new for of in one.operands):
+            new[one.order] = make(one.operation, *(new.get(of.order, of) for of in one.operands))
+    return [new.get(one.order, one) for one in expressions]

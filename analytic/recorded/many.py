@@ -1,0 +1,296 @@
+"""Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache, partial
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import Failure, InputError, Motion, Scene, Status
+from scenes.arguments import finite_numbers, names
+from scenes.drive import Driven
+from scenes.file.machines import numbers_of, refused
+from scenes.model.motion import Samples
+from scenes.scene import PressForce
+
+from ..core.continuation import Track
+from ..core.decomposition import decompose
+from ..core.group_equations import Group, equations_of
+from ..core.kinematics import kinematics
+from ..solve import Solver, driven_at, not_reached, prepared, where_open
+from ..way.motion_range import in_line
+from ..way.slider import furthest
+from .arithmetics.in_numpy import StraightLine
+from .arithmetics.walk import Line
+from .branches import branches
+from .expressions import Expression
+from .program import Program, inputs_at, recorded, stroke_end_input
+
+TOGETHER = 64  # machines whose strokes' ends are sought together
+
+Ending: TypeAlias = tuple[Status, str]  # and why, empty where it is ok
+
+
+@dataclass(frozen=True)
+class Machines:
+    """The answers of m machines: channel name -> samples of shape (m, n), SI; and how each machine ended.
+
+    Where a machine does not assemble, its samples are NaN.
+    """
+
+    samples: Mapping[str, Samples]
+    status: Sequence[Status]
+    reason: Sequence[str]  # why the status is not ok; empty where it is
+
+    def __getitem__(self, channel: str) -> Samples:
+        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.model.motion.UNITS`.
+
+        Raises:
+            KeyError: there is no such channel; the message names the nearest one.
+        """
+        return Motion(self.samples)[channel]
+
+    def __contains__(self, channel: str) -> bool:
+        """Whether the channel was computed."""
+        return channel in self.samples
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Return which machines are ok, shape (m,)."""
+        return np.array([status is Status.ok for status in self.status], np.bool_)
+
+
+def solve_many(
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    position: ArrayLike,
+    time: ArrayLike | None = None,
+    channels: AbstractSet[str] | None = None,
+) -> Machines:
+    """Solve many machines that differ in some numbers, each as `solve` does; none spoils another.
+
+    Args:
+        scene: the mechanism.
+        changes: by path in its file (`bodies.rocker.lengths.O-P3`), in the file's units, a number for each of m
+            machines, shape (m,).
+        position: the crank angle, rad, or the driven slider's displacement, m; shape (n,), or (m, n) for positions of
+            each machine's own.
+        time: as of `solve`, of shape (n,) or (m, n) too.
+        channels: as of `solve`.
+
+    Returns:
+        The channels, each of shape (m, n), and the status of each machine, with where and why it cannot assemble.
+
+    Raises:
+        Failure: the linkage has bodies that are held twice over.
+        InputError: there is no number at a path, or one that cannot differ, or two paths lead to the same one.
+        InputError: the numbers are not as many for each path; positions or instants are of another shape; or as of
+            `solve`.
+    """
+    return many_solver(scene, changes, channels)(position, time)
+
+
+def many_solver(
+    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
+) -> "ManySolver":
+    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
+    many, numbers = machines_of(scene, changes)
+    asked = None if channels is None else frozenset(names("channels", channels))
+    return many_by_line(scene, many, numbers, *_line(_Itself(scene), frozenset(numbers), asked))
+
+
+class _Itself:
+    """A scene as a key: no other is the same, whatever it holds."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Itself) and other.scene is self.scene
+
+
+@lru_cache(maxsize=4)  # block after block of machines of one scene are solved
+def _line(key: _Itself, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, StraightLine]:
+    program = recorded(key.scene, paths, channels)
+    return program, StraightLine(program.rows)
+
+
+def machines_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> tuple[Scene, dict[str, Samples]]:
+    """A scene with many machines' numbers, and these by the one form of their paths, SI, shape (m, 1).
+
+    Raises:
+        InputError: as of `solve_many`.
+    """
+    with np.errstate(all="ignore"):  # machines that no file could describe are named
+        numbers = numbers_of(scene, changes)
+        return scene.with_numbers(numbers), numbers
+
+
+def many_by_line(
+    scene: Scene, many: Scene, numbers: Mapping[str, Samples], program: Program, line: Line
+) -> "ManySolver":
+    """Return the solver of machines, as of `machines_of`, by a line of at least the numbers that differ."""
+    count = max(map(len, numbers.values()), default=1)
+    with np.errstate(all="ignore"):
+        failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
+        try:
+            tracks = branches(scene, program, numbers, count)
+        except Failure:
+            tracks = None
+        ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
+    return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
+
+
+@dataclass(frozen=True)
+class ManySolver:
+    """The machines of one topology, prepared for many calls."""
+
+    scene: Scene  # as drawn
+    program: Program
+    line: Line
+    numbers: Mapping[str, Samples]  # that differ, by path, SI, shape (m, 1)
+    stroke_ends: Mapping[str, Samples]  # by input, m, shape (m, 1)
+    tracks: Sequence[Mapping[Group, Track]] | None  # of each machine's larger groups; None where all go alone
+    failed: Mapping[int, Ending]  # machines that no file may describe
+    count: int  # m
+
+    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
+        """Solve as `solve_many` does, with what it returns and raises."""
+        position, time = finite_numbers("position", position), time if time is None else finite_numbers("time", time)
+        shape = (self.count, *(position.shape[-1:] or (1,)))
+        for name, given in (("position", position), ("time", position if time is None else time)):
+            if given.shape not in (shape[1:], shape):
+                raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
+        endings = Endings(self)
+        samples = self.block(slice(0, self.count), position, time, endings)
+        return Machines(samples, *endings.told())
+
+    def block(self, rows: slice, position: Samples, time: Samples | None, endings: "Endings") -> dict[str, Samples]:
+        """The channels of some machines, in the order of the files; NaN where a machine is stopped.
+
+        Args:
+            rows: the machines.
+            position: theirs, shape (n,) or (rows, n).
+            time: likewise.
+            endings: where it is noted what stops a machine.
+        """
+        numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
+        own: dict[str, Any] = {
+            name: numbers[f"drive.{name}"] for name in ("speed", "start") if f"drive.{name}" in numbers
+        }
+        shape = (rows.stop - rows.start, position.shape[-1])
+        with np.errstate(all="ignore"):  # a speed of zero, which is refused
+            part = replace(self.scene, drive=replace(self.scene.drive, **own)) if own else self.scene
+            instants, driven = driven_at(part, position, time)
+        if self.tracks is None:
+            filled = np.full((len(self.program.rows), *shape), np.nan)
+        else:
+            machine, samples = inputs_at(driven, self.tracks[rows])
+            filled = self.line({**numbers, **machine}, samples)
+        stopped = ~(filled[-1] >= 0)
+        if stopped.any():
+            filled[:, stopped] = np.nan
+        channels = {name: np.full(shape, np.nan) for name in self.program.own}
+        channels |= zip(self.program.channels, filled, strict=False)
+        fine = ~stopped.any(axis=1) & np.isfinite(filled.sum(axis=(0, 2)))
+        for row in range(shape[0]) if self.program.own else np.flatnonzero(~fine).tolist():
+            at = position[row] if position.ndim == 2 else position
+            when = time[row] if time is not None and time.ndim == 2 else time
+            tracks = self.tracks[rows.start + row] if self.tracks is not None and fine[row] else None
+            some = {name: values[row] for name, values in channels.items() if not fine[row] or name in self.program.own}
+            endings.alone(rows.start + row, at, when, some, tracks)
+        drive = {"time": instants, self.scene.drive_channel: position}
+        channels |= {name: np.broadcast_to(values, shape) for name, values in drive.items()}
+        return {name: channels[name] for name in self.program.names}
+
+    def core(self, machine: int, tracks: Mapping[Group, Track] | None) -> Solver:
+        """The core's solver of one machine, whose larger groups are followed unless their branches are given.
+
+        Raises:
+            Failure: as of `solver`.
+        """
+        one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
+        whole = decompose(one)
+        own = tracks and {
+            g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()
+        }
+        return prepared(one, whole, self.program.request.channels, own)
+
+
+class Endings:
+    """How each machine ends: the first thing that stops it."""
+
+    def __init__(self, many: ManySolver) -> None:
+        self.many, self.failed = many, dict(many.failed)
+        self._cores: dict[int, Solver] = {}
+
+    def alone(
+        self,
+        machine: int,
+        position: Samples,
+        time: Samples | None,
+        samples: Mapping[str, Samples],
+        tracks: Mapping[Group, Track] | None,
+    ) -> None:
+        """Let the core fill in a machine's samples, each of the shape of the positions, and note what stops it.
+
+        No other machine is spoilt by it, and where it ends is told as of a single run.
+        """
+        if machine in self.many.failed:
+            return
+        try:
+            if machine not in self._cores:
+                self._cores[machine] = self.many.core(machine, tracks)
+        except Failure as failure:
+            self.failed.setdefault(machine, (failure.status, failure.reason))
+            return
+        core = self._cores[machine]
+        with np.errstate(all="ignore"):
+            k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
+            reached = np.ones(position.shape, np.bool_)
+            for reach in k.reach.values():
+                reached &= ~(reach < 0)
+            if (stop := not_reached(core.linkage, k, position)) is not None:
+                why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
+                self.failed.setdefault(machine, (Status.cannot_assemble, why))
+            motion = core(position[reached], time if time is None else time[reached])
+        for channel, values in samples.items():
+            values[...] = np.nan
+            values[reached] = motion[channel]
+        if not all(np.isfinite(motion[channel]).all() for channel in samples):
+            self.failed.setdefault(machine, (Status.nonfinite, "a channel holds values that are not finite"))
+
+    def told(self) -> tuple[tuple[Status, ...], tuple[str, ...]]:
+        """Return each machine's status, and why it is not ok."""
+        endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.many.count)]
+        return tuple(status for status, _ in endings), tuple(why for _, why in endings)
+
+
+def _stroke_ends(
+    many: Scene, program: Program, numbers: Mapping[str, Samples], tracks: Sequence[Mapping[Group, Track]]
+) -> dict[str, Samples]:
+    """Where each machine's closing strokes end, m, shape (m, 1), by the input's name; none where no force is wanted."""
+    count = len(tracks)
+    extent = [np.broadcast_to(end, (count, 1)) for end in many.drive.extent]
+
+    @cache
+    def ends(stroke: tuple[Expression, Expression], closing: bytes) -> Samples:
+        line, signs = StraightLine(stroke), np.frombuffer(closing)[:, np.newaxis]
+
+        def displaced(rows: slice, way: Samples) -> Samples:
+            machine, samples = inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])
+            return line({**{path: values[rows] for path, values in numbers.items()}, **machine}, samples)
+
+        some = [slice(first, first + TOGETHER) for first in range(0, max(count, 1), TOGETHER)]
+        parts = [furthest(partial(displaced, rows), *(each[rows] for each in (signs, *extent))) for rows in some]
+        return np.concatenate(parts)[:, np.newaxis]
+
+    loads = {number: many.loads[number] for number in program.strokes}
+    signs = {n: np.broadcast_to(load.closing, (count, 1)) for n, load in loads.items() if isinstance(load, PressForce)}
+    return {stroke_end_input(n): ends(program.strokes[n], sign.astype(float).tobytes()) for n, sign in signs.items()}

@@ -1,0 +1,135 @@
+"""Any number of positions and machines in flat memory: blocks of samples are handed to reductions and forgotten."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenes import Scene, Status
+from scenes.arguments import finite_numbers, refuse
+from scenes.model.motion import Samples
+
+from ..solve import BLOCK
+from .many import Endings, many_solver
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Positions of the drive at equal steps, both ends included, that are made where they are needed, rad or m."""
+
+    first: float
+    last: float
+    count: int
+
+    @property
+    def shape(self) -> tuple[int]:
+        """Return the shape that the array of all would have."""
+        return (self.count,)
+
+    def __getitem__(self, place: slice) -> Samples:
+        """Return the positions of a slice, shape (columns,)."""
+        numbers = np.arange(*place.indices(self.count), dtype=np.float64)
+        return self.first + numbers * ((self.last - self.first) / max(self.count - 1, 1))
+
+
+class Reduction(Protocol):
+    """What is kept of samples; blocks come in the order of machines, and for these in the order of positions."""
+
+    channel: str
+
+    def take(self, rows: slice, position: Samples, samples: Samples) -> None:
+        """Take a block: some machines, positions of shape (columns,) or (rows, columns), samples (rows, columns)."""
+
+
+class Extremes:
+    """Each machine's least and largest sample, and the drive's positions there: shape (machines,) each."""
+
+    def __init__(self, channel: str, machines: int = 1) -> None:
+        self.channel = channel
+        self.least, self.largest = np.full(machines, np.inf), np.full(machines, -np.inf)
+        self.least_at, self.largest_at = np.full((2, machines), np.nan)
+
+    def take(self, rows: slice, position: Samples, samples: Samples) -> None:
+        """Take a block, in which what is not a number is passed over."""
+        at = np.broadcast_to(position, samples.shape)
+        for sign, best, where in ((-1, self.least, self.least_at), (1, self.largest, self.largest_at)):
+            column = np.where(np.isnan(samples), -np.inf, sign * samples).argmax(axis=1)[:, None]
+            extreme = np.take_along_axis(samples, column, 1)[:, 0]
+            better = sign * extreme > sign * best[rows]
+            best[rows] = np.where(better, extreme, best[rows])
+            where[rows] = np.where(better, np.take_along_axis(at, column, 1)[:, 0], where[rows])
+
+
+class Integral:
+    """Each machine's integral over the drive's position by the trapezoidal rule, shape (machines,)."""
+
+    def __init__(self, channel: str, machines: int = 1) -> None:
+        self.channel = channel
+        self.total = np.zeros(machines)
+        self._last: tuple[slice, Samples, Samples] | None = None
+
+    def take(self, rows: slice, position: Samples, samples: Samples) -> None:
+        """Take a block, and the step to it from the block before."""
+        at = np.broadcast_to(position, samples.shape)
+        if self._last is not None and self._last[0] == rows:
+            at = np.concatenate([self._last[1], at], axis=1)
+            samples = np.concatenate([self._last[2], samples], axis=1)
+        self.total[rows] += np.trapezoid(samples, at, axis=1)
+        self._last = rows, at[:, -1:], samples[:, -1:]
+
+
+class Histogram:
+    """How many samples of all machines are between edges, shape (edges - 1,)."""
+
+    def __init__(self, channel: str, edges: ArrayLike) -> None:
+        self.channel, self.edges = channel, np.asarray(edges, np.float64)
+        self.counts: NDArray[np.intp] = np.zeros(len(self.edges) - 1, np.intp)
+
+    def take(self, rows: slice, position: Samples, samples: Samples) -> None:  # noqa: ARG002 - wherever they are
+        """Take a block, in which what is not a number is passed over."""
+        self.counts += np.histogram(samples[np.isfinite(samples)], self.edges)[0]
+
+
+def reduce_many(
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    position: ArrayLike | Grid,
+    reductions: Sequence[Reduction],
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Sequence[Status], Sequence[str]]:
+    """Solve as `solve_many` does, and keep of the samples what reductions take of them.
+
+    Args:
+        scene: the mechanism; its drive has a constant speed.
+        changes: as of `solve_many`; none for the one machine of the scene.
+        position: as of `solve_many`, or a grid of positions.
+        reductions: each takes the blocks of its channel.
+        progress: called with how many samples, machines times positions, are done, and of how many.
+
+    Returns:
+        The status of each machine, and the first thing that stops it, as of `solve_many`.
+
+    Raises:
+        Failure: as of `solve_many`.
+        InputError: as of `solve_many`.
+    """
+    if not isinstance(reductions, Sequence) or not all(hasattr(reduction, "channel") for reduction in reductions):
+        refuse("reductions", "several, as [Extremes(...)]", reductions)
+    many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
+    positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
+    n, endings, done = positions.shape[-1], Endings(many), 0
+    height = max(1, 2 * BLOCK // max(n, 1))
+    for first in range(0, many.count, height):
+        rows = slice(first, min(first + height, many.count))
+        for start in range(0, n, BLOCK):
+            columns = slice(start, min(start + BLOCK, n))
+            at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
+            samples = many.block(rows, at, None, endings)
+            for reduction in reductions:
+                reduction.take(rows, at, samples[reduction.channel])
+            done += (rows.stop - rows.start) * (columns.stop - columns.start)
+            if progress is not None:
+                progress(done, many.count * n)
+    return endings.told()

@@ -1,0 +1,148 @@
+"""Plane vectors of two expressions, which take the place of samples in the core and in NumPy's functions.
+
+What the core computes with them is the straight line of its own formulas.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from .expressions import Expression, Recorder
+
+
+def given(make: Recorder, name: str, *, sampled: bool) -> "Traced":
+    """A real input: of each position, or a number."""
+    return Traced(make, make.input(name, sampled=sampled))
+
+
+def traced(make: Recorder, value: Any) -> "Traced":
+    """A number as NumPy and Python have them, real or complex, as what the core computes with."""
+    if isinstance(value, Traced):
+        return value
+    number = complex(value)
+    return Traced(make, make.constant(number.real), make.constant(number.imag))
+
+
+class Traced(NDArrayOperatorsMixin):
+    """A real number, a plane vector or a condition in the place of samples; its signs are NumPy's functions."""
+
+    ndim, shape, dtype = 1, (1,), np.dtype(np.float64)
+
+    def __init__(self, make: Recorder, x: Expression, y: Expression | None = None) -> None:
+        self.make, self.x, self.y = make, x, make.constant(0.0) if y is None else y
+
+    @property
+    def real(self) -> "Traced":
+        """The part along x."""
+        return Traced(self.make, self.x)
+
+    @property
+    def imag(self) -> "Traced":
+        """The part along y."""
+        return Traced(self.make, self.y)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether there is no part along y."""
+        return bool(self.y.operation == "constant" and self.y.of[0] == 0)
+
+    def conjugate(self) -> "Traced":
+        """The vector mirrored in the x axis."""
+        return Traced(self.make, self.x, self.make("negative", self.y))
+
+    conj = conjugate
+
+    def astype(self, _: object) -> "Traced":
+        """The same: there is one precision."""
+        return self
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any) -> Any:
+        """Take a place among the samples of a NumPy function."""
+        assert method == "__call__"
+        return FUNCTIONS[ufunc.__name__](*(traced(self.make, one) for one in inputs))
+
+    def __array_function__(self, function: Any, types: Iterable[type], args: Any, kwargs: Any) -> Any:
+        """Take a place among the samples of a NumPy function that is none of its universal ones."""
+        return FUNCTIONS[function.__name__](self.make, *args)
+
+
+def _real(name: str) -> Callable[..., Traced]:
+    """A function of real numbers."""
+    return lambda *of: Traced(of[0].make, of[0].make(name, *(one.x for one in of)))
+
+
+def _each(name: str) -> Callable[..., Traced]:
+    """A function of either part by itself."""
+
+    def function(*of: Traced) -> Traced:
+        make = of[0].make
+        return Traced(make, make(name, *(one.x for one in of)), make(name, *(one.y for one in of)))
+
+    return function
+
+
+def _product(a: Traced, b: Traced) -> Traced:
+    make = a.make
+    x = make("subtract", make("multiply", a.x, b.x), make("multiply", a.y, b.y))
+    return Traced(make, x, make("add", make("multiply", a.x, b.y), make("multiply", a.y, b.x)))
+
+
+def _quotient(a: Any, b: Any) -> Any:
+    if b.is_real:
+        return Traced(a.make, a.make("divide", a.x, b.x), a.make("divide", a.y, b.x))
+    return a * b.conjugate() / (b.real * b.real + b.imag * b.imag)
+
+
+def _size(a: Any) -> Traced:
+    return _real("absolute")(a) if a.is_real else _real("sqrt")(a.real * a.real + a.imag * a.imag)
+
+
+def _exponential(of: Traced) -> Traced:
+    """That of an imaginary number, exp(i angle)."""
+    assert of.x.operation == "constant"
+    assert of.x.of[0] == 0
+    return Traced(of.make, of.make("cos", of.y), of.make("sin", of.y))
+
+
+def _square(a: Traced, exponent: Traced | None = None) -> Traced:
+    assert exponent is None or exponent.x.of[0] == 2
+    return _product(a, a)
+
+
+def _where(make: Recorder, condition: Any, yes: Any, no: Any) -> Traced:
+    c, a, b = (traced(make, one) for one in (condition, yes, no))
+    return Traced(make, make("where", c.x, a.x, b.x), make("where", c.x, a.y, b.y))
+
+
+def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
+    f: Any = traced(make, fs[0])
+    for n in range(len(xs) - 1):
+        beyond = np.minimum(np.maximum(x - xs[n], 0.0), xs[n + 1] - xs[n])
+        f = f + (fs[n + 1] - fs[n]) / (xs[n + 1] - xs[n]) * beyond
+    return traced(make, f)
+
+
+FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    **{name: _real(name) for name in ("sqrt", "arctan2", "minimum", "maximum", "less", "less_equal")},
+    **{name: _each(name) for name in ("add", "subtract", "negative")},
+    "multiply": _product,
+    "bitwise_and": _product,
+    "divide": _quotient,
+    "absolute": _size,
+    "hypot": lambda a, b: _size(a + 1j * b),
+    "greater": lambda a, b: b < a,
+    "greater_equal": lambda a, b: b <= a,
+    "equal": lambda a, b: (a <= b) & (b <= a),
+    "square": _square,
+    "power": _square,
+    "exp": _exponential,
+    "conjugate": Traced.conjugate,
+    "sign": lambda a: _where(a.make, a > 0, 1.0, _where(a.make, a < 0, -1.0, 0.0)),
+    "where": _where,
+    "ndim": lambda _, a: a.ndim,
+    "interp": _interpolated,
+    "real": lambda _, a: a.real,
+    "clip": lambda make, x, low, high: traced(make, np.minimum(np.maximum(x, low), high)),
+}

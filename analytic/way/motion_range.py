@@ -1,0 +1,131 @@
+"""How far the drive can move, and what stops it: its way sampled, and the places between two samples by bisection."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, inf, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Scene
+from scenes.drive import Driven
+from scenes.model.motion import Samples
+
+from ..core.decomposition import Dyad, Guided, InnerSlide, guides_cross, inner_joint, kind
+from ..core.group_equations import Group
+from ..core.kinematics import Linkage, kinematics
+from ..core.placing import Kinematics
+
+SAMPLES = 3600  # of a turn, or a driven slider's way: what changes twice between two of them is not seen
+BISECTIONS = 60  # from the whole way down to the last place
+
+
+def motion_at(scene: Scene, linkage: Linkage, position: Samples, *, rates: bool = True) -> Kinematics:
+    """The motion by the drive at positions of it, rad or m; NaN where the linkage does not assemble."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return kinematics(scene, linkage, Driven(position, np.array(1.0), np.array(0.0)), rates=rates)
+
+
+def changes(holds: Callable[[Samples], NDArray[np.bool_]], least: float, most: float) -> tuple[Samples, Samples]:
+    """Find where a condition begins or ceases to hold: the last places on a way without it and with it, shape (n,)."""
+    way = np.linspace(least, most, SAMPLES + 1)
+    held = holds(way)
+    (before,) = np.nonzero(held[1:] != held[:-1])
+    ends = np.stack([way[before], way[before + 1]])
+    return _bisected(holds, *np.where(held[before], ends[::-1], ends))
+
+
+def zeros(f: Callable[[Samples], Samples], low: Samples, high: Samples) -> Samples:
+    """Find the zeros of a function, one between each two places."""
+    rising = f(high) > f(low)
+    before, after = _bisected(lambda x: np.equal(f(x) > 0, rising), low, high)
+    return (before + after) / 2
+
+
+def _bisected(
+    holds: Callable[[Samples], NDArray[np.bool_]], without: Samples, within: Samples
+) -> tuple[Samples, Samples]:
+    for _ in range(BISECTIONS):
+        middle = (without + within) / 2
+        held = holds(middle)
+        without, within = np.where(held, without, middle), np.where(held, middle, within)
+    return without, within
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Positions of the drive, rad or m, between which the linkage assembles, and the joint of the group singular there.
+
+    A driven slider's way may end without a singular configuration; then there is no joint.
+    """
+
+    start: float
+    end: float
+    start_joint: str
+    end_joint: str
+
+
+def motion_range(scene: Scene, linkage: Linkage) -> list[Interval]:
+    """Find the intervals of one turn, or of a driven slider's way, in which the linkage assembles.
+
+    None when it never does, or all the way. An interval of a crank that does not hold its start ends in the first turn.
+    """
+    turn, start = 2 * pi if scene.driven_slide is None else inf, scene.drive.start
+    least, most = scene.drive.extent if turn == inf else (start, start + turn)
+    without, within = changes(lambda x: _unreached(scene, linkage, x) == "", least, most)
+    if not len(within):
+        return []
+    ends = [(float(x), str(joint)) for x, joint in zip(within, _unreached(scene, linkage, without), strict=True)]
+    if within[0] < without[0]:  # the way begins within an interval, which begins a turn before its last edge
+        ends = [(ends[-1][0] - turn, ends[-1][1]), *ends[:-1]] if turn < inf else [(least, ""), *ends]
+    if len(ends) % 2:
+        ends.append((most, ""))
+    intervals = []
+    for (a, at_a), (b, at_b) in zip(ends[::2], ends[1::2], strict=True):
+        off = 0.0 if turn == inf or a <= start <= b else turn * (ceil(b / turn) - 1)
+        intervals.append(Interval(a - off, b - off, at_a, at_b))
+    return sorted(intervals, key=lambda interval: interval.start)
+
+
+def _unreached(scene: Scene, linkage: Linkage, position: Samples) -> NDArray[np.str_]:
+    """Name for each position the inner joint of the first group that does not reach, or none by an empty text."""
+    reach = motion_at(scene, linkage, position, rates=False).reach
+    fails = [np.broadcast_to(~(each >= 0), position.shape) for each in (np.array(0.0), *reach.values())]
+    first: NDArray[np.str_] = np.array(["", *reach])[np.argmax(fails, axis=0)]
+    return first
+
+
+def describe(scene: Scene, linkage: Linkage, position: float) -> str:
+    """Tell in one sentence how far the drive moves, and what is in line where it stops, as it does at a position."""
+    body, turns = scene.drive.body, scene.driven_slide is None
+    intervals = motion_range(scene, linkage)
+    stops = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
+    if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
+        least, most = scene.drive.extent
+        if not turns and not least <= position <= most:
+            return f"the {body} slides freely all its way, from {scene.position(least)} to {scene.position(most)}"
+        gap = scene.position((2 * pi if turns else most - least) / SAMPLES)
+        why = stops[str(_unreached(scene, linkage, np.array([position]))[0])]
+        return f"the {body} {'turns' if turns else 'slides'} freely but for gaps narrower than {gap} ({why})"
+    if not intervals:
+        return f"the linkage cannot be assembled with the {body} at any {'angle' if turns else 'place of its way'}"
+
+    def end(position: float, joint: str) -> str:
+        return f"{scene.position(position)} ({stops[joint]})"
+
+    ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
+    return f"the {body} {'turns' if turns else 'slides'} only {ways}; drive.start and drive.end can limit a run"
+
+
+def in_line(group: Dyad | Group) -> str:
+    """Name what is in line, square or parallel where a group is singular."""
+    if isinstance(group, Group):
+        return f"{', '.join(group.bodies)} in a singular configuration"
+    one, two = (leg.body for leg in group.legs)
+    if guides_cross(group):
+        guides = [leg for leg in group.legs if isinstance(leg, Guided)]
+        guides += [group.guide] if isinstance(group, InnerSlide) else []
+        return f"the guides of {' and '.join(guide.slider for guide in guides)} parallel"
+    if isinstance(group, InnerSlide):
+        return f"the pins of {one} and {two} square to the guide of {group.guide.slider}"
+    return f"{one} and {two} in line at {group.P}" if kind(group) == "RRR" else f"{one} square to the guide of {two}"

@@ -1,0 +1,122 @@
+"""How far a larger group is from a singular configuration: by how much the nearest length would have to be off.
+
+Its lengths are those of its links, bodies that two pins hold, and the offsets of its guides. Where one of them is off
+by l, the joints close along a curve of poses and l. From l = 0 it is followed both ways to the first extreme of l,
+where the pose is singular: with that length beyond it the group cannot be assembled. With b = dC/dl, the tangent
+(q', l'), its change, and the way back onto the curve follow from one matrix; w is the last tangent:
+
+    [ J   b ]     [ 0 ]      [ -C'' - 2 l' b' ]      [ -C ]
+    [ w   0 ] x = [ 1 ],     [        0       ],     [  0 ],        the extreme being about -l' / l'' ahead       (2)
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes.model.motion import Samples
+
+from ..core.group_equations import FramePoses, GroupEquations, coordinates, in_plane
+from ..core.newton_group import columns, own_jacobian, solved
+
+LONGEST = 0.5  # of the group's size: a step along a curve
+ASTRAY = 0.05  # of the group's size: so far off the curve a step was too long
+ROUNDS = 60  # of steps along one curve
+CLOSE = 1e-5  # of the group's size: the last step to an extreme, which leaves l off by about its third power
+
+
+def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
+    """Return by how much the nearest length of a group would have to be off for the group to be singular.
+
+    Args:
+        equations: of the group.
+        pose: all frames, of shape (..., frames), NaN where the joints do not close.
+
+    Returns:
+        A length, m, shape (...), NaN where the pose is.
+    """
+    least = np.full(pose.z.shape[:-1], np.nan)
+    closed = np.asarray(~np.isnan(pose.z).any(axis=-1))
+    some = _rows(pose, closed)
+    near = np.where(np.linalg.det(own_jacobian(equations, some)) == 0, 0.0, np.inf)
+    for unit in _lengths(equations):
+        for sense in (1, -1):
+            near = np.minimum(near, _extreme(equations, unit, some, sense, near))
+    least[closed] = near
+    return least
+
+
+def _lengths(equations: GroupEquations) -> Iterator[GroupEquations]:
+    """Yield what a unit of each length adds to the constraints: of a link in its last pin, of a guide at its point."""
+    none = replace(equations, S=0 * equations.S, R=0 * equations.R, T=0 * equations.T, E=0 * equations.E)
+    for link in range(equations.bodies):
+        pins = np.flatnonzero(equations.S[:, link])
+        if len(pins) == 2 and not equations.T[:, link].any():
+            first, last = equations.S[pins, link] * equations.R[pins, link]
+            unit = replace(none, R=none.R.copy())
+            unit.R[pins[1], link] = equations.S[pins[1], link] * (last - first) / np.abs(last - first)
+            yield unit
+    for guide, on in enumerate(equations.on):
+        unit = replace(none, E=none.E.copy())
+        unit.E[guide, on] = 1j * equations.along[guide]
+        yield unit
+
+
+def _extreme(
+    equations: GroupEquations, unit: GroupEquations, start: FramePoses, sense: int, nearest: Samples
+) -> Samples:
+    """Return how far l comes one way to its first extreme, shape (n,), m, or beyond what is the nearest so far."""
+    extreme, going, b = np.zeros(len(nearest)), np.arange(len(nearest)), equations.bodies
+    placed, longest = FramePoses(start.z[:, b:], start.angle[:, b:]), np.full(len(nearest), LONGEST * equations.size)
+    x = _with(coordinates(start.z[:, :b], start.angle[:, :b]), 0)
+    tangent = sense * _with(solved(own_jacobian(equations, start), -unit.open(start)), 1)
+    path = np.stack([x, tangent, 0 * x], axis=1)  # a place on the curve, the tangent there, and its change
+    for _ in range(ROUNDS):
+        back, *ahead = _along(equations, unit, placed, x, path[:, 1])
+        astray = equations.length(back[:, :-1])
+        near = astray <= ASTRAY * equations.size
+        path = np.where(near[:, None, None], np.stack([x + back, *ahead], axis=1), path)
+        on, slope, bend = sense * np.moveaxis(path[..., -1], -1, 0)
+        way = np.where(bend < 0, slope / np.where(bend < 0, -bend, 1), np.sign(slope) * np.inf)
+        grown = np.minimum(1.5 * longest, LONGEST * equations.size)
+        longest = np.where(near & (way > -longest), grown, longest / 4)
+        step = np.clip(way, -longest, longest)
+        x = np.einsum("nk,nkj->nj", np.stack([step**0, step, step**2 / 2], axis=1), path)
+        ended = np.maximum(astray, np.abs(way)) <= CLOSE * equations.size
+        extreme[going] = np.where(ended, sense * x[:, -1], on)
+        left = ~ended & (on < nearest[going])
+        if not left.any():
+            break
+        going, x, path, longest, placed = going[left], x[left], path[left], longest[left], _rows(placed, left)
+    return extreme
+
+
+def _along(
+    equations: GroupEquations, unit: GroupEquations, placed: FramePoses, x: Samples, before: Samples
+) -> tuple[Samples, Samples, Samples]:
+    """Return the way back onto the curve, its tangent of length one, m, and that one's change, each as x is.
+
+    `x` is q and l, shape (n, m + 1), near the curve, and `before` a tangent nearby.
+    """
+    pose, longer = equations.pose(x[:, :-1], placed), x[:, -1, None, None]
+    off = replace(equations, R=equations.R + longer * unit.R, E=equations.E + longer * unit.E)
+    across = _with(before[:, :-1] * equations.arms**2, 0)
+    beside = np.append(own_jacobian(off, pose), unit.open(pose)[..., None], axis=-1)
+    matrix, C = np.append(beside, across[:, None], axis=1), off.open(pose)
+    back, tangent = np.moveaxis(columns(matrix, np.stack([_with(-C, 0), _with(0 * C, 1)], axis=-1)), -1, 0)
+    tangent /= np.linalg.norm(tangent[:, :-1] * equations.arms, axis=-1, keepdims=True)
+    dq, dl = tangent[:, :-1], tangent[:, -1:]
+    everywhere = np.append(dq, np.zeros((len(x), 3 * placed.z.shape[1])), axis=-1)
+    bend = off.quadratic(pose, *in_plane(everywhere))
+    bend += 2 * dl * np.einsum("nij,nj->ni", own_jacobian(unit, pose), dq)
+    return back, tangent, solved(matrix, _with(-bend, 0))
+
+
+def _with(rows: Samples, last: float) -> Samples:
+    """Return rows with one more column."""
+    return np.append(rows, np.full((len(rows), 1), last), axis=-1)
+
+
+def _rows(pose: FramePoses, rows: NDArray[np.bool_]) -> FramePoses:
+    return FramePoses(pose.z[rows], pose.angle[rows])

@@ -1,0 +1,181 @@
+"""The arguments of the main job."""
+
+import argparse
+from argparse import ArgumentTypeError
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
+from numbers import Integral
+from pathlib import Path
+
+from scenes import InputError, Sampling, Scene, limits
+from scenes.arguments import names, refuse
+from scenes.errors import nearest, one_line
+from scenes.model.motion import channels
+from scenes.model.request import FEWEST
+
+from ..engines import registry
+from ..engines.settings import TIERS, Accuracy
+from ..measure.many.grid import variation
+from .command import Parser, called
+
+USAGE = (
+    " [SCENE ...] [--engines a,b] [--samples N] [--turns N] [--out DIR]"
+    " [--channels LIST] [--accuracy A] [--full] [--check] [--open]"
+    " [--vary PATH=FROM:TO:COUNT ... [--workers N | --scheduler ADDRESS]]"
+    " [--monte-carlo N [--seed K]] [--format github] [--baseline FILE]"
+    " [--result NAME=FILE.csv ...]; or list, new NAME, map [SCENE] NAME=FILE.csv, version"
+)
+
+COMMANDS = {
+    "list": "scenes and engines, and what is missing to run them",
+    "new NAME": "write NAME.toml, a commented scene to change",
+    "map [SCENE] NAME=FILE.csv": "print a mapping that fits the columns of another program's result",
+    "version": "of this program; `list` has those of the engines",
+}
+
+MOST_MACHINES = 1_000_000  # of a scene: their numbers take 200 MB
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of a run; bad arguments raise InputError."""
+    parser = Parser(
+        prog=called(),
+        usage=called() + USAGE,
+        description="Solve planar linkages by independent models.",
+        epilog=f"Other commands: {'; '.join(f'{name}, {about}' for name, about in COMMANDS.items())}.",
+    )
+    parser.add_argument(
+        "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
+    )
+    parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
+    parser.add_argument(
+        "--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)"
+    )
+    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
+    parser.add_out("the reports")
+    parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
+    parser.add_argument(
+        "--accuracy",
+        type=accuracy,
+        help=f"the engines' settings: {', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)",
+    )
+    parser.add_argument(
+        "--vary",
+        type=variation,
+        action="append",
+        default=[],
+        metavar="PATH=FROM:TO:COUNT",
+        help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
+    parser.add_argument(
+        "--monte-carlo",
+        type=_count(2, MOST_MACHINES),
+        metavar="N",
+        help="draw so many machines from the scene's [[variations]] instead, and report what the tolerances do",
+    )
+    parser.add_argument("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
+    parser.add_argument(
+        "--result",
+        action="append",
+        default=[],
+        metavar="NAME=FILE.csv",
+        help="judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]",
+    )
+    parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
+    parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
+    parser.add_argument(
+        "--format",
+        choices=("plain", "github"),
+        default="plain",
+        help="of --check: annotations and a step summary too",
+    )
+    parser.add_argument(
+        "--baseline", type=Path, metavar="FILE", help="name what changed since the run that wrote this summary.json"
+    )
+    parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")
+    return parser
+
+
+def _names(text: str) -> list[str]:
+    return list(dict.fromkeys(name.strip() for name in text.split(",")))
+
+
+def _engines(text: str) -> list[str]:
+    names = _names(text)
+    registry.check_names(names)
+    return names
+
+
+def _count(least: int, most: int) -> Callable[[str], int]:
+    def parse(text: str) -> int:
+        if not (text.isdecimal() and len(text) < 20 and least <= int(text) <= most):
+            raise ArgumentTypeError(f"expected a whole number from {least} to {most}, found '{one_line(text, 40)}'")
+        return int(text)
+
+    return parse
+
+
+def accuracy(text: str) -> Accuracy:
+    """The accuracy that an argument asks for.
+
+    Raises:
+        ArgumentTypeError: it is none.
+    """
+    if text in TIERS:
+        return text
+    try:
+        level = float(text)
+    except ValueError:
+        level = 0.0
+    if not 0 < level < 1:
+        raise ArgumentTypeError(
+            f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{one_line(text, 40)}'"
+            f"{nearest(text, TIERS, or_all=False)}"
+        )
+    return level
+
+
+def from_python(engines: object, **others: object) -> argparse.Namespace:
+    """Arguments of a Python function, by the names of their options, as options; bad ones raise InputError."""
+    for name in others.keys() & {"samples", "turns"}:
+        if isinstance(others[name], bool) or not isinstance(others[name], Integral):
+            refuse(name, "a whole number", others[name])
+    words = {"engines": ",".join(names("engines", engines)), **others}
+    python = parser()
+    python.usage = None
+    return python.parse_args([f"--{name}={word}" for name, word in words.items()])
+
+
+def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:
+    """The sampling of a scene, for the channels that match one of the patterns, or all.
+
+    Raises:
+        InputError: a pattern matches no channel, there are to be several cycles of a run that has one, or more values
+            than fit.
+    """
+    if turns > 1 and not scene.drive.repeats:
+        raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
+    request = Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
+    width = len(request.wanted(scene))
+    if request.count * width > limits.VALUES:
+        raise InputError(
+            f"arguments: --samples {samples} --turns {turns}: expected {limits.VALUES} values at most, found"
+            f" {request.count} samples of {width} channels of {scene.name}; --channels asks for fewer"
+        )
+    return request
+
+
+def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:
+    """The channels of a scene whose names match one of the patterns, `P5.*` for example.
+
+    Raises:
+        InputError: a pattern matches no channel.
+    """
+    known = [channel for channel in channels(scene) if channel not in ("time", scene.drive_channel)]
+    for pattern in patterns:
+        if not any(fnmatchcase(channel, pattern) for channel in known):
+            raise InputError(f"--channels: {scene.name} has no channel '{pattern}'{nearest(pattern, known)}")
+    return frozenset(c for c in known if any(fnmatchcase(c, pattern) for pattern in patterns))

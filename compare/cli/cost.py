@@ -1,0 +1,86 @@
+"""What a run will cost, in time and memory, before it is made: shown where it is much, refused where it cannot be."""
+
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from scenes import InputError, Sampling, Scene
+
+# By `python -m benchmarks.sizes` on one core of 3 GHz: the toggle press at up to 360,000 samples, chains of up to 51
+# bodies. A number is one channel at one sample; those of an engine count with their errors, checks and files.
+FIXED = 4.0  # s, of settings that are timed and of the page
+MEMBER = 0.1  # s, of a member of a family besides
+OF_BODIES = 0.004  # s, times the square of their number: of the same, and of the certificate
+MATRIX = 2e-9  # s, times the cube of the constraints, for every sample of an engine
+NUMBER: Mapping[str, float] = {"analytic": 3e-6, "exudyn": 6e-6, "pymunk": 8e-6, "multiprecision": 1e-4}  # s
+OTHER = 1e-5  # s, of an engine that is not measured
+PROGRAM, SQUARE = 200e6, 0.15e6  # bytes; those times the square of the bodies
+SHARED, OWN = 90, 25  # bytes for every number: of the reference and what is being compared, and of each engine
+
+SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
+
+
+class Cost(NamedTuple):
+    """The cost of a run."""
+
+    seconds: float  # of processor time
+    memory: float  # bytes
+
+
+def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> Cost:
+    """What a run costs by itself, without `--full`.
+
+    Args:
+        scene: the linkage.
+        sampling: the instants, and the channels.
+        engines: their names.
+        members: of a family; 0 for a single scene.
+    """
+    bodies, numbers = len(scene.bodies), sampling.count * len(sampling.wanted(scene))
+    matrices = MATRIX * (3 * bodies) ** 3 * sampling.count * len(engines)
+    of_engines = numbers * sum(NUMBER.get(engine, OTHER) for engine in engines)
+    seconds, memory = OF_BODIES * bodies**2 + matrices + of_engines, numbers * (SHARED + OWN * len(engines))
+    program = PROGRAM + SQUARE * bodies**2
+    if members:
+        return Cost(members * (MEMBER + seconds), program + members * memory)
+    return Cost(FIXED + seconds, program + memory)
+
+
+def announce(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> None:
+    """Write one line to stderr on what a large run will cost.
+
+    Args:
+        scene: the linkage.
+        sampling: the instants, and the channels.
+        engines: their names.
+        members: of a family; 0 for a single scene.
+
+    Raises:
+        InputError: it needs more memory than there is.
+    """
+    cost, limit = predicted(scene, sampling, engines, members), _memory()
+    family = f" and {members:,} members" if members else ""
+    what = f"{sampling.count:,} samples of {len(scene.bodies)} bodies by {len(engines)} engines{family}"
+    if cost.memory > limit:
+        why = f"expected what fits into the {limit / 1e9:.1f} GB of memory here"
+        raise InputError(f"{scene.name}: {why}; {what} need about {cost.memory / 1e9:.1f} GB")
+    if cost.seconds > SHOWN_S or cost.memory > SHOWN_BYTES:
+        print(
+            f"{scene.name}: {_time(cost.seconds)} and {cost.memory / 1e9:.1f} GB expected for {what}", file=sys.stderr
+        )
+
+
+def _time(seconds: float) -> str:
+    return f"about {seconds:.0f} s" if seconds < 90 else f"about {seconds / 60:.0f} min"
+
+
+def _memory() -> float:
+    """The memory that this process may have, bytes."""
+    try:
+        import resource
+    except ImportError:  # on Windows
+        return float("inf")
+    own, _ = resource.getrlimit(resource.RLIMIT_AS)
+    machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return float(machine if own == resource.RLIM_INFINITY else min(own, machine))

@@ -1,0 +1,179 @@
+"""Processes for what may crash, hang or eat all memory; whatever happens there is an outcome here.
+
+No library's pool serves: with pebble, loky and `concurrent.futures`, what an engine began goes on after its end, an
+engine asleep in C goes on after its parent was killed, half an answer hangs the pool, and time is limited on the wall
+alone.
+"""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import get_context
+from multiprocessing.connection import wait
+from time import monotonic
+from typing import Generic
+
+from scenes import InputError, Status
+
+from ..reasons import described
+from .guard import descendants, memory
+from .inside import LINUX, OPEN, Ended, Item, Limits, Result, serve
+from .messages import Messages, packed
+
+CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
+SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
+POLL = 0.2  # s, between two looks at whether the user asked to stop
+LOOK = 1.0  # s, between two looks at what processes of an engine's own take
+PATIENCE = 2.0  # s, for a guard to end its processes
+WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
+
+
+class Worker(Generic[Item, Result]):
+    """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
+
+    def __init__(self, function: Callable[[Item], Result]) -> None:
+        """Begin the process.
+
+        Raises:
+            InputError: the system allows no further one.
+        """
+        try:
+            self.connection, theirs = CONTEXT.Pipe()
+            OPEN.add(self.connection)
+            self._process = CONTEXT.Process(target=serve, args=(theirs, function, os.getpid()), daemon=True)
+            with uninterrupted(signal.SIGINT, signal.SIGTERM):
+                self._process.start()
+        except OSError as error:
+            raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
+        theirs.close()
+        self._messages = Messages(self.connection)
+        self._engine = 0  # the process that answers, once it has sent its number
+        self.busy = False  # whether it was asked for something of which the outcome is not known
+        self.outcome: Result | Ended
+
+    def ask(self, item: Item, limits: Limits) -> None:
+        """Have the function called, when the outcome of the last time is known."""
+        self.busy, self._limits, self._used = True, limits, self._processor_time()
+        self._due, self._look = monotonic() + WAIT * limits.seconds, monotonic() + LOOK
+        with suppress(OSError):  # its process has died, which is the outcome
+            self.connection.send_bytes(packed((limits, item)))
+
+    def wait(self, poll: Callable[[], None]) -> Result | Ended:
+        """Wait for the outcome. `poll` is called again and again; it may raise."""
+        wait([self.connection], POLL)
+        while not self.done():
+            poll()
+            wait([self.connection], POLL)
+        return self.outcome
+
+    def done(self) -> bool:
+        """Return whether it is known what came of it, which is `outcome` then."""
+        if self.busy and (ended := self._ended()):
+            self.end()
+            self.outcome, self.busy = ended, False
+        return not self.busy
+
+    def end(self) -> None:
+        """End the process, whatever it is doing, and all that it began."""
+        if LINUX:
+            self._process.terminate()  # its guard, which ends the others
+            self._process.join(PATIENCE)
+        self._process.kill()
+        self._process.join()
+        OPEN.discard(self.connection)
+        self.connection.close()
+
+    def _ended(self) -> Ended | None:
+        """Take what the process has sent, and return how it ended where no answer is to come."""
+        try:
+            while self.busy and (message := self._messages.next(self._limits.memory)) is not None:
+                if self._engine:
+                    (self.outcome,), self.busy = message, False
+                else:
+                    self._engine = message
+        except (EOFError, OSError):
+            return self._died()
+        except Exception as error:
+            return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
+        if not self.busy:
+            return None
+        if self._process.exitcode is not None and not self.connection.poll():
+            return self._died()
+        return self._beyond()
+
+    def _beyond(self) -> Ended | None:
+        """Return which limit it is beyond."""
+        if monotonic() >= self._look:
+            self._look = monotonic() + LOOK
+            processes = descendants(self._process.pid or 0) if LINUX else []  # one of them answers
+            if len(processes) > 1 and sum(map(memory, processes)) > self._limits.memory:
+                reason = f"it and what it began needed more memory than {self._limits.gibibytes}"
+                return Ended(Status.crashed, reason, at_limit=True)
+        seconds = self._limits.seconds
+        if monotonic() >= self._due:
+            return Ended(Status.timed_out, f"no answer within {WAIT * seconds:.3g} s", at_limit=True)
+        if self._processor_time() - self._used >= seconds:
+            return Ended(Status.timed_out, f"no answer within {seconds:.3g} s of processor time", at_limit=True)
+        return None
+
+    def _processor_time(self) -> float:
+        """Seconds that the process has used. A limit by `setrlimit` would make its own clock go by ticks of 4 ms."""
+        try:
+            clock = ~self._engine << 3 | 2  # of clock_getcpuclockid(3)
+            return time.clock_gettime(clock) if LINUX and self._engine else 0.0
+        except OSError:  # it has just ended
+            return 0.0
+
+    def _died(self) -> Ended:
+        """Return how it ended that gave no answer; it may go on, its connection closed."""
+        self.end()  # which leaves the exit code of what has ended
+        code = self._process.exitcode or 0
+        cause = SIGNALS.get(-code, f"exit status {code}")
+        if cause == "SIGKILL":
+            return Ended(Status.crashed, "its process was killed, as where memory runs out, or fell silent")
+        return Ended(Status.crashed, f"its process ended by {cause}")
+
+
+def isolated(
+    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Callable[[], None]
+) -> Iterator[tuple[Item, Result | Ended]]:
+    """Yield every item with what the function returns for it, or how it ended, as they come.
+
+    `poll` is called again and again and may raise: then no more is begun, and what runs is ended.
+    """
+    left, idle, busy = list(reversed(items)), list[Worker[Item, Result]](), dict[Worker[Item, Result], Item]()
+    try:
+        while left or busy:
+            poll()
+            while left and len(busy) < limits.workers:
+                worker = idle.pop() if idle else Worker(function)
+                busy[worker] = left.pop()
+                worker.ask(busy[worker], limits)
+            wait([worker.connection for worker in busy], POLL)
+            for worker, item in [*busy.items()]:
+                if not worker.done():
+                    continue
+                del busy[worker]
+                if isinstance(worker.outcome, Ended):  # whatever state it is in
+                    worker.end()
+                else:
+                    idle.append(worker)
+                yield item, worker.outcome
+    finally:
+        for worker in (*idle, *busy):
+            worker.end()
+
+
+@contextmanager
+def uninterrupted(*signals: signal.Signals) -> Iterator[None]:
+    """Have signals wait, so that they do not reach a process that has its parent's handlers still."""
+    if not LINUX:
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, signals)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,1 +1,0 @@
-"""Families of scenes: members that differ in some numbers."""

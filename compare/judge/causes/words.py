@@ -1,0 +1,164 @@
+"""The words of a cause, as a page and a terminal show them: every number in them is written out."""
+
+from collections.abc import Callable, Mapping
+from math import atan2, hypot
+from string import Formatter
+
+import numpy as np
+
+from scenes import Scene
+
+from ...mechanics.bodies import arms, weights
+from .cause import Cause
+
+NEAR_ONE = 0.01  # a factor that is no farther from one is shown in per cent
+NEAR_NONE, NEAR_OPPOSITE = 5e-3, 1e-2  # of a number: it is missing, or of the opposite sign
+NEAR_INERTIA = 2e-2  # of a moment of inertia: it is that of something else
+NEAR_PLACE = 5e-3  # of a body's length: the centre of mass is there
+INERTIAS = {2: {3.0: "that about its end", 2.0: "that of two points"}, 3: {3.0: "that of three points"}}
+MISSING = "missing"
+NEAR_ZERO = 1e-3  # of a vector
+NEAR_BACKWARDS = 1e-3  # of a speed
+EXPLAINED = 0.01  # of the error: what a cause leaves over of it is named where it is more
+
+
+def words(scene: Scene, cause: Cause) -> str:
+    """Return the sentence of a cause, with those that are wrong besides, or that explain as much.
+
+    Args:
+        scene: for units, and names of positions.
+        cause: what is likely wrong.
+    """
+    ways = (" and ".join(_sentence(scene, one) for one in each.all) for each in (cause, *cause.others))
+    return ", or ".join(ways) + f" (all but {100 * cause.left:.0f} % of the error)" * (cause.left > EXPLAINED)
+
+
+def _sentence(scene: Scene, cause: Cause) -> str:
+    text = cause.way.value
+    gaps = {name: GAPS[name](scene, cause) for _, name, *_ in Formatter().parse(text) if name}
+    ends = " from {} to {}".format(*map(scene.where, cause.rows)) if len(cause.rows) > 1 else ""
+    return text.format_map(gaps) + ends
+
+
+def plainly(number: float, digits: int = 3) -> str:
+    """Return a number to so many digits, without a power of ten."""
+    return np.format_float_positional(number, digits, unique=False, fractional=False, trim="-")
+
+
+def factor_in_words(by: float, what: str = "it") -> str:
+    """Return a factor as what is wrong: `0.002 % too large`, `3 times what it should be`."""
+    if abs(by - 1) >= NEAR_ONE:
+        return f"{plainly(by, 4)} times what {what} should be"
+    return f"{plainly(100 * abs(by - 1))} % too {'large' if by > 1 else 'small'}"
+
+
+def _percent(share: float) -> str:
+    """Return by how much of itself something is off."""
+    if abs(share + 1) < NEAR_NONE:
+        return MISSING
+    if abs(share + 2) < NEAR_OPPOSITE:
+        return "of the opposite sign"
+    if share > 2:
+        return f"{plainly(share + 1, 4)} times too large"
+    return f"{plainly(100 * abs(share))} % too {'large' if share > 0 else 'small'}"
+
+
+def _stiffness(_: Scene, cause: Cause) -> str:
+    how = _percent(cause.amounts[0])
+    return " is missing" if how == MISSING else f"'s stiffness is {how}"
+
+
+def _inertia(scene: Scene, cause: Cause) -> str:
+    """Return how a moment of inertia is off, or what it is that of."""
+    body, share = scene.bodies[cause.place], cause.amounts[0]
+    known = {} if body.inertia is not None else INERTIAS.get(len(body.corners), {})
+    return next((what for more, what in known.items() if abs(share - more) < NEAR_INERTIA), _percent(share))
+
+
+def _com(scene: Scene, cause: Cause) -> str:
+    """Return how far a centre of mass is off, or where it is."""
+    body = scene.bodies[cause.place]
+    own, placed = weights(scene, body).com, arms(scene, body)
+    known = {f"at {point}": at for point, at in placed.items()}
+    known |= {"mirrored": own.conjugate(), "on the opposite side": -own}
+    there, hair = own + complex(*cause.amounts), NEAR_PLACE * max(map(abs, placed.values()))
+    off = f"{_in_unit(scene, 'length', hypot(*cause.amounts))} off"
+    return next((where for where, at in known.items() if abs(there - at) < hair), off)
+
+
+def _many(cause: Cause) -> bool:
+    return cause.part is not None and cause.part.many
+
+
+def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
+    unit, size = scene.units[quantity]
+    return f"{plainly(value / size, digits)} {unit}"
+
+
+def _numbers(_: Scene, cause: Cause) -> str:
+    """Return the components of a vector; one that is nothing beside the others is zero."""
+    least = NEAR_ZERO * max(map(abs, cause.amounts))
+    return ", ".join(plainly(number if abs(number) > least else 0.0) for number in cause.amounts)
+
+
+def _displacement(scene: Scene, cause: Cause) -> str:
+    return _in_unit(scene, "angle" if scene.driven_slide is None else "length", cause.amounts[-1])
+
+
+def _late(_: Scene, cause: Cause) -> str:
+    by, *rows = cause.amounts
+    many = "".join(f" ({plainly(abs(count))} samples)" for count in rows)
+    return f"{plainly(1e3 * abs(by))} ms {'late' if by > 0 else 'early'}{many}"
+
+
+def _late_rows(_: Scene, cause: Cause) -> str:
+    by = int(cause.amounts[0])
+    return f"{abs(by)} sample{'s' * (abs(by) > 1)} {'late' if by > 0 else 'early'}"
+
+
+def _faster(_: Scene, cause: Cause) -> str:
+    share = cause.amounts[0]
+    return "backwards" if abs(share + 2) < NEAR_BACKWARDS else f"{'+' * (share > 0)}{plainly(100 * share)} %"
+
+
+def _frame(scene: Scene, cause: Cause) -> str:
+    """Return the frame of a result: whether it is mirrored, its angle, its origin."""
+    mirrored, angle, x, y = cause.amounts
+    parts = ["mirrored"] * bool(mirrored) + [f"turned by {_in_unit(scene, 'angle', angle, 4)}"] * bool(angle)
+    least = NEAR_ZERO * hypot(x, y)
+    place = "({}, {})".format(*(_in_unit(scene, "length", of if abs(of) > least else 0.0) for of in (x, y)))
+    return ", ".join(parts + [f"with its origin at {place}"] * bool(x or y))
+
+
+GAPS: Mapping[str, Callable[[Scene, Cause], str]] = {
+    "place": lambda _, cause: cause.place,
+    "one": lambda _, cause: cause.names[0],
+    "two": lambda _, cause: cause.names[1],
+    "part": lambda _, cause: cause.part.name if cause.part else cause.place,
+    "is": lambda _, cause: "are" if _many(cause) else "is",
+    "has": lambda _, cause: "have" if _many(cause) else "has",
+    "its": lambda _, cause: "their" if _many(cause) else "its",
+    "where": lambda scene, cause: scene.where(cause.rows[0]),
+    "count": lambda _, cause: f"{cause.amounts[0]:.0f}",
+    "of": lambda _, cause: f"{cause.amounts[1]:.0f}",
+    "long": lambda _, cause: "long" if cause.amounts[0] > 0 else "short",
+    "share": lambda _, cause: plainly(abs(cause.amounts[0])),
+    "number": lambda _, cause: plainly(cause.amounts[0]),
+    "numbers": _numbers,
+    "stiffness": _stiffness,
+    "inertia": _inertia,
+    "com": _com,
+    "percent": lambda _, cause: _percent(cause.amounts[0]),
+    "growth": lambda _, cause: f"{plainly(100 * cause.amounts[0])} %",
+    "times": lambda _, cause: factor_in_words(cause.amounts[0], "they" if _many(cause) else "it"),
+    "length": lambda scene, cause: _in_unit(scene, "length", hypot(*cause.amounts)),
+    "signed_length": lambda scene, cause: _in_unit(scene, "length", cause.amounts[0]),
+    "force": lambda scene, cause: _in_unit(scene, "force", hypot(*cause.amounts), 4),
+    "way": lambda scene, cause: _in_unit(scene, "angle", atan2(*reversed(cause.amounts)), 4),
+    "angle": lambda scene, cause: _in_unit(scene, "angle", cause.amounts[0], 4),
+    "displacement": _displacement,
+    "late": _late,
+    "late_rows": _late_rows,
+    "faster": _faster,
+    "frame": _frame,
+}

@@ -1,0 +1,153 @@
+"""One engine on one rung of a hard ladder: every attempt, what is wrong with it, and who noticed.
+
+A run with status ok is wrong if it is off by more than its engine promises and round-off explains. A failure is a false
+alarm if what was computed is within that, or if bodies that can be assembled end as `cannot_assemble`.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import partial
+from typing import Any
+
+from scenes import Failure, InputError, Sampling, Scene, Status, hard
+from scenes.model.motion import quantity
+
+from ...engines import registry
+from ...engines.registry import ORACLE, REFERENCE
+from ...judge.errors import worst_of
+from ...judge.floor import NO_ANSWER
+from ...judge.measure import Measurement, attempts, checked_run, measure, offers
+from ...mechanics.reference import Reference, uncertified
+from ...mechanics.round_off import Explained, explain
+from .digits import digits_lost
+
+SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles
+
+
+class Outcome(StrEnum):
+    """How an attempt is judged."""
+
+    right = "right"  # ok, and within the promise
+    refused = "refused"  # failed by the engine or by a check without a reference, and wrong; or nothing is to be solved
+    false_alarm = "false alarm"  # failed, and within the promise
+    silent = "silent"  # ok by the engine and by all checks without a reference, and wrong by the reference alone
+    uncertified = "not certified"  # the reference, where arbitrary precision had no answer
+
+
+@dataclass(frozen=True)
+class Case:
+    """What is examined at a time."""
+
+    ladder: str
+    rung: str
+    engine: str
+
+    def __str__(self) -> str:
+        """Name it, as it is kept."""
+        return f"{self.ladder}, {self.rung}: {self.engine}"
+
+
+Row = dict[str, Any]
+
+
+def examine(case: Case) -> list[Row]:
+    """One row an attempt of the engine; of the reference one, measured by arbitrary precision."""
+    ladder = hard.ladder(case.ladder)
+    rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
+    try:
+        scene = rung.scene()
+    except InputError as error:
+        return [_invalid(case, error, rung.status)]
+    samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
+    sampling = Sampling(samples, rung.turns)
+    try:
+        reference = uncertified(scene)
+        explained = explain(reference, sampling)
+    except InputError as error:
+        return [_invalid(case, error, rung.status)]
+    except Failure as failure:
+        return [_nothing_to_solve(case, scene, sampling, failure, rung.status)]
+    if case.engine == REFERENCE:
+        row = _certified(case, reference, sampling, explained, rung.status)
+        return [_counted(row, scene) if ladder.file.digits and row["outcome"] == Outcome.right else row]
+    at = partial(measure, reference, case.engine, sampling, explained=explained)
+    made = attempts(at, offers(case.engine, "balanced"))
+    return [_attempted(case, reference, measured, explained) for measured in made]
+
+
+def _invalid(case: Case, error: InputError, expected: str) -> Row:
+    outcome = Outcome.refused if expected == hard.INVALID else Outcome.false_alarm
+    return case_row(case, hard.INVALID, str(error), "reader", outcome)
+
+
+def _attempted(case: Case, reference: Reference, measured: Measurement, explained: Explained) -> Row:
+    run = measured.run
+    if run.status is Status.ok:
+        outcome = Outcome.right
+    elif run.found_by == "reference":
+        outcome = Outcome.silent
+    else:
+        promise = run.settings.promise if run.settings else 0.0
+        kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
+        denied = run.status is Status.cannot_assemble and explained.decidable
+        outcome = Outcome.false_alarm if kept or denied else Outcome.refused
+    setting = run.settings.label if run.settings else ""
+    attempt = {"setting": setting, "seconds": run.seconds}
+    row = case_row(case, run.status.name, run.reason, run.found_by, outcome) | attempt
+    return row | _figures(measured, reference, explained)
+
+
+def _figures(measured: Measurement, reference: Reference, explained: Explained) -> Row:
+    """Return condition, distance to lock and errors by group."""
+    row: Row = {"condition": float(explained.condition.max())}
+    if measured.run.motion is not None and measured.comparison is not None:
+        motion = reference.at(measured.comparison.position, measured.run.motion["time"])
+        locks = [float(motion[channel].min()) for channel in motion.samples if quantity(channel) == "to_lock"]
+        row["to_lock_m"] = min(locks, default=None)
+    worst = {figure: measured.worst(figure) for figure in ("max", "explained", "unexplained")}
+    return row | {f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()}
+
+
+def _certified(case: Case, reference: Reference, sampling: Sampling, explained: Explained, expected: str) -> Row:
+    """The row of the reference itself, which arbitrary precision knows better."""
+    measured = measure(reference, ORACLE, sampling, explained=explained)
+    run = measured.run
+    outcome, missed = Outcome.right, ""
+    if expected != Status.ok.name:
+        outcome, missed = Outcome.silent, f"expected {expected}"
+    elif run.status in NO_ANSWER:
+        outcome = Outcome.uncertified
+    elif run.status is not Status.ok:
+        outcome, missed = Outcome.silent, run.reason
+    row = case_row(case, Status.ok.name, missed, "", outcome)
+    row["setting"] = f"against {registry.ENTRIES[ORACLE].distribution}"
+    return row | _figures(measured, reference, explained)
+
+
+def _counted(row: Row, scene: Scene) -> Row:
+    """The reference's row with the digits that it loses by group, and those that the condition allows."""
+    lost = digits_lost(scene)
+    groups = lost.set_index("group")[["lost", "allowed"]].to_dict("index")
+    figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
+    over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
+    wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}
+    return row | figures | wrong
+
+
+def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str) -> Row:
+    """The row of an engine where the reference finds no motion: neither may it, nor the oracle."""
+    outcome = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
+    if case.engine == REFERENCE:
+        agreed = outcome.status is not Status.ok and expected == failure.status.name
+        judged = Outcome.refused if agreed else Outcome.false_alarm
+        return case_row(case, failure.status.name, failure.reason, "engine", judged)
+    if outcome.status is not Status.ok:
+        return case_row(case, outcome.status.name, outcome.reason, outcome.found_by, Outcome.refused)
+    reason = f"ok where the reference has no motion: {failure.reason}"
+    return case_row(case, failure.status.name, reason, "reference", Outcome.silent)
+
+
+def case_row(case: Case, status: str, reason: str, found_by: str, outcome: Outcome) -> Row:
+    """A row without figures."""
+    of = {"ladder": case.ladder, "rung": case.rung, "engine": case.engine, "setting": "", "condition": float("nan")}
+    return of | {"status": status, "outcome": str(outcome), "found_by": found_by, "reason": reason}

@@ -1,0 +1,224 @@
+"""How many digits the reference loses, and how many it may: what doubles cost against what the linkage itself does.
+
+A scene's numbers are doubles, each as if off by half a unit in the last place, eps / 2. The condition of the problem is
+by how much more than its inputs an output changes, both relative, the worst that all inputs off by one unit can do
+together:
+
+    condition = max over channels and positions of  sum over inputs of  |change of the channel| / (its peak STEP)   (1)
+
+found by arbitrary precision, input after input a STEP off. Reference and truth are compared by the same measure,
+
+    digits lost = log10(largest error / (eps peak))  <=  log10(condition) + 1,                                      (2)
+
+so that a formula which loses one digit more than its problem is seen, and the condition is no excuse for it.
+
+How they go with kappa, the condition of the position's Jacobian J alone: near a fold a coordinate y, of order one away
+from it, follows y^2 = x^2 + 2 g, with x the drive's way past the dead point and g the distance to lock, both relative.
+J goes like y, so that kappa ~ 1 / y <= g^(-1/2). A length off by e changes x^2 + 2 g by that much, hence
+
+    y  by e / y        : kappa          as y' = x x' / y <= x' and y'' = 2 g x'^2 / y^3 <= kappa x'^2 (to a factor),
+    y' by e x / y^3    : kappa^2        relative to the peaks, 1, 1 and kappa, position goes like kappa, velocity and
+    y'' by e / y^3     : kappa^3        acceleration both like kappa^2, 1 / g.
+
+Reactions are J^-T times inertia and loads: one kappa more in the change and in the peak, so kappa^2 relative to it.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import log10
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
+from scenes.model.motion import Samples, channels, quantity
+from scenes.numbers import put
+from scenes.scene import ConstantSpeed
+
+from ...engines import registry
+from ...engines.runner import run
+from ...mechanics.constraints import Constraints
+from ...mechanics.mechanics import GROUPS, SHOWN_GROUPS
+from ...mechanics.motion_vectors import MotionVectors, press_forces
+from ...mechanics.perturbation import inputs
+from ...mechanics.press_switches import on_switch
+from ...mechanics.scales import magnitude, relative_errors
+
+EPS = float(np.finfo(float).eps)
+STEP = 2.0**-40  # 1e-12, of an input: the changes keep four digits as doubles, and are small down to 1e-10 from lock
+ZERO = 1e-20  # of a natural size: what 50 digits leave of a channel that is zero by symmetry
+EQUALLY = 12  # positions over a cycle, besides those about the nearest lock
+AROUND = np.geomspace(1e-6, 3e-2, 8)  # of a cycle: on either side of it, on the scale of any distance from 1e-11
+GRID = 3600  # over a cycle, where the search for it begins
+ZOOM = 32  # per round of the search
+ROUNDS = 5  # to 1e-11 of a cycle; a distance to lock is least there, and flat
+
+
+def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """One row a channel group: what the problem's condition allows, and what the reference loses.
+
+    Where the speed is constant this is at equally spaced positions, at the one nearest to a lock, and close around it;
+    the switches of press forces, where forces jump and have no condition, are left out.
+
+    Args:
+        scene: the linkage.
+        scale: by channel, what the comparison divides errors by, for the column `scaled`; without it there is none.
+
+    Raises:
+        Failure: one of the two models does not solve the scene.
+    """
+    solve = registry.reference(scene)
+    to_lock = np.inf
+    request: Request = Sampling(EQUALLY)
+    if isinstance(scene.drive, ConstantSpeed):
+        nearest, to_lock = nearest_lock(scene, solve)
+        request = Positions(tuple(positions(scene, nearest).tolist()))
+    true = _certified(scene, request)
+    rows = _decided(scene, solve, true)
+    peaks = _peaks(scene, true)
+    motion = solve(true[scene.drive_channel], true["time"])
+    errors = _largest(relative_errors(motion, true, peaks), rows)
+    scaled = _largest(relative_errors(motion, true, scale), rows) if scale is not None else {}
+    conditions = _largest(_changes(scene, request, true, peaks), rows)
+    kappa = float(Constraints(scene).condition(true).max())
+    table = []
+    for group in SHOWN_GROUPS:
+        mine = [channel for channel in errors if GROUPS[quantity(channel)] == group]
+        if mine:
+            worst = max(mine, key=lambda channel: errors[channel][0])
+            error, row = errors[worst]
+            problem = max(1.0, *(conditions[channel][0] for channel in mine))
+            table.append(
+                {"scene": scene.name, "to_lock": to_lock, "kappa": kappa, "group": group}
+                | {"condition": problem, "allowed": log10(problem) + 1, "lost": _digits(error)}
+                | {"scaled": _digits(max(scaled[channel][0] for channel in mine)) if scaled else np.nan}
+                | {"worst": worst, "where": scene.where(float(true[scene.drive_channel][row]))}
+            )
+    return pd.DataFrame(table)
+
+
+def _largest(values: Mapping[str, Samples], rows: NDArray[np.bool_]) -> dict[str, tuple[float, int]]:
+    """By channel the largest value of some rows, and its row."""
+    worst = {channel: int(np.where(rows, samples, -1.0).argmax()) for channel, samples in values.items()}
+    return {channel: (float(values[channel][row]), row) for channel, row in worst.items()}
+
+
+def _digits(error: float) -> float:
+    """How many digits an error is, none below one unit in the last place."""
+    return log10(max(error / EPS, 1.0))
+
+
+# --- where to look ----------------------------------------------------------------------------------------------------
+
+
+def nearest_lock(scene: Scene, solve: registry.Solve) -> tuple[float, float]:
+    """The position of the drive, rad or m, where a group is nearest to its lock, and how near, m.
+
+    Infinitely far where there is no group that locks at a length.
+    """
+    least, most = scene.drive.extent
+    way = np.linspace(least, most, GRID)
+    nearest, left = least, np.inf
+    for round_ in range(ROUNDS):
+        motion = solve(way, np.zeros(way.shape))
+        distances = [motion[channel] for channel in motion.samples if quantity(channel) == "to_lock"]
+        if not distances:
+            break
+        distance = np.min(distances, axis=0)
+        nearest, left = float(way[distance.argmin()]), float(distance.min())
+        half = (most - least) / GRID / ZOOM**round_
+        way = np.clip(np.linspace(nearest - half, nearest + half, 2 * ZOOM + 1), least, most)
+    return nearest, left
+
+
+def positions(scene: Scene, about: float) -> Samples:
+    """Return positions over a cycle, and one more with those close around it, rad or m, as the drive comes by."""
+    least, most = scene.drive.extent
+    off = (most - least) * AROUND
+    close = np.array([*(about - off), about, *(about + off)])
+    if not scene.drive.repeats:
+        close = close[(close >= least) & (close <= most)]
+    all_ = np.unique([*np.linspace(least, most, EQUALLY + 1), *close])
+    return all_ if scene.drive.start == least else all_[::-1]
+
+
+# --- the certified truth ----------------------------------------------------------------------------------------------
+
+
+def _certified(scene: Scene, request: Request) -> Motion:
+    """Every channel as arbitrary precision has it.
+
+    Raises:
+        Failure: it has not.
+    """
+    done = run(registry.ORACLE, scene, request)
+    if done.motion is None or done.status is not Status.ok:
+        raise Failure(done.status, done.reason)
+    return done.motion
+
+
+def _decided(scene: Scene, solve: registry.Solve, true: Motion) -> NDArray[np.bool_]:
+    """Return at which rows no press force is on its switch, shape (n,)."""
+    decided = np.ones(true["time"].shape, bool)
+    if press_forces(scene):
+        times = np.linspace(0, scene.drive.cycle, GRID + 1)
+        cycle = MotionVectors(scene, solve(scene.drive.at(times).position, times))
+        decided[on_switch(MotionVectors(scene, true).acts(cycle.stroke_ends()))] = False
+    return decided
+
+
+def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
+    """By channel the largest magnitude, that of its vector for x and y; of one that is zero a natural size."""
+    peak = {channel: float(magnitude(motion, channel).max()) for channel in channels(scene)}
+
+    def largest(*quantities: str) -> float:
+        return max((peak[channel] for channel in peak if quantity(channel) in quantities), default=0.0)
+
+    least, most = scene.drive.extent
+    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+    length, force = largest("x"), largest("fx", "guide_force", "force")
+    natural = dict.fromkeys(("x", "y"), length) | dict.fromkeys(("vx", "vy"), length * rate)
+    natural |= dict.fromkeys(("ax", "ay"), length * rate**2) | {"angle": 1.0, "omega": rate, "alpha": rate**2}
+    natural |= dict.fromkeys(("fx", "fy", "guide_force", "force"), force)
+    natural |= dict.fromkeys(("guide_moment", "torque"), force * length)
+    for channel, value in peak.items():
+        if not value > ZERO * natural.get(quantity(channel), 0.0):
+            peak[channel] = natural.get(quantity(channel), 0.0) or 1.0
+    return peak
+
+
+# --- the problem's own condition --------------------------------------------------------------------------------------
+
+
+def _changes(scene: Scene, request: Request, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:
+    """The sum of (1) by channel, shape (n,)."""
+    total = {channel: np.zeros(true["time"].shape) for channel in peaks if channel != "time"}
+    problems = [(other, request) for other in inputs_off(scene)]
+    if isinstance(request, Positions):
+        problems.append((scene, _drive_off(scene, request)))
+    for problem in problems:
+        for channel, change in relative_errors(_certified(*problem), true, peaks).items():
+            total[channel] += change / STEP
+    return total
+
+
+def inputs_off(scene: Scene) -> Iterator[Scene]:
+    """The scene with one input after the other a STEP off.
+
+    A vector is off along itself and across itself, by its own length: formulas round it as a whole; a unit vector is
+    off across itself alone.
+    """
+    for one in inputs(scene):
+        if np.any(one.value):
+            if one.dimension != "direction":
+                yield put(scene, {one.at: one.each(lambda number: number * (1 + STEP))})
+            if isinstance(one.value, tuple) and (one.at[0], one.at[-1]) != ("loads", "forces"):  # of a table
+                x, y = one.value
+                yield put(scene, {one.at: (x - STEP * y, y + STEP * x)})
+
+
+def _drive_off(scene: Scene, request: Positions) -> Positions:
+    """The request with the drive a STEP off everywhere: of 1 rad for a crank, however many turns it counts."""
+    size = 1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max())
+    return replace(request, positions=tuple(x + STEP * size for x in request.positions))

@@ -1,0 +1,172 @@
+"""A family of linkages: one scene with other numbers, each member solved by the reference and cross-checked."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+from math import prod
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from scenes import Failure, InputError, Motion, Sampling, Scene, Settings, Status, load
+from scenes.file.changes import label
+from scenes.model.motion import Samples, quantity
+
+from ...engines import registry
+from ...engines.processes.workers import workers
+from ...engines.reasons import described
+from ...engines.runner import Runs
+from ...judge.agreement import Judgement
+from ...judge.floor import solved
+from ...judge.judgement import judgement
+from ...judge.measure import Measurement, offers
+from ...judge.peaks.curves import curves
+from ...judge.peaks.peaks import Peak
+from ...mechanics.axis import axis
+from ...mechanics.mechanics import Mechanics
+from ...mechanics.round_off import Explained
+from .grid import VariedNumber
+
+MemberChanges: TypeAlias = Mapping[str, float]  # path in the scene file -> value, in the units of the file
+Progress: TypeAlias = Callable[[str], None]  # called with what is being done, again and again; it may raise
+
+DRAWN = ("displacement", "velocity", "acceleration", "effort")  # kinds of curves
+SHOWN = ("causes", "peaks")  # of a judgement, which are found by samples
+INVALID = "invalid"  # status of a member that is no scene, beside those of an engine
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One linkage over one cycle of its drive, by the reference."""
+
+    position: Samples  # on the axis of the curves, SI: of the drive, or the time under a law
+    curves: Mapping[str, Samples]  # of the output and the drive, by name, SI, each of shape (n,)
+    peaks: Sequence[Peak]
+
+    @property
+    def numbers(self) -> dict[str, Peak]:
+        """The numbers by kind; of those of joints the largest."""
+        kinds = dict.fromkeys(peak.kind for peak in self.peaks)
+        return {kind: max((p for p in self.peaks if p.kind == kind), key=lambda p: p.value) for kind in kinds}
+
+
+@dataclass(frozen=True)
+class Member:
+    """One linkage of a family: its cycle and its judged engines, or the reason why it cannot run."""
+
+    changes: MemberChanges
+    status: str
+    reason: str
+    cycle: Cycle | None = None
+    judgement: Judgement | None = None
+
+    @property
+    def measurements(self) -> Sequence[Measurement]:
+        """Its engines' runs, in the order asked for."""
+        return self.judgement.measurements if self.judgement else ()
+
+
+@dataclass(frozen=True)
+class Family:
+    """The members that were run, in the order of the grid; fewer than asked for where the user stopped."""
+
+    scene: Scene  # as its file has it
+    variations: Sequence[VariedNumber]
+    engines: Sequence[str]
+    members: list[Member] = field(default_factory=list)
+
+    @property
+    def asked(self) -> int:
+        """How many members were asked for."""
+        return prod(len(variation.values) for variation in self.variations)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of them were run."""
+        return len(self.members) == self.asked
+
+
+class Asked(NamedTuple):
+    """What is asked of every member."""
+
+    file: str | Path  # of the scene
+    engines: Sequence[str]
+    sampling: Sampling
+
+
+def members(asked: Asked, changes: Iterable[MemberChanges], progress: Progress) -> Iterator[Member]:
+    """Yield one member after the other, those that cannot run too."""
+    with workers([*asked.engines, registry.ORACLE], lambda: None) as runs:
+        for change in changes:
+            scene = changed(asked.file, change)
+            yield scene if isinstance(scene, Member) else solved_member(asked, change, scene, runs, progress)
+
+
+def changed(file: str | Path, change: MemberChanges) -> Scene | Member:
+    """The scene of a member; of one that is no scene the member itself."""
+    try:
+        return load(file, change)
+    except InputError as error:
+        return Member(change, INVALID, str(error).removeprefix(f"{label(file, change)}: "))
+
+
+def solved_member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
+    """A member, whether it can run or not."""
+    try:
+        return _member(asked, change, scene, runs, progress)
+    except InputError as error:
+        return Member(change, INVALID, str(error).removeprefix(f"{scene.file}: "))
+    except Failure as failure:
+        return Member(change, failure.status.name, failure.reason)
+    except Exception as error:  # one odd linkage must not take the others with it
+        return Member(change, Status.crashed.name, described(error))
+
+
+def _member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
+    """Solve, certify and cross-check one member.
+
+    Raises:
+        Failure: the reference cannot solve it.
+        InputError: there is nothing to compare, since its output stands still.
+    """
+    judged = judgement(solved(scene, runs=runs), asked.engines, asked.sampling, balanced, progress, runs)
+    return Member(change, Status.ok.name, "", _cycle(judged), _kept(judged))
+
+
+def balanced(engine: str) -> tuple[Sequence[Settings], str]:
+    """What every linkage of many is judged by: an engine's balanced settings, of which nothing is to be noted."""
+    return offers(engine, "balanced"), ""
+
+
+def _cycle(judged: Judgement) -> Cycle:
+    motion = judged.reference.cycle
+    drawn: dict[str, Samples] = {}
+    for curve in curves(judged.scene, judged.reference.scale, motion):
+        values = curve.values(motion)
+        if curve.kind == "path":
+            drawn |= {"x": values.real, "y": values.imag}
+        elif curve.kind in DRAWN:
+            name = quantity(curve.channels[0]) if curve.kind == "effort" else curve.kind
+            drawn[name] = np.abs(values) if np.iscomplexobj(values) else values
+    return Cycle(motion[axis(judged.scene).channel], drawn, judged.peaks)
+
+
+def _kept(judged: Judgement) -> Judgement:
+    """A judgement without samples, of which two hundred members would take half a gigabyte, and what they show.
+
+    Motions keep the names of their channels.
+    """
+    mechanics, solve = Mechanics(judged.scene), copy(judged.reference.at)
+    reference = replace(judged.reference, mechanics=mechanics, at=solve, cycle=Motion({}))
+    measurements = [
+        replace(m, run=replace(m.run, motion=_names(m.run.motion)), comparison=None) for m in judged.measurements
+    ]
+    nothing = Explained(np.empty(0), {})
+    kept = replace(judged, reference=reference, explained=nothing, measurements=measurements)
+    vars(kept).update({name: getattr(judged, name) for name in SHOWN})
+    return kept
+
+
+def _names(motion: Motion | None) -> Motion | None:
+    return motion and replace(motion, samples=dict.fromkeys(motion.samples, np.empty(0)))

@@ -1,0 +1,99 @@
+"""The members of a family kept as they come, so that a run goes on from there; and run by many workers."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scenes import Scene, Status, load, shipped
+
+from ...engines import registry
+from ...engines.kept import Kept, decoded, encoded
+from ...engines.processes.inside import Ended
+from ...engines.processes.workers import Lasting
+from ...mechanics.mechanics import Mechanics
+from .family import SHOWN, Asked, Member, MemberChanges, Progress, changed, members, solved_member
+
+if TYPE_CHECKING:
+    from dask.distributed import Client
+
+ENGINES = Lasting()  # of a worker
+
+
+def kept_members(folder: Path, scene: Scene, asked: Asked) -> Kept:
+    """What is kept of the families of a scene file in the folder where results go."""
+    text = shipped().get(scene.file, Path(scene.file)).read_bytes()
+    return Kept(folder / f"{scene.name}.partial.jsonl", (text, asked.engines, asked.sampling))
+
+
+def going_on(
+    kept: Kept, asked: Asked, changes: Sequence[MemberChanges], client: "Client | None", progress: Progress
+) -> Iterator[Member]:
+    """Yield the members that are kept, then the others as they come, which are kept.
+
+    Args:
+        kept: the results of an earlier run that was stopped.
+        asked: of every member.
+        changes: one a member.
+        client: of the workers, who take the members; None for this process.
+        progress: called with what is being done, again and again; it may raise.
+    """
+    left = {str(change): change for change in changes}
+    for name, data in kept.read():
+        if name in left and (member := _read(data, asked, left[name])):
+            del left[name]
+            yield member
+    run = members if client is None else partial(_by_workers, client)
+    for member in run(asked, list(left.values()), progress):
+        if member.status != Status.crashed.name:  # which may go well the next time
+            kept.add(str(member.changes), _written(member))
+        yield member
+
+
+def _written(member: Member) -> Any:
+    """A member as what JSON has, without its scene and the solver of that."""
+    judged = member.judgement
+    if judged is None:
+        return encoded([member, {}])
+    shown = {name: vars(judged)[name] for name in SHOWN}
+    bare: Any = replace(judged, scene=None, reference=replace(judged.reference, mechanics=None, at=None))  # type: ignore[arg-type]
+    return encoded([replace(member, judgement=bare), shown])
+
+
+def _read(data: Any, asked: Asked, change: MemberChanges) -> Member | None:
+    """The member that was written, or None where something else was."""
+    with suppress(Exception):  # whatever is there
+        member, shown = decoded(data)
+        if not isinstance(member, Member) or member.changes != change:
+            return None
+        if member.judgement is None:
+            return member
+        scene = load(asked.file, change)
+        known = replace(member.judgement.reference, mechanics=Mechanics(scene), at=registry.reference(scene))
+        judged = replace(member.judgement, scene=scene, reference=known)
+        vars(judged).update(shown)
+        return replace(member, judgement=judged)
+    return None
+
+
+def _by_workers(
+    client: "Client", asked: Asked, changes: Sequence[MemberChanges], progress: Progress
+) -> Iterator[Member]:
+    """Yield members as workers are done with them."""
+    from ...engines.processes.cluster import spread
+
+    made = [(change, changed(asked.file, change)) for change in changes]
+    yield from (member for _, member in made if isinstance(member, Member))
+    tasks = [(change, scene) for change, scene in made if isinstance(scene, Scene)]
+    for (change, _), member in spread(
+        partial(_on_worker, asked), tasks, client, lambda: progress("waiting for workers")
+    ):
+        yield Member(change, member.status.name, member.reason) if isinstance(member, Ended) else member
+
+
+def _on_worker(asked: Asked, task: tuple[MemberChanges, Scene]) -> Member:
+    """A member, by engines whose processes are there for the next one too."""
+    with ENGINES.runs((*asked.engines, registry.ORACLE)) as runs:
+        return solved_member(asked, *task, runs, lambda _: None)

@@ -1,0 +1,144 @@
+"""How the designer's numbers change with the numbers of the scene, from the exact derivatives of the channels.
+
+Where a quantity is largest or least its place does not matter to the first order: the number changes as the quantity
+does there, at the same position of the drive. The ends of the dwell move as the equation that they solve asks. Where a
+press force comes or goes just there the place does matter, and the linear model is off, as the machines then show.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Motion, Scene, numbers_in
+from scenes.model.motion import Samples
+
+from ...engines import registry
+from ...judge.peaks.curves import CycleCurve, Values, curves
+from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber
+from ...judge.peaks.stroke import DWELLING, Stroke, chords
+from ...mechanics.reference import SCALE_SAMPLES, Reference
+from .machines import SolvedMachines, machines
+
+SPEED = "drive.speed"
+QUANTITIES = {"displacement": "", "velocity": "v", "acceleration": "a"}  # of channels, by kind of curve
+
+
+class Term(NamedTuple):
+    """A part of how a number changes: by the change of a quantity at an instant, times a weight."""
+
+    curve: CycleCurve
+    time: float
+    weight: complex  # of a vector's change: the part along it
+
+
+def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
+    """The linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
+    drawn = zip(paths, numbers_in(reference.scene.file, paths), strict=True)
+    return machines(reference, {path: np.array([number]) for path, number in drawn}, SCALE_SAMPLES)
+
+
+def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str]) -> Samples:
+    """The derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file.
+
+    Args:
+        reference: of the linkage as drawn.
+        nominal: that linkage, see `as_drawn`.
+        paths: of the numbers in the file.
+    """
+    scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
+    quantities = curves(scene, reference.scale, motion)
+    terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
+    time = np.unique([term.time for own in terms for term in own])
+    wanted = frozenset(channel for curve in quantities for channel in curve.channels)
+    position = scene.drive.at(time).position
+    by = registry.derivatives(scene, paths, position, time, wanted)
+    there = registry.reference(scene)(position, time)
+    by_curve = {
+        curve: _change(curve, by) + np.array([_by_guide(scene, path, curve, there) for path in paths])
+        for curve in {term.curve for own in terms for term in own}
+    }
+    result = np.zeros((len(paths), len(terms)))
+    for number, own in enumerate(terms):
+        for curve, instant, weight in own:
+            result[:, number] += (np.conj(weight) * by_curve[curve][:, np.searchsorted(time, instant)]).real
+    if SPEED in paths:  # a dwell is a time: at the same positions it goes with one over the speed
+        (speed,) = numbers_in(scene.file, [SPEED])
+        dwells = [float(n.value[0]) if n.kind == DWELL else 0.0 for n in nominal.numbers]
+        result[paths.index(SPEED)] -= np.array(dwells) / speed
+    return result
+
+
+def _change(curve: CycleCurve, by: Mapping[str, Samples]) -> Values:
+    """How a quantity changes, shape (p, n): it is linear in its channels, but for a constant."""
+    if curve.kind == "guide_force":  # which is taken as a vector that turns with the guide
+        return by[curve.channels[0]]
+    nothing = {name: np.zeros_like(values) for name, values in by.items()}
+    return curve.values(Motion(by)) - curve.values(Motion(nothing))
+
+
+def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequence[CycleCurve]) -> Iterator[Term]:
+    """Yield the parts of a number of the linkage as drawn, which is the only one of its machines."""
+    time = motion["time"]
+    (curve,) = (curve for curve in quantities if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
+    if curve.kind == "path":
+        yield from _of_path(curve, motion)
+    elif curve.kind == "displacement":
+        way = Stroke(scene, motion, {curve.kind: curve for curve in quantities}, exact=True)
+        yield from _of_stroke(number.kind, curve, way)
+    else:
+        row = -1 if number.row is None else int(number.row[0])
+        if row < 0:
+            return  # it is rounding
+        value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
+        yield Term(curve, float(time[row]), value / (number.value[0] or 1.0))
+
+
+def _of_path(curve: CycleCurve, motion: Motion) -> Iterator[Term]:
+    """Yield the parts of the largest distance between two places of a path."""
+    place, time = curve.values(motion), motion["time"]
+    longest = chords(place)
+    along = (longest.conj() * place).real
+    for row, sign in ((along.argmax(), 1), (along.argmin(), -1)):
+        yield Term(curve, float(time[row]), complex(sign * longest / np.abs(longest)))
+
+
+def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
+    """Yield the parts of a slider's stroke, its ends and its dwell."""
+    closing, time = way.closing, way.motion["time"]
+    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    if kind == STROKE:
+        yield Term(curve, closed, closing)
+        yield Term(curve, opened, -closing)
+    elif kind != DWELL:
+        yield Term(curve, closed if kind == CLOSED else opened, 1.0)
+    else:
+        (step,), share, _, speeds = way.ends
+        for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
+            yield Term(curve, float(instant), closing / speed)
+            yield Term(curve, closed, -closing * (1 - DWELLING) / speed)
+            yield Term(curve, opened, -closing * DWELLING / speed)
+
+
+def _turn(way: Stroke, row: int) -> float:
+    """When the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
+    time = way.motion["time"]
+    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
+    turns = acceleration != 0 and (way.scene.drive.repeats or time[0] < time[row] < time[-1])
+    return float(time[row] - (velocity / acceleration if turns else 0.0))
+
+
+def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:
+    """How a curve changes with a number of the output's guide, shape (n,), while the point moves as it does; else 0."""
+    nothing, guided = np.zeros(motion["time"].shape), scene.guided(scene.output)
+    if guided is None or curve.kind not in QUANTITIES or not path.startswith(f"bodies.{guided[0]}.slides."):
+        return nothing
+    _, slide = guided
+    *_, key, axis = path.split(".")
+    through, along, unit = np.array(slide.through), np.array(slide.along), np.eye(2)[int(axis)]
+    place = curve.kind == "displacement"
+    if key == "through":
+        return nothing - place * float(along @ unit) * scene.length_unit[1]
+    x, y = (motion[f"{curve.of}.{QUANTITIES[curve.kind]}{axis}"] for axis in "xy")
+    turn = (unit - along * (along @ unit)) / slide.drawn
+    return np.asarray(turn[0] * (x - place * through[0]) + turn[1] * (y - place * through[1]))

@@ -1,0 +1,55 @@
+"""The variations of a family: numbers of the scene file by their paths, over a grid of values."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import isfinite, prod
+
+import numpy as np
+
+from scenes import InputError
+from scenes.errors import one_line
+
+MOST_MEMBERS = 200  # each takes a second or more, a curve in every figure
+
+
+@dataclass(frozen=True)
+class VariedNumber:
+    """One number of the scene file and the values it takes, in the units of the file."""
+
+    path: str
+    values: tuple[float, ...]
+
+
+def variation(text: str) -> VariedNumber:
+    """Read `PATH=FROM:TO:COUNT`: evenly spaced values, both ends included.
+
+    Raises:
+        InputError: it does not read so.
+    """
+    path, _, span = text.partition("=")
+    shown = one_line(text, 100)
+    try:
+        first, last, count = span.split(":")
+        start, stop, members = float(first), float(last), int(count)
+    except ValueError:
+        example = "bodies.rocker.lengths.O-P3=280:320:5"
+        raise InputError(f"--vary {shown}: expected PATH=FROM:TO:COUNT, as in {example}") from None
+    if not isfinite(stop - start) or start == stop:
+        raise InputError(f"--vary {shown}: expected two different values, FROM and TO")
+    if not 2 <= members <= MOST_MEMBERS:
+        raise InputError(f"--vary {shown}: expected a COUNT from 2 to {MOST_MEMBERS}, found {members}")
+    return VariedNumber(path, tuple(np.linspace(start, stop, members).tolist()))
+
+
+def grid(variations: Sequence[VariedNumber]) -> list[Mapping[str, float]]:
+    """The changes of every member, path -> value: all combinations, the last of the paths changing fastest.
+
+    Raises:
+        InputError: there are too many.
+    """
+    count = prod(len(variation.values) for variation in variations)
+    if count > MOST_MEMBERS:
+        raise InputError(f"--vary: expected {MOST_MEMBERS} members at most, found {count}")
+    paths = [variation.path for variation in variations]
+    return [dict(zip(paths, values, strict=True)) for values in product(*(v.values for v in variations))]

@@ -1,0 +1,82 @@
+"""The designer's numbers of many machines, solved at once and reduced to these at once."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from scenes import Motion, Status
+from scenes.file.machines import machines as of_machines
+from scenes.model.motion import Samples
+
+from ...engines import registry
+from ...judge.peaks.curves import curves
+from ...judge.peaks.numbers import STROKE, CycleNumber, numbers
+from ...judge.peaks.refined import refined
+from ...judge.peaks.stroke import RowNumbers
+from ...mechanics.motion_vectors import press_forces
+from ...mechanics.reference import Reference
+
+SAMPLES = 180  # of a cycle, before extremes are refined: enough to know which of several peaks is the highest
+
+
+@dataclass(frozen=True)
+class SolvedMachines:
+    """Some machines over one cycle."""
+
+    status: Sequence[Status]  # of all m
+    reason: Sequence[str]  # why one does not run
+    motion: Motion  # of the k that run, with samples added where something is largest or least, shape (k, n)
+    numbers: Sequence[CycleNumber]  # of these, each of shape (k,); none where none runs
+
+    @property
+    def running(self) -> RowNumbers:
+        """Which machines run, shape (k,)."""
+        return _running(self.status)
+
+
+def machines(reference: Reference, changes: Mapping[str, Samples], samples: int = SAMPLES) -> SolvedMachines:
+    """Solve one cycle of each machine, and take the numbers from it that are largest or least somewhere.
+
+    Args:
+        reference: of the linkage as drawn.
+        changes: by path the numbers of m machines, each of shape (m,), in the units of the file.
+        samples: of the cycle, before extremes are refined.
+    """
+    scene, scale, count = reference.scene, reference.scale, len(next(iter(changes.values())))
+    many = of_machines(scene, changes)
+    quantities = curves(many, scale, reference.cycle)
+    solve = registry.many(scene, changes, frozenset(channel for curve in quantities for channel in curve.channels))
+    status, reason = [Status.ok] * count, [""] * count
+
+    def solved(time: Samples) -> Motion:
+        answer = solve(np.broadcast_to(many.drive.at(time).position, time.shape), time)
+        for machine, (ended, why) in enumerate(zip(answer.status, answer.reason, strict=True)):
+            if status[machine] is Status.ok:
+                status[machine], reason[machine] = ended, why
+        return Motion(answer.samples)
+
+    time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
+    switches = _no_switches if press_forces(scene) else None
+    with np.errstate(invalid="ignore"):  # of machines that do not run
+        motion = refined(quantities, solved(time), solved, repeats=scene.drive.repeats, switches=switches)
+    rows = _running(status)
+    if not rows.size:
+        return SolvedMachines(status, reason, Motion({}), ())
+    motion = Motion({name: values[rows] for name, values in motion.samples.items()})
+    quantities = curves(of_machines(scene, {path: values[rows] for path, values in changes.items()}), scale, motion)
+    taken = [number for number in numbers(scene, quantities, motion, exact=True) if placed(number)]
+    return SolvedMachines(status, reason, motion, taken)
+
+
+def placed(number: CycleNumber) -> bool:
+    """Whether a number is found at one place of the cycle, or between two; others are sums over it."""
+    return number.row is not None or number.kind == STROKE
+
+
+def _running(status: Sequence[Status]) -> RowNumbers:
+    return np.flatnonzero([ended is Status.ok for ended in status])
+
+
+def _no_switches(motion: Motion, _: Samples) -> Samples:
+    return np.zeros((*motion["time"].shape[:-1], 0))

@@ -1,0 +1,68 @@
+"""How far the workshop's tolerances spread a number: over the machines drawn, and by the linear model beside it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from scenes.model.motion import Samples
+
+from ...judge.peaks.numbers import CycleNumber
+
+QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
+ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One of the designer's numbers over all machines that run, SI."""
+
+    name: str
+    of: str  # the joint, point or body
+    unit: str
+    nominal: float  # of the linkage as drawn
+    size: float  # what the engines' differences are relative to
+    mean: float
+    deviation: float  # standard deviation, 0 where it is rounding
+    quantiles: Mapping[str, float]
+    least: int  # the machine with the least value, from 0
+    largest: int
+    linear: float  # the standard deviation by the linear model
+    unexplained: float  # the share of the sampled variance that the linear model leaves; its mean shift counts too
+    shares: Mapping[str, float]  # by path, of the variance of the linear model
+
+
+def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapping[str, float]) -> Spread:
+    """The statistics of one number.
+
+    Args:
+        number: of the linkage as drawn, of one machine.
+        values: of all machines, shape (m,); NaN of those that do not run.
+        linear: the same by the linear model.
+        gradient: by path, what a standard deviation of that number of the scene changes.
+    """
+    kept = ~np.isnan(values)
+    run, nominal = values[kept], float(number.value[0])
+    parts = np.square([*gradient.values()])
+    of_all = float(parts.sum())
+    deviation = float(run.std(ddof=1)) if run.size > 1 else nan
+    if deviation <= ROUNDING * max(abs(nominal), abs(float(number.size[0]))):
+        deviation = 0.0
+    known = run.size > 0
+    quantiles = np.quantile(run, QUANTILES) if known else np.full(len(QUANTILES), nan)
+    return Spread(
+        number.name,
+        number.curve.of,
+        number.unit,
+        nominal,
+        float(number.size[0]),
+        float(run.mean()) if known else nan,
+        deviation,
+        {f"{share:.5g}": float(value) for share, value in zip(QUANTILES, quantiles, strict=True)},
+        int(np.nanargmin(values)) if known else -1,
+        int(np.nanargmax(values)) if known else -1,
+        of_all**0.5,
+        float(np.mean(np.square(run - linear[kept]))) / deviation**2 if deviation > 0 else nan,
+        {path: float(part) / of_all if of_all else 0.0 for path, part in zip(gradient, parts, strict=True)},
+    )

@@ -1,0 +1,204 @@
+"""A scene's machines by the thousand: drawn, solved in blocks on all cores, and what becomes of their numbers."""
+
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from multiprocessing import current_process
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Failure, InputError, Sampling, Scene, Status, numbers_in
+from scenes.model.motion import Samples
+
+from ...engines import registry
+from ...engines.processes.inside import Ended, Limits
+from ...engines.processes.isolation import isolated
+from ...engines.processes.workers import workers
+from ...judge.agreement import Judgement
+from ...judge.floor import establish
+from ...judge.judgement import judgement
+from ...mechanics.reference import Reference
+from .draws import draws
+from .family import balanced
+from .gradients import as_drawn, gradients
+from .machines import SolvedMachines, machines
+from .spread import Spread, spread
+
+BLOCK = 2048  # machines that a process is asked for at a time
+AT_ONCE = 128  # that are solved in the same arrays: these stay in the processor's cache
+LIMITS = Limits(seconds=1800.0)  # of a block: slow linkages take 0.1 s a machine
+NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
+
+
+class Nominal(NamedTuple):
+    """The linkage as drawn, with what the linear model needs."""
+
+    reference: Reference
+    machine: SolvedMachines  # itself as the only one
+    gradients: Samples  # of its numbers by those that vary, shape (p, k), SI per unit of the file
+
+    @property
+    def scene(self) -> Scene:
+        """The linkage."""
+        return self.reference.scene
+
+    @property
+    def values(self) -> Samples:
+        """Its numbers, shape (k,)."""
+        return np.array([float(number.value[0]) for number in self.machine.numbers])
+
+    def linear(self, changes: Mapping[str, Samples]) -> Samples:
+        """The numbers of m machines by the linear model, shape (m, k)."""
+        drawn = zip(changes.values(), numbers_in(self.scene.file, [*changes]), strict=True)
+        return self.values + np.transpose([values - value for values, value in drawn]) @ self.gradients
+
+
+class Block(NamedTuple):
+    """The numbers of some machines, and why some do not run."""
+
+    first: int
+    values: Samples  # shape (m, k); NaN of those that do not run
+    failed: Sequence[tuple[int, str, str]]  # machine, status, reason
+
+
+@dataclass(frozen=True)
+class Failed:
+    """Machines that do not run for the same reason."""
+
+    status: str
+    reason: str  # of the first of them
+    count: int
+    first: int
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """The machines that were solved; fewer than asked for where the user stopped."""
+
+    asked: int
+    seed: int
+    judged: Judgement  # of the linkage as drawn
+    nominal: Nominal
+    blocks: list[Block] = field(default_factory=list)
+
+    @property
+    def scene(self) -> Scene:
+        """The linkage as drawn."""
+        return self.nominal.scene
+
+    @property
+    def count(self) -> int:
+        """How many machines were solved."""
+        return sum(len(block.values) for block in self.blocks)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all of them were."""
+        return self.count == self.asked
+
+    @cached_property
+    def values(self) -> Samples:
+        """The numbers of all machines asked for, shape (N, k), SI; NaN of those that do not run."""
+        table = np.full((self.asked, len(self.nominal.machine.numbers)), np.nan)
+        for block in self.blocks:
+            table[block.first : block.first + len(block.values)] = block.values
+        return table
+
+    @cached_property
+    def spreads(self) -> list[Spread]:
+        """What becomes of each number."""
+        linear = self.nominal.linear(draws(self.scene, self.seed, 0, self.asked))
+        gradients = [*zip(self.scene.variations, self.nominal.gradients, strict=True)]
+        return [
+            spread(number, self.values[:, k], linear[:, k], {v.path: v.deviation * float(g[k]) for v, g in gradients})
+            for k, number in enumerate(self.nominal.machine.numbers)
+        ]
+
+    @cached_property
+    def failures(self) -> list[Failed]:
+        """Why machines do not run, the most frequent reason first; the places in them differ."""
+        by_reason: dict[tuple[str, str], list[tuple[int, str]]] = {}
+        for machine, status, reason in sorted(failed for block in self.blocks for failed in block.failed):
+            by_reason.setdefault((status, NUMBER.sub("", reason)), []).append((machine, reason))
+        failures = [Failed(status, own[0][1], len(own), own[0][0]) for (status, _), own in by_reason.items()]
+        return sorted(failures, key=lambda failed: -failed.count)
+
+    @property
+    def running(self) -> int:
+        """How many machines run."""
+        return self.count - sum(failed.count for failed in self.failures)
+
+    @cached_property
+    def worst(self) -> tuple[int, Spread] | None:
+        """The machine that is the farthest from the linkage as drawn, in standard deviations of one of its numbers."""
+        moving = [k for k, own in enumerate(self.spreads) if own.deviation > 0]
+        if not moving:
+            return None
+        off = np.abs(self.values - self.nominal.values)[:, moving] / [self.spreads[k].deviation for k in moving]
+        machine, column = np.unravel_index(np.nanargmax(off), off.shape)
+        return int(machine), self.spreads[moving[int(column)]]
+
+    def changes(self, machine: int) -> Mapping[str, float]:
+        """The numbers of one machine by path, in the units of the file."""
+        return {path: float(values[0]) for path, values in draws(self.scene, self.seed, machine, 1).items()}
+
+
+def begun(
+    scene: Scene, count: int, seed: int, engines: Sequence[str], sampling: Sampling, progress: Callable[[str], None]
+) -> MonteCarlo:
+    """Cross-check the linkage as drawn, and return what its machines are held against; none is solved yet.
+
+    Raises:
+        InputError: the reference cannot solve it, or holds a larger group, whose singular poses have no derivatives.
+    """
+    with workers([*engines, registry.ORACLE], lambda: None) as runs:
+        reference, way = establish(scene, runs=runs), registry.route(scene)
+        if not way.startswith("closed form"):
+            raise InputError(f"{scene.file}: bodies: expected dyads alone for --monte-carlo, found {way}")
+        judged = judgement(reference, engines, sampling, balanced, progress, runs)
+    progress("derivatives")
+    paths = [variation.path for variation in scene.variations]
+    try:
+        machine = as_drawn(reference, paths)
+    except Failure as failure:
+        raise InputError(f"{scene.file}: bodies: {failure.status.name}: {failure.reason}") from None
+    return MonteCarlo(count, seed, judged, Nominal(reference, machine, gradients(reference, machine, paths)))
+
+
+def solved(study: MonteCarlo) -> Iterator[Block]:
+    """Yield the machines in blocks, as they come from the processes that solve them."""
+    firsts = [range(first, min(first + BLOCK, study.asked)) for first in range(0, study.asked, BLOCK)]
+    solve = partial(_block, study.nominal, study.seed)
+    if current_process().daemon:  # which may have no processes of its own
+        yield from map(solve, firsts)
+        return
+    limits = Limits(LIMITS.seconds, LIMITS.memory, min(_cores(), len(firsts)))
+    for own, outcome in isolated(solve, firsts, limits, lambda: None):
+        yield _lost(own, outcome, len(study.nominal.values)) if isinstance(outcome, Ended) else outcome
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _lost(own: range, ended: Ended, numbers: int) -> Block:
+    return Block(
+        own.start, np.full((len(own), numbers), np.nan), [(machine, ended.status.name, ended.reason) for machine in own]
+    )
+
+
+def _block(nominal: Nominal, seed: int, own: range) -> Block:
+    """Draw and solve some machines, few at a time, and keep nothing but their numbers."""
+    changes = draws(nominal.scene, seed, own.start, len(own))
+    values = np.full((len(own), len(nominal.values)), np.nan)
+    failed = []
+    for first in range(0, len(own), AT_ONCE):
+        some = machines(nominal.reference, {path: v[first : first + AT_ONCE] for path, v in changes.items()})
+        if some.numbers:
+            values[first + some.running] = np.transpose([number.value for number in some.numbers])
+        ended = enumerate(zip(some.status, some.reason, strict=True), own.start + first)
+        failed += [(n, status.name, reason) for n, (status, reason) in ended if status is not Status.ok]
+    return Block(own.start, values, failed)

@@ -1,0 +1,123 @@
+"""Runs take turns under the clock of what runs them; those whose times decide a comparison, until they are known.
+
+It counts processor time, of all threads together. On an idle machine that is the time on the wall, which stands beside
+it; on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate, groupby
+from typing import TypeAlias
+
+from ...engines.processes.stopping import kept
+from ...engines.runner import Run
+
+LEAST_ROUNDS = 3  # for a minimum, a median and a spread
+PATIENCE = 0.3  # s of processor time for the least rounds, the same for every setting: a slow one is timed less often
+# The three fastest solves within this of each other: chance alone would hardly repeat a lucky one. Two runs may be
+# three times as far apart and name the same setting, or call both level.
+AGREE = 0.05
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much may be spent on speed: `LEAST_ROUNDS`, fewer of slow settings, up to `rounds` while `seconds` last."""
+
+    rounds: int
+    seconds: float  # of processor time, of the runs in the rounds beyond the least
+    full: bool = False
+    point_s: float = 1.0  # of processor time, one run of one setting; what takes longer is not repeated
+
+
+Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by their places, one after the other
+NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
+
+
+@dataclass
+class Times:
+    """Times of one setting, s, one entry per round."""
+
+    build: list[float] = field(default_factory=list)
+    solve: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)  # of the solve, by a clock on the wall
+
+    def add(self, run: Run) -> None:
+        """Take down one more run."""
+        for record, seconds in (
+            (self.build, run.build_s),
+            (self.solve, run.solve_s),
+            (self.wall, run.wall_s),
+        ):
+            record.append(seconds)
+
+    @property
+    def spent(self) -> float:
+        """The processor time of all runs."""
+        return sum(self.build) + sum(self.solve)
+
+    @property
+    def known(self) -> bool:
+        """Whether the fastest solve was reached again and again."""
+        fastest = sorted(self.solve)[:LEAST_ROUNDS]
+        return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
+
+
+def take_turns(
+    first: Sequence[Run],
+    again: Again,
+    budget: Budget,
+    progress: Callable[[str], None],
+    in_doubt: Callable[[Sequence[float]], Collection[int]],
+) -> list[Times]:
+    """The times of every setting in the rounds; none of a slow one that decides nothing.
+
+    One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
+    least number of rounds as far as its share of the patience lasts. After these only those take part that are in
+    doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
+    that are known.
+
+    Args:
+        first: the run of every setting that warmed it up; the settings of one engine are neighbours.
+        again: runs settings of one engine.
+        budget: how many rounds.
+        progress: called with what is being done.
+        in_doubt: the places of the settings whose times matter.
+    """
+    times, engines = [Times() for _ in first], [run.engine for run in first]
+
+    def seconds(n: int) -> float:
+        return times[n].spent / len(times[n].solve) if times[n].solve else first[n].build_s + first[n].solve_s
+
+    def fastest(n: int) -> float:
+        return min(times[n].solve, default=first[n].solve_s)
+
+    def batches() -> Iterator[Sequence[int]]:
+        every = range(len(times))
+        share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
+        for done in range(LEAST_ROUNDS):
+            able = [n for n in able if (done + 1) * seconds(n) <= share]
+            progress(f"timing {len(able)} settings, round {done + 1}")
+            yield from _by_engine(able, engines)
+        spent = sum(record.spent for record in times)
+        for done in range(LEAST_ROUNDS, budget.rounds):
+            doubtful = [n for n in in_doubt([*map(fastest, every)]) if not times[n].known]
+            for batch in _by_engine(doubtful, engines):
+                left = budget.seconds - (sum(record.spent for record in times) - spent)
+                before = accumulate([0.0, *map(fastest, batch)])
+                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
+                    progress(f"timing {len(doubtful)} settings, round {done + 1}")
+                    yield chosen
+
+    def runs() -> Iterator[tuple[int, Run]]:
+        for batch in batches():
+            yield from zip(batch, again(batch), strict=True)
+
+    for number, run in kept(runs()):
+        times[number].add(run)
+    return times
+
+
+def _by_engine(numbers: Iterable[int], engines: Sequence[str]) -> Iterator[Sequence[int]]:
+    """The places of settings in a batch for each engine."""
+    for _, batch in groupby(numbers, engines.__getitem__):
+        yield [*batch]

@@ -1,0 +1,62 @@
+"""Units that suit what is shown: prefixes, and what curves and tables run over."""
+
+from dataclasses import dataclass
+from math import floor, log10, pi
+
+from scenes import Motion, Scene
+from scenes.model.motion import Samples
+from scenes.scene import ConstantSpeed
+
+
+@dataclass(frozen=True)
+class DriveAxis:
+    """What curves run over, and where tables say that something happened."""
+
+    quantity: str
+    unit: str
+    channel: str
+    factor: float  # from SI
+
+    @property
+    def title(self) -> str:
+        """Its title."""
+        return f"{self.quantity} [{self.unit}]"
+
+    def of(self, motion: Motion) -> Samples:
+        """Where a motion's samples are on the axis, shape (n,)."""
+        return self.factor * motion[self.channel]
+
+
+def axis(scene: Scene) -> DriveAxis:
+    """The drive's position at a constant speed; the time under a law, which may go to and fro."""
+    if not isinstance(scene.drive, ConstantSpeed):
+        factor, unit = prefixed(scene.drive.cycle, "s")
+        return DriveAxis("time", unit, "time", factor)
+    if scene.driven_slide is None:
+        return DriveAxis("crank angle", "deg", scene.drive_channel, 180 / pi)
+    unit, size = scene.length_unit
+    return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
+
+
+def position_name(scene: Scene) -> str:
+    """The name of the drive's position."""
+    return "crank angle" if scene.driven_slide is None else f"{scene.drive.body} displacement"
+
+
+def turns_fully(scene: Scene) -> bool:
+    """Whether a crank turns for ever at constant speed, so that a cycle is a turn."""
+    return scene.driven_slide is None and isinstance(scene.drive, ConstantSpeed) and scene.drive.repeats
+
+
+def cycle_name(scene: Scene) -> str:
+    """The name of a cycle of the drive."""
+    return "turn" if turns_fully(scene) else "cycle"
+
+
+def prefixed(scale: float, unit: str) -> tuple[float, str]:
+    """The factor from SI to the unit in which a scale reads from 1 to 10,000, and that unit; SI for no scale."""
+    prefixes = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+    digits = log10(scale or 1.0)
+    power = 3 * floor((digits if digits < 0 else max(digits - 1, 0)) / 3)
+    power = min(max(power, min(prefixes)), max(prefixes))
+    return 10.0**-power, prefixes[power] + unit.replace("*", " ").replace("^2", "²")

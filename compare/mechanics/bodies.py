@@ -1,0 +1,92 @@
+"""What the numbers of bodies say: where their points are, how far apart, and what they weigh."""
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Scene
+from scenes.scene import GROUND, Body
+
+
+class Weights(NamedTuple):
+    """What a body's inertia is."""
+
+    mass: float  # kg
+    com: complex  # m, from the body's first point, along the axes of its frame
+    inertia: float  # kg m^2, about the centre of mass
+
+
+def weights(scene: Scene, body: Body) -> Weights:
+    """A body's own; without a mass it has none."""
+    placed = arms(scene, body)
+    uniform = sum(placed[point] for point in body.corners) / len(body.corners)
+    com = uniform if body.com is None else complex(*body.com) - first_point(body)
+    return Weights(body.mass or 0.0, com, inertia(body))
+
+
+def rule(body: Body) -> str:
+    """What a body was taken for: `uniform bar from A to C`."""
+    if body.com is not None:
+        return "as given"
+    match body.corners:
+        case [point]:
+            return f"point mass at {point}"
+        case [end, other]:
+            return f"uniform bar from {end} to {other}"
+        case corners:
+            return f"uniform triangular plate {', '.join(corners)}"
+
+
+def distances(body: Body) -> dict[tuple[str, str], float]:
+    """The known distances of a body's points, m: of every two, or those that are given."""
+    if body.local is not None:
+        return {(p, q): abs(complex(*body.local[p]) - complex(*body.local[q])) for p, q in combinations(body.points, 2)}
+    assert body.lengths is not None
+    pairs = combinations(body.points, 2)
+    return {(p, q): body.lengths[frozenset((p, q))] for p, q in pairs if frozenset((p, q)) in body.lengths}
+
+
+def inertia(body: Body) -> float:
+    """The inertia about the com, kg m^2: as given, or of a point, a uniform bar or a triangular plate."""
+    if body.inertia is not None:
+        return body.inertia
+    sides = [length for ends, length in distances(body).items() if {*ends} <= {*body.corners}]
+    return (body.mass or 0.0) * sum(side**2 for side in sides) / {1: 1, 2: 12, 3: 36}[len(body.corners)]
+
+
+def first_point(body: Body) -> complex:
+    """The body's first point in the body's frame, m."""
+    return complex(*body.local[body.points[0]]) if body.local is not None else 0j
+
+
+def arms(scene: Scene, body: Body) -> dict[str, complex]:
+    """Where a body's points are from its first one, m, in the body's frame.
+
+    A point given by lengths is where the circles about its two bases meet, on the side that the sketch shows.
+    """
+    if body.local is not None:
+        return {point: complex(*place) - first_point(body) for point, place in body.local.items()}
+    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+    length, (first, second, *others) = distances(body), body.points
+    places = {first: 0j, second: complex(length[first, second])}
+    for point in others:
+        p, q = body.bases(point)
+        way, a, b = places[q] - places[p], length[p, point], length[q, point]
+        along = (a**2 - b**2 + abs(way) ** 2) / (2 * abs(way))
+        side = np.sign(((drawn[q] - drawn[p]).conjugate() * (drawn[point] - drawn[p])).imag)
+        places[point] = places[p] + way / abs(way) * (along + 1j * side * max(a**2 - along**2, 0.0) ** 0.5)
+    return places
+
+
+def largest_length(scene: Scene) -> float:
+    """The largest known distance of a body's points, or of the ground's that something is joined to, m.
+
+    Without one it is the drive's travel.
+    """
+    ends = (end for spring in scene.springs for end in (spring.first, spring.second))
+    joined = {pin.point for pin in scene.pins} | {point for body, point in ends if body == GROUND}
+    ground = [complex(*place) for point, place in scene.ground.items() if point in joined]
+    known = [length for body in scene.bodies.values() for length in distances(body).values()]
+    known += [abs(p - q) for p in ground for q in ground]
+    return max(known, default=0.0) or float(np.ptp(scene.drive.extent))

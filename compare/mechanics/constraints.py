@@ -1,0 +1,212 @@
+"""The constraints of a linkage in the coordinates of all its bodies: equations, Jacobian and second derivative.
+
+A body has the coordinates x, y of its first point, over the linkage's largest length L, and its angle; the ground comes
+last and stays at zero. With r the arms of points from the first ones of their bodies, over L, every constraint is
+
+    Re(conj(d e^(iθₖ)) w) = 0,  w = zᵢ + rᵢ e^(iθᵢ) - zⱼ - rⱼ e^(iθⱼ)   no distance along d, in the frame of k, or
+    θᵢ - θⱼ = 0                                                       no turn.
+
+A pin has two distances, a guide one across it and a turn, the drive the one or the other, less its position. They are
+in the order of `scenes.model.motion.force_channels`, and as many as coordinates, m, where the linkage has one degree of
+freedom and no constraint too many.
+
+One step of Newton's method closes the joints of computed poses with the drive where it is. In the poses found rates and
+accelerations have no choice: with γ the second derivative of the constraints at q'' = 0 and e the drive's row,
+
+    J q' = e rate,   J q'' = e acceleration - γ(q, q').
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.model.groups import groups
+from scenes.model.motion import Samples
+from scenes.scene import GROUND
+
+from .bodies import arms, first_point, largest_length
+from .motion_vectors import MotionVectors, Vectors
+
+Poses: TypeAlias = NDArray[np.float64]  # shape (n, bodies, 3), also of rates and accelerations
+Matrices: TypeAlias = NDArray[np.float64]  # shape (n, m, m)
+
+BLOCK = 2**20  # numbers of Jacobians that are in memory at a time
+
+
+class Constraint(NamedTuple):
+    """One constraint between two bodies; its multiplier is what the second does on the first."""
+
+    first: str
+    second: str
+    arm: complex = 0  # on the first body, m
+    other: complex = 0  # on the second, m
+    along: complex = 0  # a unit vector, or zero for a turn
+    frame: str = GROUND
+
+
+class ClosedPoses(NamedTuple):
+    """Poses that meet the constraints, and how these stand there: not finite in a singular pose."""
+
+    q: Poses
+    v: Poses
+    a: Poses
+    inverse: Matrices  # of J
+    branch: Samples  # the sign of det J in the poses as computed, shape (n,): it changes in a singular pose alone
+    condition: Samples  # of J in the Frobenius norm, shape (n,)
+
+
+class Constraints:
+    """C(q) = 0 of one scene, at many poses at once."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.size = scene, largest_length(scene)
+        self.bodies = {name: number for number, name in enumerate((*scene.bodies, GROUND))}
+        self.arms = {name: arms(scene, body) for name, body in scene.bodies.items()}
+        self.arms[GROUND] = {point: complex(*place) for point, place in scene.ground.items()}
+        rows = [*self._rows()]
+        self._first, self._second, self._frame = (
+            np.array([self.bodies[name] for name in names])
+            for names in zip(*((row.first, row.second, row.frame) for row in rows), strict=True)
+        )
+        self._arm, self._other = np.array([(row.arm, row.other) for row in rows]).T / self.size
+        self._along = np.array([row.along for row in rows])
+        self._turns = np.flatnonzero(self._along == 0)
+        self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
+        somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
+        self._groups = groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
+        sizes = [len(group.rows) for group in self._groups]
+        self._alike = [np.flatnonzero(np.array(sizes) == size).tolist() for size in dict.fromkeys(sizes)]
+
+    def _rows(self) -> Iterator[Constraint]:
+        """Yield all constraints."""
+        scene, arms = self.scene, self.arms
+        for pin in scene.pins:
+            second, first = arms[pin.second][pin.point], arms[pin.first][pin.point]
+            yield from (Constraint(pin.second, pin.first, second, first, axis) for axis in (1, 1j))
+        for body in scene.bodies.values():
+            if body.slide is not None:
+                on, along = body.slide.on, complex(*body.slide.along)
+                through = complex(*body.slide.through) - (0 if on == GROUND else first_point(scene.bodies[on]))
+                yield Constraint(body.name, on, 0, through, 1j * along, on)
+                yield Constraint(body.name, on)
+        driven, slide = scene.drive.body, scene.driven_slide
+        line = () if slide is None else (0, complex(*slide.through), complex(*slide.along))
+        yield Constraint(driven, GROUND, *line)
+
+    def blocks(self, motion: Motion) -> Iterator[Motion]:
+        """Yield a motion in pieces, of which the matrices fit in memory."""
+        rows = max(BLOCK // len(self.units) ** 2, 1)
+        for start in range(0, len(motion["time"]), rows):
+            yield Motion({channel: samples[start : start + rows] for channel, samples in motion.samples.items()})
+
+    def condition(self, motion: Motion) -> Samples:
+        """The condition number of J in the 2-norm at each sample of a motion, shape (n,)."""
+        with np.errstate(divide="ignore"):
+            return np.concatenate([np.linalg.cond(self.jacobian(self.poses(block))) for block in self.blocks(motion)])
+
+    def closed(self, motion: Motion) -> ClosedPoses:
+        """The poses of a motion after one step of Newton's onto the constraints, with their rates."""
+        q = self.poses(motion)
+        J = self.jacobian(q)
+        sign, size = self.determinant(J)
+        step = self.solve(J, self.gaps(q, motion[self.scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
+        q = q - np.where(np.isfinite(step), step, 0.0)
+        J = self.jacobian(q)
+        inverse = self.solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
+        _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in self.scene.drive.at(motion["time"]))
+        v = (inverse[:, :, -1] * rate).reshape(q.shape)
+        bending = (inverse @ self.bending(q, v)[..., np.newaxis])[..., 0]
+        a = (inverse[:, :, -1] * acceleration - bending).reshape(q.shape)
+        branch = np.where(np.isnan(size), np.nan, sign)  # the determinant of what is not finite has a sign
+        condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2))
+        return ClosedPoses(q, v, a, inverse, branch, condition)
+
+    def poses(self, motion: Motion) -> Poses:
+        """Q as a motion's channels have it."""
+        state = MotionVectors(self.scene, motion)
+        first = np.stack([state.place(body.points[0]) for body in self.scene.bodies.values()], axis=1) / self.size
+        angle = np.stack([state.angle(name) for name in self.scene.bodies], axis=1)
+        return np.stack([first.real, first.imag, angle], axis=-1)
+
+    def gaps(self, q: Poses, position: Samples) -> Samples:
+        """C(q) with the drive at a position, rad or m, of shape (n,); shape (n, m)."""
+        (_, angle), (along, w, *_) = planes(q), self._parts(q)
+        gaps: Samples = (along.conj() * w).real
+        gaps[:, self._turns] = (angle[:, self._first] - angle[:, self._second])[:, self._turns]
+        gaps[:, -1] -= position / self.units[-1]
+        gaps[:, self._turns] = np.remainder(gaps[:, self._turns] + np.pi, 2 * np.pi) - np.pi  # modulo a turn
+        return gaps
+
+    def jacobian(self, q: Poses) -> Matrices:
+        """J = dC/dq."""
+        along, w, *arms = self._parts(q)
+        rows = np.arange(len(self.units))
+        J = np.zeros((len(q), len(rows), len(self.bodies), 3))
+        for body, arm, sign in zip((self._first, self._second), arms, (1, -1), strict=True):
+            turn = (along.conj() * 1j * arm).real
+            J[:, rows, body] = sign * np.stack([along.real, along.imag, turn], axis=-1)
+            J[:, self._turns, body[self._turns], 2] = sign
+        J[:, rows, self._frame, 2] += (along.conj() * w).imag
+        return J[:, :, :-1].reshape(len(q), len(rows), -1)
+
+    def determinant(self, J: Matrices) -> tuple[Samples, Samples]:
+        """The sign of det J, but for one that is the same everywhere, and its logarithm, each of shape (n,)."""
+        signs, sizes = zip(*(np.linalg.slogdet(blocks) for _, blocks in self._diagonal(J)), strict=True)
+        return np.prod(np.concatenate(signs, axis=1), axis=1), np.sum(np.concatenate(sizes, axis=1), axis=1)
+
+    def solve(self, J: Matrices, right: Samples) -> Samples:
+        """J^-1 times what is given by constraints, shape (n, m, k): infinite in singular poses."""
+        x, singular = np.zeros(right.shape), np.zeros(len(J), dtype=bool)
+        inverses: dict[int, Matrices] = {}
+        for numbers, blocks in self._diagonal(J):
+            alike = _inverse(blocks)
+            inverses |= zip(numbers, alike.swapaxes(0, 1), strict=True)
+            singular |= np.isinf(alike).all(axis=(2, 3)).any(axis=-1)
+        for number, (rows, columns, left) in enumerate(self._groups):
+            given = right[:, rows]
+            if left:
+                given = given - J[:, np.array(rows)[:, np.newaxis], left] @ x[:, left]
+            x[:, columns] = inverses[number] @ given
+        x[singular] = np.inf
+        return x
+
+    def _diagonal(self, J: Matrices) -> Iterator[tuple[Sequence[int], Matrices]]:
+        """Yield the blocks of each size, of groups by their numbers, in one array of shape (n, groups, size, size)."""
+        for numbers in self._alike:
+            rows = np.array([self._groups[number].rows for number in numbers])
+            columns = np.array([self._groups[number].columns for number in numbers])
+            yield numbers, J[:, rows[:, :, np.newaxis], columns[:, np.newaxis]]
+
+    def bending(self, q: Poses, v: Poses) -> Samples:
+        """d²C/dt² at rates v without accelerations, shape (n, m)."""
+        (along, w, arm, other), (rate, omega) = self._parts(q), planes(v)
+        spin, other_spin, turn = (1j * omega[:, bodies] for bodies in (self._first, self._second, self._frame))
+        dw = rate[:, self._first] + spin * arm - rate[:, self._second] - other_spin * other
+        ddw = spin**2 * arm - other_spin**2 * other
+        bending: Samples = (along.conj() * (ddw - 2 * turn * dw + turn**2 * w)).real
+        return bending
+
+    def _parts(self, q: Poses) -> tuple[Vectors, Vectors, Vectors, Vectors]:
+        """The vectors d e^(iθₖ), w, rᵢ e^(iθᵢ) and rⱼ e^(iθⱼ) of all constraints."""
+        z, angle = planes(q)
+        turn = np.exp(1j * angle)
+        arm, other = self._arm * turn[:, self._first], self._other * turn[:, self._second]
+        return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
+
+
+def _inverse(J: Matrices) -> Matrices:
+    """The inverses, infinite in singular poses."""
+    try:
+        return np.linalg.inv(J).astype(np.float64, copy=False)
+    except np.linalg.LinAlgError:  # of any of them
+        singular = (np.linalg.slogdet(J)[0] == 0)[..., np.newaxis, np.newaxis]
+        return np.where(singular, np.inf, np.linalg.inv(np.where(singular, np.eye(J.shape[-1]), J)))
+
+
+def planes(q: Poses) -> tuple[Vectors, Samples]:
+    """X + iy and the angle of every body and the ground, or their rates; shape (n, bodies + 1)."""
+    q = np.concatenate([q, np.zeros((len(q), 1, 3))], axis=1)
+    return q[..., 0] + 1j * q[..., 1], q[..., 2]

@@ -1,0 +1,120 @@
+"""One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from scenes import Scene
+from scenes.model.motion import UNITS, channels, force_channels, kinematic_channels, quantity
+from scenes.scene import PressForce
+
+from ..engines import registry
+from .axis import DriveAxis, axis
+from .bodies import distances, inertia
+from .constraints import Constraints
+from .motion_vectors import press_forces
+from .perturbation import neighbours
+
+GROUPS: Mapping[str, str] = (
+    dict.fromkeys(("x", "y", "angle"), "position")
+    | dict.fromkeys(("vx", "vy", "omega"), "velocity")
+    | dict.fromkeys(("ax", "ay", "alpha"), "acceleration")
+    | dict.fromkeys(("fx", "fy", "guide_force", "guide_moment"), "reaction")
+    | {"torque": "torque", "force": "force", "crank_angle": "drive", "displacement": "drive"}
+)  # by quantity; every channel but the time is judged in one
+
+SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
+
+
+@dataclass(frozen=True)
+class Mechanics:
+    """The judge's own model of a linkage, each part made when it is first asked for."""
+
+    scene: Scene
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """All its channels, in the order of the files."""
+        return channels(self.scene)
+
+    @cached_property
+    def kinematic(self) -> tuple[str, ...]:
+        """The channels of its motion."""
+        return kinematic_channels(self.scene)
+
+    @cached_property
+    def forces(self) -> tuple[str, ...]:
+        """The channels of its forces, one a constraint; none without masses."""
+        return force_channels(self.scene)
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """By channel its unit."""
+        return {channel: UNITS[quantity(channel)] for channel in self.channels}
+
+    @cached_property
+    def groups(self) -> Mapping[str, str]:
+        """By channel the group in which it is judged; all but the time."""
+        return {channel: GROUPS[quantity(channel)] for channel in self.channels if channel != "time"}
+
+    @cached_property
+    def axis(self) -> DriveAxis:
+        """What curves run over, and where tables say that something happened."""
+        return axis(self.scene)
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """Its joints and its drive as equations."""
+        return Constraints(self.scene)
+
+    @property
+    def size(self) -> float:
+        """Its largest length, m."""
+        return self.constraints.size
+
+    @cached_property
+    def newtons(self) -> Mapping[str, float]:
+        """By force channel what one newton is there: 1 N, or its moment at an arm of the largest length, N m."""
+        one = {"N": 1.0, "N*m": self.size}
+        return {channel: one[self.units[channel]] for channel in self.forces}
+
+    @cached_property
+    def distances(self) -> Mapping[str, Mapping[tuple[str, str], float]]:
+        """By body the known distances of its points, m."""
+        return {name: distances(body) for name, body in self.scene.bodies.items()}
+
+    @cached_property
+    def inertia(self) -> Mapping[str, float]:
+        """By body its moment of inertia about the centre of mass, kg m^2."""
+        return {name: inertia(body) for name, body in self.scene.bodies.items()}
+
+    @cached_property
+    def presses(self) -> tuple[PressForce, ...]:
+        """The loads that depend on the direction of motion."""
+        return press_forces(self.scene)
+
+    @cached_property
+    def along_guides(self) -> Mapping[str, tuple[str, ...]]:
+        """By body that slides its moving points, and those of the body that it slides on."""
+        bodies, moving = self.scene.bodies, {*self.scene.moving_points}
+        on = {name: body.slide.on for name, body in bodies.items() if body.slide is not None}
+        return {
+            name: tuple(p for each in (name, guide) if each in bodies for p in bodies[each].points if p in moving)
+            for name, guide in on.items()
+        }
+
+    @property
+    def way(self) -> float:
+        """What the drive's position is measured by: 1 rad, or the travel of a slider that is driven, m."""
+        least, largest = self.scene.drive.extent
+        return 1.0 if self.scene.driven_slide is None else largest - least
+
+    @property
+    def rate(self) -> float:
+        """The drive's peak rate over its `way`, 1/s."""
+        return self.scene.drive.peak_rate / self.way
+
+    @cached_property
+    def neighbours(self) -> tuple[registry.Solve, ...]:
+        """Solvers of the scene with its numbers a few last places off; none where one cannot be solved."""
+        return neighbours(self.scene)

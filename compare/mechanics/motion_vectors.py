@@ -1,0 +1,255 @@
+"""A motion's channels as vectors, the forces of its scene on each body at that motion, and when press forces act.
+
+Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b = a . b + i (a x b).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scenes import Motion, Scene
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, Body, ForceTable, Load, PressForce, Slide
+
+from .bodies import first_point
+
+Vectors = NDArray[np.complex128]
+Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
+
+HAIR = 1e-6  # of a slider's range and peak speed: far above all rounding, far below the way between two samples
+TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
+
+
+class AppliedForce(NamedTuple):
+    """A force, where it attacks, and how fast that point of the body moves; shape (n,), N, m, m/s."""
+
+    force: Vectors
+    at: Vectors
+    velocity: Vectors
+    name: str
+
+
+class LoadedBody(NamedTuple):
+    """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
+
+    mass: float  # kg
+    applied: Sequence[AppliedForce]
+    pushes: Sequence[tuple[Vectors, Vectors]]  # these and the forces of joints, with their points of attack
+    couple: Samples  # N m
+    com: Vectors
+    velocity: Vectors  # of the centre of mass, as the acceleration
+    acceleration: Vectors
+    omega: Samples
+    alpha: Samples
+
+    @property
+    def peak(self) -> float:
+        """The largest force on it, N."""
+        return max(float(np.abs(force).max()) for force, _ in self.pushes)
+
+
+@dataclass(frozen=True)
+class MotionVectors:
+    """One motion of a scene; every array is of shape (n,)."""
+
+    scene: Scene
+    motion: Motion
+    acting: Sequence[NDArray[np.bool_]] = ()  # whether each of the scene's press forces acts
+
+    def vector(self, stem: str, x: str, y: str) -> Vectors:
+        """Two channels as one vector."""
+        return self.motion[f"{stem}{x}"] + 1j * self.motion[f"{stem}{y}"]
+
+    def place(self, point: str) -> Vectors:
+        """Where a point is."""
+        if point in self.scene.ground:
+            return np.full(self.motion["time"].shape, complex(*self.scene.ground[point]))
+        return self.vector(f"{point}.", "x", "y")
+
+    def point(self, point: str) -> tuple[Vectors, Vectors, Vectors]:
+        """Position, velocity and acceleration."""
+        if point in self.scene.ground:
+            still = np.zeros(self.motion["time"].shape, complex)
+            return self.place(point), still, still
+        return self.place(point), self.vector(f"{point}.", "vx", "vy"), self.vector(f"{point}.", "ax", "ay")
+
+    def angle(self, body: str) -> Samples:
+        """The angle of a body's x axis, or of the ground's."""
+        if body not in self.scene.turning:
+            return np.zeros(self.motion["time"].shape)
+        return self.motion[f"{body}.angle"]
+
+    def turning(self, body: str) -> tuple[Samples, Samples, Samples]:
+        """Angle, omega and alpha of a body or the ground."""
+        if body not in self.scene.turning:
+            still = np.zeros(self.motion["time"].shape)
+            return still, still, still
+        return self.angle(body), self.motion[f"{body}.omega"], self.motion[f"{body}.alpha"]
+
+    def com(self, body: Body) -> tuple[Vectors, Vectors, Vectors]:
+        """Position, velocity and acceleration of the centre of mass; of uniform bodies, the corners' mean."""
+        if body.com is None:
+            z, v, a = (sum(vectors) / len(body.corners) for vectors in zip(*map(self.point, body.corners), strict=True))
+            return z, v, a
+        z, v, a = self.point(body.points[0])
+        angle, omega, alpha = self.turning(body.name)
+        r = np.exp(1j * angle) * (complex(*body.com) - first_point(body))
+        return z + r, v + 1j * omega * r, a + (1j * alpha - omega**2) * r
+
+    def frame(self, name: str) -> tuple[Vectors, Vectors]:
+        """The origin of a body's frame, or of the ground's, and the unit vector of its x axis."""
+        x_axis = np.exp(1j * self.angle(name))
+        if name == GROUND:
+            return np.zeros_like(x_axis), x_axis
+        body = self.scene.bodies[name]
+        return self.place(body.points[0]) - x_axis * first_point(body), x_axis
+
+    def on_guide(self, body: Body) -> Vectors:
+        """Where a slider's first point is on its guide, from `through`: along it, and i times beside it, m."""
+        assert body.slide is not None
+        origin, x_axis = self.frame(body.slide.on)
+        own = x_axis.conjugate() * (self.place(body.points[0]) - origin)
+        return (own - complex(*body.slide.through)) * complex(*body.slide.along).conjugate()
+
+    def displacement(self, body: Body) -> tuple[Samples, Samples, Samples]:
+        """The displacement of a body that slides on the ground, and its first two derivatives by the time."""
+        assert body.slide is not None
+        along, through = complex(*body.slide.along), complex(*body.slide.through)
+        z, v, a = self.point(body.points[0])
+        return ((z - through) * along.conjugate()).real, (v * along.conjugate()).real, (a * along.conjugate()).real
+
+    def applied(self, body: Body) -> Iterator[AppliedForce]:
+        """Yield what acts on a body from without: loads, springs, gravity."""
+        acting = iter(self.acting)
+        for load in self.scene.loads:
+            share = next(acting) if isinstance(load, PressForce) else 1.0
+            if load.body == body.name:
+                z, v, _ = self.point(load.at)
+                yield AppliedForce(share * self._force(load), z, v, f"the load at {load.at}")
+        for spring in self.scene.springs:
+            for (name, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+                if name == body.name:
+                    z, v, _ = self.point(point)
+                    towards = self.place(other) - z
+                    distance = np.abs(towards)
+                    unit = towards / np.where(distance > 0, distance, 1.0)
+                    ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
+                    pull = spring.stiffness * (distance - spring.length) * unit
+                    yield AppliedForce(pull, z, v, f"the spring between {ends}")
+        if self.scene.gravity is not None:
+            z, v, _ = self.com(body)
+            weight = np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity))
+            yield AppliedForce(weight, z, v, f"the weight of {body.name}")
+
+    def _force(self, load: Load) -> Vectors:
+        if not isinstance(load, ForceTable):
+            return np.full(self.motion["time"].shape, complex(*load.force))
+        body = self.scene.bodies[load.body]
+        assert body.slide is not None
+        force: Vectors = load.along(self.displacement(body)[0]) * np.array(complex(*body.slide.along))
+        return force
+
+    def joint_forces(self, body: Body) -> Iterator[tuple[Vectors, Vectors]]:
+        """Yield every force of a pin, a guide or a slider's drive on the body, with its point of attack."""
+        for pin in self.scene.pins:
+            if body.name in (pin.first, pin.second):
+                force = self.vector(f"{pin.channel}.", "fx", "fy")
+                yield (force if body.name == pin.second else -force), self.place(pin.point)
+        for sign, slider, slide in self._guides(body):
+            normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
+            yield sign * self.motion[f"{slider.name}.guide_force"] * normal, self.place(slider.points[0])
+        if body.name == self.scene.drive.body and body.slide is not None:
+            yield self.motion["drive.force"] * np.array(complex(*body.slide.along)), self.place(body.points[0])
+
+    def couples(self, body: Body) -> Samples:
+        """The pure moments on the body, N m."""
+        couple = np.zeros(self.motion["time"].shape)
+        for sign, slider, _ in self._guides(body):
+            couple = couple + sign * self.motion[f"{slider.name}.guide_moment"]
+        if body.name == self.scene.drive.body and body.slide is None:
+            couple = couple + self.motion["drive.torque"]
+        return couple
+
+    def bodies(self) -> dict[str, LoadedBody]:
+        """All bodies of a motion that has every channel, by name."""
+        moving = {}
+        for name, body in self.scene.bodies.items():
+            applied = [*self.applied(body)]
+            pushes = [*self.joint_forces(body), *((push.force, push.at) for push in applied)]
+            _, omega, alpha = self.turning(name)
+            moving[name] = LoadedBody(
+                body.mass or 0.0, applied, pushes, self.couples(body), *self.com(body), omega, alpha
+            )
+        return moving
+
+    def drive_power(self) -> Samples:
+        """The power of the drive, W."""
+        body = self.scene.bodies[self.scene.drive.body]
+        if body.slide is None:
+            return self.motion["drive.torque"] * self.turning(body.name)[1]
+        return self.motion["drive.force"] * self.displacement(body)[1]
+
+    def _guides(self, body: Body) -> Iterator[tuple[int, Body, Slide]]:
+        """Yield each slider whose guide the body shares: its own with +1, those that slide on the body with -1."""
+        for slider in self.scene.bodies.values():
+            if slider.slide is not None and body.name in (slider.name, slider.slide.on):
+                yield (1 if slider is body else -1), slider, slider.slide
+
+    def stroke_end(self, load: PressForce) -> float:
+        """Where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
+        x, v, a = (load.closing * samples for samples in self.displacement(self.scene.bodies[load.body]))
+        h = np.diff(self.motion["time"])
+        turns = np.flatnonzero((v[:-1] > 0) & (v[1:] < 0))
+        inside = [_peak(quintic(h[k], *(of[k : k + 2] for of in (x, v, a)))) for k in turns]
+        return load.closing * max([float(x.max()), *inside])
+
+    def stroke_ends(self) -> tuple[float, ...]:
+        """Where the closing stroke of every press force ends, m; a slider has one for each way of closing."""
+        presses = press_forces(self.scene)
+        unlike = {(load.body, load.closing): load for load in presses}
+        ends = {way: self.stroke_end(load) for way, load in unlike.items()}
+        return tuple(ends[load.body, load.closing] for load in presses)
+
+    def acts(self, ends: Sequence[float]) -> list[Acts]:
+        """Whether each press force acts with displacement and velocity a hair less and a hair more, each shape (4, n).
+
+        Their closing strokes end at `ends`, m.
+        """
+        acts = []
+        for load, end in zip(press_forces(self.scene), ends, strict=True):
+            x, v, _ = self.displacement(self.scene.bodies[load.body])
+            dx = HAIR * np.ptp(x)
+            dv = np.where(np.abs(end - x) <= dx, TURNING, HAIR) * np.abs(v).max()
+            acts.append(np.array([load.acts(x + i * dx, v + j * dv, end) for i in (-1, 1) for j in (-1, 1)]))
+        return acts
+
+
+def press_forces(scene: Scene) -> tuple[PressForce, ...]:
+    """The loads that depend on the direction of motion."""
+    return tuple(load for load in scene.loads if isinstance(load, PressForce))
+
+
+def quintic(h: Any, x: Any, v: Any, a: Any) -> Samples:
+    """The six coefficients, shape (6, ...), over steps from 0 to 1, h long, from values and derivatives at both ends.
+
+    Args:
+        h: the length of the step.
+        x: the values at its two ends, each of shape (...).
+        v: the first derivatives.
+        a: the second ones.
+    """
+    (x0, x1), (v0, v1), (a0, a1) = x, (h * v[0], h * v[1]), (h**2 * a[0], h**2 * a[1])
+    d, e, f = x1 - x0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
+    rest = 10 * d - 4 * e + f / 2, -15 * d + 7 * e - f, 6 * d - 3 * e + f / 2
+    return np.array([x0, v0, a0 / 2, *rest])
+
+
+def _peak(coefficients: Samples) -> float:
+    """The largest value of a polynomial inside a step from 0 to 1; that at 0 where it has no extreme."""
+    path = np.polynomial.Polynomial(coefficients)
+    roots = path.deriv().roots()
+    real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real < 1)]
+    return float(max(path(real), default=coefficients[0]))

@@ -1,0 +1,113 @@
+"""A motion on the constraints: what a computed one would be if its own poses met them.
+
+In the closed poses, see `constraints`, the rest has no choice either: with Q the loads,
+
+    J^T λ = M q'' - Q,
+
+where λ are the reactions and the effort of the drive.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes import Motion
+from scenes.model.motion import Samples
+
+from .constraints import ClosedPoses, Matrices, planes
+from .mechanics import Mechanics
+from .motion_vectors import MotionVectors, Vectors
+from .press_switches import Acting, fitted
+
+
+class Projection(NamedTuple):
+    """A motion on the constraints, and how they stand there."""
+
+    closed: Motion  # every channel; on its switch a press force acts
+    forces: Mapping[str, Samples]  # of it, with press forces on the sides of their switches where the motion's fit best
+    branch: Samples  # see `ClosedPoses`, as the condition
+    condition: Samples
+
+
+def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None = None) -> Projection:
+    """A motion, whose kinematic channels are complete, on the constraints: not finite in a singular pose.
+
+    The closing strokes of press forces end at `ends`, m; where the motion is of a whole cycle, it shows them itself.
+    """
+    if ends is None:
+        ends = MotionVectors(mechanics.scene, motion).stroke_ends()
+    parts = [_projected(mechanics, block, ends) for block in mechanics.constraints.blocks(motion)]
+    return Projection(
+        Motion({c: np.concatenate([part.closed[c] for part in parts]) for c in parts[0].closed.samples}),
+        {c: np.concatenate([part.forces[c] for part in parts]) for c in parts[0].forces},
+        np.concatenate([part.branch for part in parts]),
+        np.concatenate([part.condition for part in parts]),
+    )
+
+
+def _projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float]) -> Projection:
+    """The projection of a part of a motion."""
+    poses = mechanics.constraints.closed(motion)
+    given = {channel: motion[channel] for channel in ("time", mechanics.scene.drive_channel)}
+    closed = Motion(given | _kinematics(mechanics, poses))
+    if not mechanics.forces:
+        return Projection(closed, {}, poses.branch, poses.condition)
+    acting, fitting = _loads(mechanics, motion, closed, poses.inverse, ends)
+    return Projection(Motion({**closed.samples, **acting}), fitting, poses.branch, poses.condition)
+
+
+def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:
+    """The channels of points and bodies that turn."""
+    scene, constraints, channels = mechanics.scene, mechanics.constraints, dict[str, Samples]()
+    (z, angle), (dz, omega), (ddz, alpha) = (planes(of) for of in (poses.q, poses.v, poses.a))
+    for point in scene.moving_points:
+        name = scene.owners[point][0]
+        k = constraints.bodies[name]
+        arm = constraints.arms[name][point] / mechanics.size * np.exp(1j * angle[:, k])
+        spin = 1j * omega[:, k]
+        vectors = z[:, k] + arm, dz[:, k] + spin * arm, ddz[:, k] + (1j * alpha[:, k] + spin**2) * arm
+        for order, vector in zip(("", "v", "a"), vectors, strict=True):
+            channels[f"{point}.{order}x"] = mechanics.size * vector.real
+            channels[f"{point}.{order}y"] = mechanics.size * vector.imag
+    for name in scene.turning:
+        k = constraints.bodies[name]
+        channels |= {f"{name}.angle": angle[:, k], f"{name}.omega": omega[:, k], f"{name}.alpha": alpha[:, k]}
+    return channels
+
+
+def _loads(
+    mechanics: Mechanics, motion: Motion, closed: Motion, inverse: Matrices, ends: Sequence[float]
+) -> tuple[Mapping[str, Samples], Mapping[str, Samples]]:
+    """The forces of a closed motion: press forces acting on their switches, and as they stand where they fit best."""
+    own, computed = (MotionVectors(mechanics.scene, of) for of in (closed, motion))
+    units = mechanics.constraints.units
+
+    def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
+        multipliers = (inverse.swapaxes(1, 2) @ _needed(mechanics, replace(own, acting=acting)))[..., 0] / units
+        forces = dict(zip(mechanics.forces, multipliers.T, strict=True))
+        given = [(channel, unit) for channel, unit in zip(forces, units, strict=True) if channel in motion]
+        off = [unit * np.abs(forces[channel] - motion[channel]) for channel, unit in given]
+        return np.sum(off, axis=0) if off else np.zeros_like(motion["time"]), forces
+
+    may = [np.concatenate(both) for both in zip(own.acts(ends), computed.acts(ends), strict=True)]
+    return fitted(mechanics.presses, may, misfit)
+
+
+def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
+    """M q'' - Q, shape (n, m, 1): what joints and drive do on each body; forces and moments at its first point."""
+    needed: list[Samples] = []
+    for body in mechanics.scene.bodies.values():
+        first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
+        force = (body.mass or 0.0) * acceleration
+        moment = mechanics.inertia[body.name] * state.turning(body.name)[2] + _cross(com - first, force)
+        for push in state.applied(body):
+            force, moment = force - push.force, moment - _cross(push.at - first, push.force)
+        needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
+    return np.stack(needed, axis=1)[..., np.newaxis]
+
+
+def _cross(arm: Vectors, force: Vectors) -> Samples:
+    cross: Samples = (arm.conj() * force).imag
+    return cross

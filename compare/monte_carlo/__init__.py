@@ -1,1 +1,0 @@
-"""Tolerances of the workshop: many machines with numbers drawn from them, and what they do to the designer's."""

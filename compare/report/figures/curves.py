@@ -1,0 +1,161 @@
+"""Curves over the drive's position or the time.
+
+The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scenes import Motion, Request
+from scenes.model.motion import Samples, quantity
+
+from ...engines.registry import REFERENCE
+from ...judge.errors import Comparison
+from ...mechanics.axis import axis
+from ...mechanics.mechanics import GROUPS
+from ...mechanics.reference import Reference
+from ...study import Study
+from ..numbers import units
+from .figure import Figure, draw, stacked
+from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, drive_axes, layout, marker
+
+MARKERS = 36  # per cycle, shared out between the engines
+FIGURES = 24  # of panels, at most
+
+
+@dataclass(frozen=True)
+class PlottedCurve:
+    """A plotted quantity: the sum of channels, each times a factor, or the magnitude of the vector that they form."""
+
+    name: str
+    unit: str
+    factors: Mapping[str, float]  # by channel
+    magnitude: bool = False
+
+    def of(self, motion: Motion) -> Samples:
+        """The values to plot, shape (n,)."""
+        parts = [factor * motion[channel] for channel, factor in self.factors.items()]
+        values: Samples = np.linalg.norm(parts, axis=0) if self.magnitude else np.sum(parts, axis=0)
+        return values
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One figure: its curves, and the channels whose largest error is plotted below them; that of x or y is both's."""
+
+    title: str
+    axis: str
+    curves: tuple[PlottedCurve, ...]
+    judged: tuple[str, ...]
+
+
+def panels(reference: Reference, request: Request) -> Iterator[Panel]:
+    """Yield the output's motion, every joint's reaction, the drive's torque or force; only channels asked for."""
+    asked = set(request.wanted(reference.scene))
+    for panel in (*_motion_panels(reference), *_force_panels(reference)):
+        curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.factors))
+        if curves:
+            yield replace(panel, curves=curves, judged=tuple(filter(asked.__contains__, panel.judged)))
+
+
+def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
+    """The panels to draw, and those left out: of many joints those with the largest errors are drawn."""
+    every = list(panels(study.reference, study.sampling))
+    worst: dict[str, float] = {}
+    for row in study.channel_errors:
+        worst[row.channel] = max(worst.get(row.channel, 0.0), np.inf if np.isnan(row.max) else row.max)
+
+    def rank(panel: Panel) -> tuple[bool, float]:
+        of_a_joint = GROUPS[quantity(panel.judged[0])] == "reaction"
+        return of_a_joint, -max(worst.get(channel, 0.0) for channel in panel.judged)
+
+    first = sorted(every, key=rank)[:FIGURES]
+    return [panel for panel in every if panel in first], [panel for panel in every if panel not in first]
+
+
+def _motion_panels(reference: Reference) -> Iterator[Panel]:
+    scene = reference.scene
+    guided = scene.guided(scene.output)
+    for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
+        x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
+        factor, unit = units(reference)[si]
+        curves: tuple[PlottedCurve, ...] = (PlottedCurve("x", unit, {x: factor}), PlottedCurve("y", unit, {y: factor}))
+        if guided is not None:
+            along = zip((x, y), guided[1].along, strict=True)
+            factors = {channel: factor * part for channel, part in along if part != 0}
+            curves = (PlottedCurve("along the guide", unit, factors),)
+        yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
+
+
+def _force_panels(reference: Reference) -> Iterator[Panel]:
+    scene = reference.scene
+    if not scene.has_masses:
+        return
+    (per_newton, newtons), (per_moment, moments) = (units(reference)[si] for si in ("N", "N*m"))
+    for pin in scene.pins:
+        x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
+        parts = PlottedCurve("x", newtons, {x: per_newton}), PlottedCurve("y", newtons, {y: per_newton})
+        curves = (PlottedCurve("magnitude", newtons, {x: per_newton, y: per_newton}, True), *parts)
+        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{newtons}]", curves, (x, y))
+    for body in scene.bodies.values():
+        if body.slide is not None:
+            force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
+            both = (
+                PlottedCurve("force", newtons, {force: per_newton}),
+                PlottedCurve("moment", moments, {moment: per_moment}),
+            )
+            title = f"force [{newtons}], moment [{moments}]"
+            yield Panel(f"Guide: force and moment on {body.name}", title, both, (force, moment))
+    effort, factor, unit = ("torque", per_moment, moments)
+    if scene.driven_slide is not None:
+        effort, factor, unit = ("force", per_newton, newtons)
+    channel = f"drive.{effort}"
+    curve = PlottedCurve(effort, unit, {channel: factor})
+    yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
+
+
+def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
+    """The error of what an engine has of a panel, shape (n,), no less than the reference's floor; NaN: none."""
+    worst: Samples = np.max([comparison.actual[c] for c in panel.judged if c in comparison.actual], axis=0)
+    floor = _floor(study, panel)
+    return np.maximum(worst, floor) if floor else np.where(worst > 0, worst, np.nan)
+
+
+def _floor(study: Study, panel: Panel) -> float:
+    return max((study.reference.floor.by_channel.get(channel, 0.0) for channel in panel.judged), default=0.0)
+
+
+def over_angle(study: Study, panel: Panel) -> Figure:
+    """Draw one panel over the drive's position or the time: curves above, errors below."""
+    figure = stacked(0.6, 0.4)
+    over = axis(study.scene).of(study.motion)
+    for curve, dash in zip(panel.curves, DASHES, strict=False):
+        draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
+    floor = _floor(study, panel)
+    for number, m in enumerate(study.measurements):
+        if m.run.motion is None or m.comparison is None or not any(c in m.run.motion for c in panel.judged):
+            continue
+        engine, there = m.run.engine, m.comparison.axis if m.foreign else over
+        rows = _marked(study, number)
+        for curve in (curve for curve in panel.curves if all(c in m.run.motion for c in curve.factors)):
+            draw(figure, engine, there[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
+        if engine != REFERENCE:
+            line = {"color": colour(number), "width": 1.3}
+            draw(figure, f"{engine} error", there, error(study, panel, m.comparison), 2, group=engine, line=line)
+    if floor:
+        draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
+    figure.update_yaxes(title=panel.axis, panel=1)
+    figure.update_yaxes(LOG, title="relative error [-]", nticks=6, panel=2)
+    drive_axes(figure, study.scene, study.sampling.turns, 2)
+    return figure.update_layout(layout(480))
+
+
+def _marked(study: Study, number: int) -> slice:
+    """The samples that have a marker: of engines in turn, of a result of its own instants by itself."""
+    measured = study.measurements[number]
+    if measured.foreign:
+        return slice(None, None, max(measured.asked.count // MARKERS, 1))
+    stride = max(study.sampling.samples // MARKERS, 1)
+    return slice(number * stride, None, len(study.measurements) * stride)

@@ -1,0 +1,166 @@
+"""A figure as plain data, in plotly's names: its script draws it in the page, its library takes long to import here."""
+
+import json
+from base64 import b64encode
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.resources import files
+from itertools import accumulate, product
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..extremes import CURVE, thinned
+from ..plain import plain
+
+Attributes: TypeAlias = Mapping[str, Any]  # as plotly names them
+
+TEMPLATE = "plotly_white"
+TYPES = {"f4", "f8", "i1", "i2", "i4", "u1", "u2", "u4"}  # of arrays that plotly's script takes as bytes
+# Every button by name, so that none comes in with another version of plotly; nothing in a figure leads to another host.
+BUTTONS = [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "autoScale2d", "resetScale2d"]]
+CONFIG = {"modeBarButtons": BUTTONS, "displaylogo": False, "showSendToCloud": False, "plotlyServerURL": ""}
+HEADING = {"font": {"size": 16}, "xanchor": "center", "yanchor": "bottom", "xref": "paper", "yref": "paper"}
+
+
+class Figure:
+    """Panels with traces in them, counted from 1, row by row; see `stacked`, `side_by_side` and `grid`."""
+
+    def __init__(
+        self, heights: Sequence[float], columns: int, titles: Sequence[str], gaps: tuple[float, float]
+    ) -> None:
+        """Begin with empty panels.
+
+        Args:
+            heights: of the rows, one to another.
+            columns: how many, all of one width.
+            titles: of the panels; none, or one each for the first of them.
+            gaps: between columns and between rows, of the whole.
+        """
+        self.traces: list[dict[str, Any]] = []
+        self.layout: dict[str, Any] = {}
+        wide, high = _shares([1.0] * columns, gaps[0]), _shares(heights[::-1], gaps[1])[::-1]  # from below
+        self._panels = range(1, len(heights) * columns + 1)
+        self._left = self._panels[::columns]
+        for number, (down, across) in zip(self._panels, product(high, wide), strict=True):
+            self.layout[f"xaxis{_name(number)}"] = {"anchor": f"y{_name(number)}", "domain": across}
+            self.layout[f"yaxis{_name(number)}"] = {"anchor": f"x{_name(number)}", "domain": down}
+            if number <= len(titles):
+                self.note(titles[number - 1], x=sum(across) / 2, y=down[1], **HEADING)
+
+    def add(self, trace: Attributes, panel: int) -> None:
+        """Add a trace to a panel."""
+        self.traces.append({"type": "scatter", "xaxis": f"x{_name(panel)}", "yaxis": f"y{_name(panel)}"} | dict(trace))
+
+    def note(self, text: str, **place: Any) -> None:
+        """Write a text without an arrow."""
+        self.layout.setdefault("annotations", []).append({"text": text, "showarrow": False} | place)
+
+    def update_xaxes(self, *more: Attributes, panel: int | None = None, **own: Any) -> Self:
+        """Set attributes of the horizontal axis of a panel, or of all of them."""
+        return self._update("x", (*more, own), self._panels if panel is None else [panel])
+
+    def update_yaxes(self, *more: Attributes, panel: int | None = None, **own: Any) -> Self:
+        """Set attributes of the vertical axis of a panel, or of all of them."""
+        return self._update("y", (*more, own), self._panels if panel is None else [panel])
+
+    def update_left(self, **own: Any) -> Self:
+        """Set attributes of the vertical axes of the first column."""
+        return self._update("y", (own,), self._left)
+
+    def _update(self, letter: str, more: Sequence[Attributes], panels: Iterable[int]) -> Self:
+        for number in panels:
+            for attributes in more:
+                _merge(self.layout[f"{letter}axis{_name(number)}"], attributes)
+        return self
+
+    def update_layout(self, *more: Attributes, **own: Any) -> Self:
+        """Set attributes of the layout."""
+        for attributes in (*more, own):
+            _merge(self.layout, attributes)
+        return self
+
+    def json(self, most: int = CURVE) -> str:
+        """What plotly's script draws in the look of `template`, with at most so many points a curve."""
+        return json.dumps(plain({"data": thinned(self.traces, most, np.float32), "layout": self.layout}, _bytes))
+
+
+def stacked(*heights: float) -> Figure:
+    """Empty panels one above the other over one axis, by their relative heights; a single one by default."""
+    figure, last = Figure(heights or [1.0], 1, (), (0.0, 0.06)), len(heights) or 1
+    for panel in range(1, last):
+        figure.update_xaxes(matches=f"x{last}", showticklabels=False, panel=panel)
+    return figure
+
+
+def side_by_side(titles: Sequence[str]) -> Figure:
+    """An empty panel a title, all in one row with one vertical axis."""
+    figure = Figure([1.0], len(titles), titles, (0.03, 0.0))
+    for panel in range(2, len(titles) + 1):
+        figure.update_yaxes(matches="y", showticklabels=False, panel=panel)
+    return figure
+
+
+def grid(titles: Sequence[str], columns: int) -> Figure:
+    """An empty panel a title, row by row, each with axes of its own."""
+    rows = max(-(-len(titles) // columns), 1)
+    return Figure([1.0] * rows, columns, titles, (0.18 / columns, 0.3 / rows))
+
+
+def draw(
+    figure: Figure, name: str, x: Any, y: Any, panel: int = 1, *, group: str = "", mode: str = "lines", **style: Any
+) -> None:
+    """Add a curve or markers to one panel of a figure.
+
+    Args:
+        figure: whose panel it is.
+        name: of the trace; one without a name is background, with no entry in the legend and no hover.
+        x: values, shape (n,).
+        y: values, shape (n,).
+        panel: its number, from 1.
+        group: of traces that share an entry of the legend, that of the first named one; the name if empty.
+        mode: lines, markers or both, as plotly names them.
+        style: further attributes of plotly's scatter trace.
+    """
+    group = group or name
+    listed = bool(name) and not any(t["showlegend"] and t["legendgroup"] == group for t in figure.traces)
+    hover = {} if name else {"hoverinfo": "skip"}
+    trace = {"x": x, "y": y, "name": name, "mode": mode, "legendgroup": group, "showlegend": listed}
+    figure.add(trace | hover | style, panel)
+
+
+def _name(number: int) -> str:
+    """The number of a panel in the names of its axes."""
+    return str(number) if number > 1 else ""
+
+
+def _shares(parts: Sequence[float], gap: float) -> list[tuple[float, float]]:
+    """Where each part of a line of length 1 begins and ends, with gaps between them."""
+    scale = (1 - gap * (len(parts) - 1)) / sum(parts)
+    ends = [scale * end + gap * number for number, end in enumerate(accumulate(parts))]
+    return [(end - scale * part, end) for part, end in zip(parts, ends, strict=True)]
+
+
+def _merge(into: dict[str, Any], attributes: Attributes) -> None:
+    """Set attributes, of parts attribute by attribute; of a title its text alone may be given."""
+    for name, value in attributes.items():
+        if isinstance(value, Mapping):
+            _merge(into.setdefault(name, {}), value)
+        elif name == "title":
+            into[name] = {"text": value}
+        else:
+            into[name] = value
+
+
+def template() -> str:
+    """The look of figures by plotly, as JSON, without the library."""
+    return (files("plotly") / f"package_data/templates/{TEMPLATE}.json").read_text(encoding="utf-8")
+
+
+def _bytes(values: NDArray[Any]) -> Any:
+    """An array as plotly's script takes it."""
+    kind = values.dtype.str[1:]
+    if kind not in TYPES:
+        return plain(values)
+    packed = {"dtype": kind, "bdata": b64encode(np.ascontiguousarray(values).data).decode()}
+    return packed | ({"shape": ", ".join(map(str, values.shape))} if values.ndim > 1 else {})

@@ -1,0 +1,145 @@
+"""Figures of hard cases: their errors, and maps of where engines are stable.
+
+A map has errors in colour, failures in grey with a letter, theory as a line.
+"""
+
+from collections.abc import Collection, Hashable, Iterator, Mapping
+from textwrap import wrap
+from typing import Any, TypeAlias
+
+import numpy as np
+import pandas as pd
+
+from scenes import Status
+
+from ...measure.hard.case import Outcome
+from ...mechanics.mechanics import SHOWN_GROUPS
+from ...mechanics.round_off import EPS
+from .figure import Figure, draw, side_by_side
+from .style import BOUND, colour, error_axes, layout
+
+LETTERS: Mapping[Status, str] = {
+    Status.unsupported: "U",
+    Status.cannot_assemble: "A",
+    Status.wrong_branch: "B",
+    Status.diverged: "D",
+    Status.not_converged: "N",
+    Status.inconsistent: "I",
+    Status.inaccurate: "O",
+    Status.nonfinite: "F",
+    Status.timed_out: "T",
+    Status.crashed: "C",
+}
+TITLES: Mapping[str, tuple[str, str]] = {
+    "sweeps": ("Stability: steps and sweeps", "sweeps per step"),
+    "lock": ("Stability: steps and distance to the singular configuration", "distance to singular configuration"),
+    "mass": ("Stability: steps and mass ratio", "factor of the heaviest body's mass"),
+    "drift": ("Stability: steps and cycles; error of positions in the last cycle", "cycles"),
+}
+SYMBOLS = dict(zip(Outcome, ("circle", "x-thin-open", "diamond-open", "star", "square-open"), strict=True))
+TINY = 1e-16  # an error of zero has no logarithm
+SCALE = {
+    "cmin": -6,
+    "cmax": 0,
+    "colorscale": "Viridis",
+    "colorbar": {"title": "error", "tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]},
+}
+
+PlotlyTrace: TypeAlias = dict[str, Any]
+MapCell: TypeAlias = dict[Hashable, Any]
+GREYED: PlotlyTrace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
+
+
+def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
+    """Yield title and figure of every map in the table, its engines side by side."""
+    for kind, cells in table.groupby("map", sort=False) if len(table) else ():
+        title, across = TITLES[str(kind)]
+        engines, steps = [*dict.fromkeys(cells["engine"])], _steps(cells)
+        figure = side_by_side(engines)
+        for column, engine in enumerate(engines, start=1):
+            rows = cells[cells["engine"] == engine]
+            for trace in _traces(rows):
+                figure.add(trace, column)
+            figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, panel=column)
+        figure.update_xaxes(showgrid=False, zeroline=False)
+        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_left(title="steps per cycle")
+        figure.note(_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper")
+        figure.update_layout(layout(190 + 42 * len(steps), titled=True))
+        yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})
+
+
+def _steps(cells: pd.DataFrame) -> list[int]:
+    return sorted(set(cells["steps"]))
+
+
+def _ticks(labels: Collection[object]) -> PlotlyTrace:
+    """An axis of cells by their labels."""
+    return {"tickvals": [*range(len(labels))], "ticktext": [*labels], "range": [-0.5, len(labels) - 0.5]}
+
+
+def _traces(rows: pd.DataFrame) -> Iterator[PlotlyTrace]:
+    """Yield the cells of one engine that were solved, those that failed, and the boundary by theory."""
+    labels, steps = [*dict.fromkeys(rows["label"])], _steps(rows)
+    fine = rows["status"] == Status.ok.name
+    for shown, style in ((rows[fine], {"coloraxis": "coloraxis"}), (rows[~fine], GREYED)):
+        shape = len(steps), len(labels)
+        z, text, hover = np.full(shape, np.nan), np.full(shape, "", object), np.full(shape, "", object)
+        for cell in shown.to_dict("records"):
+            place = steps.index(cell["steps"]), labels.index(cell["label"])
+            z[place] = np.log10(max(cell["error"], TINY)) if cell["error"] == cell["error"] else 0.0
+            text[place], hover[place] = _text(cell), _hover(cell)
+        cells = {"type": "heatmap", "z": z, "text": text, "customdata": hover, "texttemplate": "%{text}"}
+        hovering = {"hovertemplate": "%{customdata}<extra></extra>", "hoverongaps": False}
+        yield cells | hovering | {"xgap": 1, "ygap": 1} | style
+    if "needed" in rows and rows["needed"].notna().any():
+        yield _boundary(rows)
+
+
+def _text(cell: MapCell) -> str:
+    """The text of a cell: the error, or the letter of the failure."""
+    status = Status[str(cell["status"])]
+    return LETTERS[status] if status in LETTERS else f"{cell['error']:.0e}".replace("e-0", "e-").replace("e+00", "")
+
+
+def _hover(cell: MapCell) -> str:
+    errors = {str(name).removesuffix("_max"): error for name, error in cell.items() if str(name).endswith("_max")}
+    lines = [f"{cell['label']}, {cell['setting']}", str(cell["status"]), *wrap(str(cell["reason"]), 60)]
+    lines += [f"{group}: {error:.1e}" for group, error in errors.items() if error == error]
+    return "<br>".join(filter(None, lines))
+
+
+def _boundary(rows: pd.DataFrame) -> PlotlyTrace:
+    """The line where theory has the runs begin to hold, between the columns by the logarithm."""
+    across = rows.drop_duplicates("label")["x"].to_numpy(float)
+    needed = rows.groupby("steps")["needed"].first().to_numpy(float)
+    x = np.interp(np.log(needed), np.log(across), np.arange(len(across)))
+    line = {"mode": "lines", "line": {"color": colour(1), "width": 3, "dash": "dash"}, "showlegend": True}
+    x, y = [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
+    return {"type": "scatter", "x": x, "y": y, "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"} | line
+
+
+def _key(cells: pd.DataFrame) -> str:
+    """The meaning of the letters that occur."""
+    occurring = [status for status in LETTERS if status.name in set(cells["status"])]
+    return "Largest relative error" + "".join(f" · {LETTERS[status]}: {status.name}" for status in occurring)
+
+
+def over_condition(cases: pd.DataFrame) -> Figure | None:
+    """Draw the errors of every attempt over the condition of its Jacobian, by outcome; None where there are none."""
+    groups = [group for group in SHOWN_GROUPS if f"{group}_max" in cases and group not in ("torque", "force")]
+    if not groups:
+        return None
+    figure = side_by_side(groups)
+    span = np.array([cases["condition"].min(), cases["condition"].max()])
+    for column, group in enumerate(groups, start=1):
+        for number, (engine, attempts) in enumerate(cases.groupby("engine", sort=False)):
+            shown = attempts[attempts[f"{group}_max"] > 0]
+            symbols = [SYMBOLS[Outcome(outcome)] for outcome in shown["outcome"]]
+            mark = {"color": colour(number), "symbol": symbols, "size": 7, "line": {"width": 1.2}}
+            text = [f"{row.ladder}, {row.rung}: {row.setting}, {row.status}" for row in shown.itertuples()]
+            hover = "%{text}<br>error %{y:.2e}<extra></extra>"
+            at = shown["condition"].to_numpy(), shown[f"{group}_max"].to_numpy(), column
+            draw(figure, str(engine), *at, mode="markers", marker=mark, text=text, hovertemplate=hover)
+        draw(figure, "κ ε", span, EPS * span, column, line=BOUND)
+    error_axes(figure, "condition κ [-]", "largest relative error [-]")
+    return figure.update_layout(layout(420, titled=True))

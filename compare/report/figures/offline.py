@@ -1,0 +1,26 @@
+"""Plotly's own figure, for notebooks and pictures, with the buttons of the pages: none sends its data anywhere."""
+
+from functools import partialmethod
+
+from plotly.graph_objects import Figure as PlotlyFigure
+
+from ..extremes import thinned
+from .figure import CONFIG, TEMPLATE, Figure
+
+
+class Offline(PlotlyFigure):  # type: ignore[misc]
+    """A figure that a notebook, a browser and a file show by `CONFIG`, unless another configuration is given."""
+
+    show = _ipython_display_ = partialmethod(PlotlyFigure.show, config=CONFIG)
+    to_html = partialmethod(PlotlyFigure.to_html, config=CONFIG)
+    write_html = partialmethod(PlotlyFigure.write_html, config=CONFIG)
+    _repr_mimebundle_ = partialmethod(PlotlyFigure._repr_mimebundle_, config=CONFIG)
+
+
+def offline(figure: Figure) -> Offline:
+    """A figure as plotly's own.
+
+    Raises:
+        ValueError: an attribute is none of plotly's, or has a value that it does not take.
+    """
+    return Offline({"data": thinned(figure.traces), "layout": figure.layout | {"template": TEMPLATE}})

@@ -1,0 +1,56 @@
+"""The look of every figure: colours, symbols, lines, log axes, margins."""
+
+from typing import Any
+
+from scenes import Scene
+from scenes.scene import ConstantSpeed
+
+from ...mechanics.axis import axis, turns_fully
+from .figure import Figure
+
+# Of Okabe and Ito, for any colour vision; their yellow and black, unseen on one of the grounds, are purple and brown.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
+GREY, DARK_GREY = "#999999", "#555555"  # of bounds and failures; of the reference's curves
+SYMBOLS = ("circle-open", "diamond-open", "square-open", "cross-open")
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+BOUND = {"color": GREY, "dash": "dot"}  # line of the reference's floor, of round-off, of a limit
+FLOOR, ROUND_OFF = "reference's floor", "explained by round-off"  # names of such lines
+LOG = {"type": "log", "exponentformat": "power"}
+MARGIN = {"l": 70, "r": 20, "t": 40, "b": 55}  # px
+LEGEND = {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0}  # above the panels
+LEGEND_BESIDE = {"orientation": "v", "yanchor": "top", "y": 1, "x": 1.02}
+LAYOUT: dict[str, Any] = {"margin": MARGIN, "legend": LEGEND, "hoverlabel": {"namelength": -1}}
+
+
+def colour(number: int) -> str:
+    """The colour of a series, such as an engine, by its number from 0."""
+    return COLOURS[number % len(COLOURS)]
+
+
+def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:
+    """The marker of a series by its number from 0; `symbol` replaces the series' own, `size` is in px."""
+    edge = {"width": 2, "color": colour(number)}
+    return {"color": colour(number), "symbol": symbol or SYMBOLS[number % len(SYMBOLS)], "size": size, "line": edge}
+
+
+def error_axes(figure: Figure, across: str, error: str = "relative error [-]") -> Figure:
+    """Make all axes of a figure logarithmic: `across` titles the horizontal ones, `error` the first vertical one."""
+    figure.update_xaxes(LOG, title=across, nticks=6)
+    return figure.update_yaxes(LOG, nticks=8).update_left(title=error)
+
+
+def drive_axes(figure: Figure, scene: Scene, turns: int = 1, titled: int | None = None) -> Figure:
+    """Let time run from left to right over the drive's position; only the panel `titled` gets the title, or all."""
+    backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
+    ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees
+    figure.update_xaxes(title=axis(scene).title, panel=titled)
+    figure.update_layout(dragmode=False, hovermode=False)  # the page's cursor follows the pointer instead
+    return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
+
+
+def layout(height: int, *, titled: bool = False) -> dict[str, Any]:
+    """The layout of a figure of `height` px; where its panels are titled, with the legend above their titles."""
+    if not titled:
+        return LAYOUT | {"height": height}
+    plotted = height - 80 - MARGIN["b"]
+    return LAYOUT | {"height": height, "margin": MARGIN | {"t": 80}, "legend": LEGEND | {"y": 1 + 38 / plotted}}

@@ -1,1 +1,0 @@
-"""Hard cases and maps of stability, as shown."""

@@ -1,1 +1,0 @@
-"""Tolerances, as shown."""

@@ -1,0 +1,1 @@
+"""The files of results, and how they take their place."""

@@ -1,0 +1,202 @@
+"""The files of studies, families and Monte Carlo runs, and what becomes of those of a stopped run."""
+
+import csv
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scenes import InputError, Motion, Scene
+from scenes.file.toml import SUMMARY_BYTES, read_text
+from scenes.model.motion import header
+from scenes.scene import SI
+
+from ...engines.installed import environment
+from ...engines.registry import route
+from ...judge.agreement import worst_error
+from ...judge.measure import Measurement
+from ...judge.notes import off_sketch
+from ...mechanics.axis import axis
+from ...study import Study
+from ..pages.report import page
+from ..plain import json_text
+from ..tables import TableRows
+from ..tables import speed as speed_tables
+from ..tables import study as tables
+from .origin import origin
+from .placing import placed, remove
+
+if TYPE_CHECKING:
+    from ...measure.many.family import Family
+    from ...measure.many.study import MonteCarlo
+
+PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
+REPORT = (
+    *("report.html", "summary.json", "peaks.csv", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv"),
+    "hard.csv",
+)
+FAMILY = ("family.html", "family.json", "family.csv")
+MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
+BLOCK = 4096  # rows of a motion that are text at a time
+
+
+def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, complete: bool = True) -> Path:
+    """Write a study's files into `folder/<scene>/` and return that folder; `changed` is what did since a baseline.
+
+    One that was stopped does not take the place of a complete one: it goes to `folder/<scene>.partial/`.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
+    in_full = {"stability": study.maps, "hard": study.hard}
+    since = {} if changed is None else {"since_baseline": changed}
+    with _result(study.scene, folder, REPORT, complete=complete) as (aside, place):
+        for name, table in written.items():
+            _write_table(table, aside / f"{name}.csv")
+        for name, frame in in_full.items():
+            if frame is not None and len(frame):
+                frame.to_csv(aside / f"{name}.csv", index=False)
+        for engine, motion in study.motions.items():
+            _write_motion(motion, aside / f"motion.{engine}.csv")
+        _write_summary(study.scene, aside / "summary.json", place, summary(study) | since, complete=complete)
+        (aside / "report.html").write_text(page(study), encoding="utf-8")
+    return place
+
+
+def write_family(family: "Family", folder: Path) -> Path:
+    """Write `family.html`, `family.json` and `family.csv` as `write` does, and return the folder.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    from ..pages.many import family_page  # late, as what is of hard cases: no report of a scene needs it
+    from ..tables.family import in_si
+
+    varied = {variation.path: variation.values for variation in family.variations}
+    known = {"varied": varied, "engines": family.engines, "environment": environment()}
+    return _write_many(family, folder, FAMILY, in_si(family), known, family_page)
+
+
+def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
+    """Write `monte_carlo.html`, `.json` and `.csv` as `write` does, and return the folder.
+
+    Raises:
+        InputError: the folder cannot be written; what it held is then unchanged.
+    """
+    from ..pages.many import monte_carlo_page  # late, as what is of families
+    from ..tables.monte_carlo import in_si, summary
+
+    known = summary(study) | {"environment": environment()}
+    return _write_many(study, folder, MONTE_CARLO, in_si(study), known, monte_carlo_page)
+
+
+def _write_many(
+    many: Any,
+    folder: Path,
+    own: tuple[str, str, str],
+    rows: TableRows,
+    known: Mapping[str, object],
+    page: Callable[[Any], str],
+) -> Path:
+    """Write the page, the summary and the table on many linkages of one scene."""
+    html, summary_json, table = own
+    with _result(many.scene, folder, own, complete=many.complete) as (aside, place):
+        _write_table(rows, aside / table)
+        _write_summary(many.scene, aside / summary_json, place, known, complete=many.complete)
+        (aside / html).write_text(page(many), encoding="utf-8")
+    return place
+
+
+def _write_summary(scene: Scene, file: Path, place: Path, known: Mapping[str, object], *, complete: bool) -> None:
+    head = {"complete": complete, "made_from": origin(scene, place)}
+    file.write_text(json_text(head | dict(known)), encoding="utf-8")
+
+
+def _write_table(rows: TableRows, file: Path) -> None:
+    """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
+    columns = dict.fromkeys(column for row in rows for column in row)
+    with file.open("w", encoding="utf-8", newline="") as text:
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(columns)
+        for row in rows:
+            cells = (row.get(column) for column in columns)
+            table.writerow("" if cell is None or cell != cell else cell for cell in cells)
+
+
+def _write_motion(motion: Motion, file: Path) -> None:
+    """Write a motion's table in blocks: pandas takes three times as long for the same text, and a copy of it all."""
+    with file.open("w", encoding="utf-8", newline="\n") as text:
+        text.write(",".join(map(header, motion.samples)) + "\n")
+        for start in range(0, len(motion["time"]), BLOCK):
+            rows = np.stack([values[start : start + BLOCK] for values in motion.samples.values()], axis=1)
+            text.writelines(",".join(map(repr, row)) + "\n" for row in rows.tolist())
+
+
+@contextmanager
+def _result(scene: Scene, folder: Path, own: Sequence[str], *, complete: bool) -> Iterator[tuple[Path, Path]]:
+    """Yield a folder to write a result into, and its place, which is another where a partial one meets a complete one.
+
+    `own` is what its files match; the one that ends in `.json` has whether the result is complete.
+    """
+    place, partial = folder / scene.name, folder / f"{scene.name}{PARTIAL}"
+    if not complete and _may_be_complete(place, own):
+        place = partial
+    with placed(folder, place.name, own) as aside:
+        yield aside, place
+    if complete:
+        remove(partial, own)
+
+
+def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
+    """Whether a folder has a result that is not known to be partial."""
+    if not any(list(place.glob(pattern)) for pattern in own):
+        return False
+    summary = next(name for name in own if Path(name).suffix == ".json")
+    try:
+        return json.loads(read_text(place / summary, SUMMARY_BYTES))["complete"] is not False
+    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
+        return True
+
+
+def summary(study: Study) -> dict[str, Any]:
+    """What is known of a study, for `summary.json`."""
+    scene = study.scene
+    hard: TableRows = ()
+    if study.hard is not None:
+        from ..tables.hard import counts  # late, as what few runs need
+
+        hard = counts(study.hard)
+    return {
+        "scene": scene,
+        "sampling": study.sampling,
+        "axis": axis(scene),
+        "reference": {"route": route(scene), "stroke_m": study.reference.stroke, "floor": study.reference.floor},
+        "sketch": off_sketch(study.reference),
+        "masses": tables.masses(study, SI),
+        "verdict": study.agreement,
+        "peaks": study.peaks,
+        "engines": {m.run.engine: _engine(scene, m) for m in study.measurements},
+        "causes": study.causes,
+        "errors": tables.errors(study),
+        "gates": tables.gates(study),
+        "cheapest": study.cheapest,
+        "orders": study.orders,
+        "hard": hard,
+        "step_costs": study.step_costs,
+        "environment": environment(),
+    }
+
+
+def _engine(scene: Scene, measurement: Measurement) -> dict[str, Any]:
+    run, worst = measurement.run, worst_error(scene, measurement)
+    known = ("version", "status", "reason", "found_by", "settings", "counters", "residuals")
+    return {name: getattr(run, name) for name in known} | {
+        "seconds": {"build": run.build_s, "solve": run.solve_s, "read": run.read_s},
+        "unsupported": run.motion.unsupported if run.motion else {},
+        "worst_error": worst and worst._asdict(),
+        "checks": measurement.checks,
+    }

@@ -1,0 +1,225 @@
+"""Results appear whole or not at all: a new folder is written beside the older one and takes its place in one step.
+
+Beside `DIR/<name>/` a run writes `DIR/.<name>-<8 hex digits>/`, under a lock for as long as it lives. What a killed run
+left there is removed by the next, and an older result that was away for the moment is put back.
+"""
+
+import ctypes
+import os
+import re
+import shutil
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from fnmatch import fnmatchcase
+from pathlib import Path
+from secrets import token_hex
+from time import sleep
+
+from scenes import InputError
+
+PATIENCE, TRIES = 2.0, 100  # s without a lock until that is told, and how often it is tried until then
+OLDER = "-older"  # after the name of a folder aside: the older result, where no exchange in one step is possible
+AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
+
+
+def check_writable(folder: Path, names: Iterable[str], own: Sequence[str]) -> None:
+    """Look for what is in the way of results before they are computed; nothing is created.
+
+    Args:
+        folder: where the folders of results go.
+        names: of these folders.
+        own: patterns of the files that a result has there.
+
+    Raises:
+        InputError: one of the results is sure not to be written.
+    """
+    for name in names:
+        try:
+            trouble = _in_the_way(folder / name, own)
+        except FileNotFoundError:
+            trouble = "the working folder is gone"
+        except OSError as error:
+            trouble = f"{folder / name}: {error.strerror}"
+        if trouble:
+            raise InputError(f"--out {folder}: expected a folder that can be written, and {trouble}")
+
+
+def _in_the_way(place: Path, own: Sequence[str]) -> str:
+    """What keeps a result from its place, or nothing."""
+    existing = next(path for path in (place.absolute(), *place.absolute().parents) if os.path.lexists(path))
+    if not os.path.exists(existing):  # noqa: PTH110 - a loop of links is no error to it
+        return f"{existing} is a link to what is not there"
+    if not existing.is_dir():
+        return f"{existing} is a file"
+    longest = os.pathconf(existing, "PC_NAME_MAX") if hasattr(os, "pathconf") else 255
+    new = (*place.absolute().relative_to(existing).parts, _aside(place).name + OLDER)
+    for part in new:
+        if len(os.fsencode(part)) > longest:
+            return f"a name has {longest} bytes at most there"
+    place = place.resolve()
+    if os.path.ismount(place):
+        return f"{place} is where a disk is mounted"
+    for needed in {existing, place.parent} if place.exists() else {existing}:
+        if not os.access(needed, os.R_OK | os.W_OK | os.X_OK):
+            return f"{needed} cannot"
+    folders = (path for path in place.iterdir() if _is_own(path, own) and path.is_dir()) if place.exists() else ()
+    return next((f"{path} is a folder" for path in folders), "")
+
+
+def _is_own(path: Path, own: Sequence[str]) -> bool:
+    return any(fnmatchcase(path.name, pattern) for pattern in own)
+
+
+@contextmanager
+def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
+    """Yield an empty folder for a result, which then takes the place of `folder/<name>/` in one step.
+
+    What that holds beside the files of an older result stays there. It is followed where it is a link.
+
+    Args:
+        folder: where the folders of results go; made if there is none.
+        name: of this folder.
+        own: patterns of the files that a result has there.
+
+    Raises:
+        InputError: the result cannot be written; the older one is then as it was.
+    """
+    try:
+        place = (folder / name).resolve()
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with _beside(place) as aside:
+            yield aside
+            with _locked(place.parent):
+                if place.exists():
+                    _carry_over(place, aside, own)
+                _swap(aside, place)
+    except OSError as error:
+        raise InputError(f"--out {folder}: cannot be written ({error.strerror or error})") from None
+
+
+def remove(folder: Path, own: Sequence[str]) -> None:
+    """Remove the files of a result, and their folder if nothing else is there."""
+    with suppress(OSError):
+        for path in folder.iterdir():
+            if _is_own(path, own):
+                path.unlink()
+        folder.rmdir()
+
+
+def _aside(place: Path) -> Path:
+    return place.with_name(f".{place.name}-{token_hex(4)}")
+
+
+@contextmanager
+def _beside(place: Path) -> Iterator[Path]:
+    """Yield a new folder beside a place, locked; it goes in the end, and so does what others left."""
+    with _locked(place.parent):
+        _clean(place)
+        aside = _aside(place)
+        aside.mkdir()
+        lock = _lock(aside)
+    try:
+        yield aside
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+        _unlock(lock)
+
+
+def _clean(place: Path) -> None:
+    """Remove what runs that were killed left beside a place, and put an older result back that one of them had away."""
+    for left in place.parent.iterdir():
+        if not re.fullmatch(rf"\.{re.escape(place.name)}-[0-9a-f]{{8}}({OLDER})?", left.name):
+            continue
+        if left.name.endswith(OLDER) and not place.exists():
+            left.rename(place)
+        elif (lock := _lock(left)) is not None:
+            shutil.rmtree(left, ignore_errors=True)
+            _unlock(lock)
+
+
+def _carry_over(older: Path, new: Path, own: Sequence[str]) -> None:
+    """Give a new folder what else is in the older one, and its owner and mode."""
+    for path in older.iterdir():
+        if _is_own(path, own):
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.copytree(path, new / path.name, symlinks=True, copy_function=_linked)
+        else:
+            _linked(path, new / path.name)
+    shutil.copymode(older, new)
+    with suppress(OSError, AttributeError):
+        os.chown(new, older.stat().st_uid, older.stat().st_gid)
+
+
+def _linked(path: str | Path, to: str | Path) -> None:
+    try:
+        os.link(path, to, follow_symlinks=False)
+    except (OSError, NotImplementedError):
+        shutil.copy2(path, to, follow_symlinks=False)
+
+
+def _swap(aside: Path, place: Path) -> None:
+    """Put a folder in its place; the older one is then aside."""
+    if not place.exists():
+        aside.rename(place)
+    elif not _exchanged(aside, place):
+        older = aside.with_name(aside.name + OLDER)
+        place.rename(older)
+        try:
+            aside.rename(place)
+        except BaseException:
+            older.rename(place)
+            raise
+        shutil.rmtree(older, ignore_errors=True)
+
+
+def _exchanged(one: Path, other: Path) -> bool:
+    """Exchange two folders in one step, if the system can."""
+    if sys.platform != "linux":
+        return False
+    rename = getattr(ctypes.CDLL(None), "renameat2", None)
+    return rename is not None and not rename(
+        AT_FOLDER, os.fsencode(one), AT_FOLDER, os.fsencode(other), ctypes.c_uint(EXCHANGE)
+    )
+
+
+# --- locks: of a folder, and gone with the process that holds them ----------------------------------------------------
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Have one run at a time look for what is left in a folder, or swap there."""
+    lock = _lock(folder, wait=True)
+    try:
+        yield
+    finally:
+        _unlock(lock)
+
+
+def _lock(folder: Path, *, wait: bool = False) -> int | None:
+    """The lock of a folder, or None if it is another run's, or there are no locks on this system."""
+    if sys.platform == "win32":
+        return None
+    from fcntl import LOCK_EX, LOCK_NB, flock
+
+    file = None
+    try:
+        file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        for left in range(TRIES if wait else 0, 0, -1):
+            with suppress(BlockingIOError):
+                flock(file, LOCK_EX | LOCK_NB)
+                return file
+            sleep(PATIENCE / TRIES)
+            if left == 1:
+                print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
+        flock(file, LOCK_EX | (0 if wait else LOCK_NB))
+    except OSError:
+        _unlock(file)
+        return None
+    return file
+
+
+def _unlock(lock: int | None) -> None:
+    if lock is not None:
+        os.close(lock)

@@ -1,0 +1,1 @@
+"""Every page: its template, and what that is rendered with."""

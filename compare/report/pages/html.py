@@ -1,0 +1,155 @@
+"""Pages from templates: what they are rendered in, their table of contents, and the figures packed at their end."""
+
+from base64 import b64encode
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import cache
+from gzip import compress
+from importlib.resources import files
+from itertools import islice
+from json import dumps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from jinja2 import ChoiceLoader, Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
+from jinja2.bccache import Bucket
+from markupsafe import Markup, escape
+
+from ...engines.installed import environment
+from ...judge.agreement import Word
+from ..extremes import CURVE
+from ..figures.figure import CONFIG, Figure, template
+from ..numbers import percent, short
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+HERE, LINKAGE = "compare.report.pages", "compare.report.linkage"  # the packages of the templates that pages share
+ROWS = 200  # of a table or a list, at most
+MARKS = {Word.agrees: "✓", Word.in_part: "≈", Word.disagrees: "✗", Word.not_solved: "✗"}
+LEVEL = 5  # of the library's gzip: the page of three engines stays below 2.5 MB; level 6 takes 40 % longer
+
+
+def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
+    """A page.
+
+    Args:
+        name: of the template, a path in its package.
+        package: that has it.
+        most: points a curve of the page's figures.
+        values: what the template uses.
+    """
+    return _templates(package).get_template(name).render(values, parts=Parts(most), most=most)
+
+
+class ByteCode(FileSystemBytecodeCache):
+    """Compiled templates in files, where they can be written: compiling them anew takes a tenth of the main job."""
+
+    def dump_bytecode(self, bucket: Bucket) -> None:
+        """Write one template; where that is impossible, it is compiled anew the next time."""
+        with suppress(OSError):
+            super().dump_bytecode(bucket)
+
+
+@cache
+def _templates(package: str) -> Environment:
+    packages = dict.fromkeys((package, HERE, LINKAGE))
+    templates = Environment(
+        loader=ChoiceLoader([PackageLoader(package, "") for package in packages]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        bytecode_cache=ByteCode(str(Path(__file__).with_name("__pycache__"))),
+    )
+    templates.filters |= {"table": shortened, "first": first, "percent": percent, "number": number, "cell": cell}
+    templates.filters["packed"] = lambda parts: packed(dumps(parts).encode())
+    templates.globals |= {"environment": environment, "library": _library, "marks": MARKS}
+    return templates
+
+
+@cache
+def _library() -> str:
+    """Plotly's script, packed."""
+    return packed((files("plotly") / "package_data/plotly.min.js").read_bytes(), LEVEL)
+
+
+def packed(data: bytes, level: int = 9) -> str:
+    """What the script of a page unpacks: gzip in base64."""
+    return b64encode(compress(data, level, mtime=0)).decode()
+
+
+def number(value: float, text: str, unit: str = "") -> Markup:
+    """A number as text, with its value and unit for who points at it or takes it out of the page."""
+    title = Markup(f' title="{value} {escape(unit)}"') if unit else ""
+    return Markup(f'<data value="{value}"{title}>{escape(text)}</data>')
+
+
+def cell(value: object) -> object:
+    """What a cell of a table shows."""
+    if value is None or value != value:
+        return "–"
+    return number(value, short(value)) if isinstance(value, float) else value
+
+
+class Parts:
+    """What a page collects while it is rendered: its sections and its figures."""
+
+    def __init__(self, most: int) -> None:
+        self.contents: list[tuple[str, str]] = []  # anchor and title of every section
+        self._most, self._figures = most, list[str]()
+
+    def section(self, anchor: str, title: str) -> str:
+        """Enter a section into the table of contents, and return its anchor."""
+        self.contents.append((anchor, title))
+        return anchor
+
+    def figure(self, figure: Figure) -> int:
+        """Take a figure in, and return its number."""
+        self._figures.append(figure.json(self._most))
+        return len(self._figures) - 1
+
+    @property
+    def figures(self) -> str:
+        """All figures, and the look and the buttons that they share, packed; nothing where there are none."""
+        shared = f'"template":{template()},"config":{dumps(CONFIG)}'
+        text = f'{{{shared},"figures":[{",".join(self._figures)}]}}'
+        return packed(text.encode()) if self._figures else ""
+
+
+class ShownTable(NamedTuple):
+    """A table as shown: of a long one not all rows."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[object]]
+    left_out: str  # which rows are shown, in a sentence
+
+
+def shortened(
+    table: "Sequence[Mapping[Any, object]] | DataFrame", worst: str = "", whole: str = "the JSON file"
+) -> ShownTable:
+    """A table for a page; of a long one the first rows, or those with the largest numbers in a column.
+
+    Args:
+        table: rows, of which each may lack some columns, or a data frame.
+        worst: name of that column; NaN is the largest.
+        whole: where all rows are.
+    """
+    rows, left_out = table if isinstance(table, Sequence) else table.to_dict("records"), ""
+    columns = dict.fromkeys(column for row in rows for column in row)
+    if len(rows) > ROWS:
+        which = f"with the largest {worst}" if worst else "that come first"
+        left_out = f"The {ROWS} rows {which}, of {len(rows):,}; all are in {whole}."
+        size = np.array([row[worst] if worst else 0 for row in rows], float)
+        rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
+    return ShownTable([*map(str, columns)], [[row.get(column) for column in columns] for row in rows], left_out)
+
+
+def first(sentences: Iterable[str]) -> list[str]:
+    """Sentences for a list; of very many the first."""
+    written = iter(sentences)
+    shown = [*islice(written, ROWS)]
+    more = sum(1 for _ in written)
+    return [*shown, f"And {more:,} more, in the files beside this page."] if more else shown

@@ -1,0 +1,193 @@
+"""A family's tables and sentences: a row a member, for the terminal, the page and `family.csv`."""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import floor, isnan, log10, nan
+
+import numpy as np
+
+from scenes import Status
+from scenes.model.motion import quantity
+
+from ...engines.registry import REFERENCE
+from ...judge.agreement import Agreement, Word, worst_error
+from ...judge.measure import Measurement
+from ...judge.peaks.numbers import CLOSED, DWELL, STROKE
+from ...judge.peaks.peaks import Peak
+from ...judge.verdict import within
+from ...measure.many.family import Family, Member
+from ...mechanics.axis import prefixed
+from ..numbers import ALONE, written
+from . import TableRows
+from .study import floors
+
+DIGITS = 5  # significant ones, of the largest number in a column
+OVERVIEW = (
+    *(STROKE, CLOSED, DWELL, "quick return", "peak speed", "peak acceleration", "largest force"),
+    *("peak driving torque", "peak braking torque", "peak driving force", "peak braking force"),
+    "least transmission angle",
+)  # kinds of numbers
+ON_A_LINE = (STROKE, "quick return", "peak driving torque", "peak driving force")
+AT_JOINTS = ("fx", "guide_force", "guide_moment", "transmission", "to_lock")  # quantities of which the worst is shown
+WORST_LAST = (Word.agrees, Word.in_part, Word.not_solved, Word.disagrees)
+
+
+def names(family: Family) -> list[str]:
+    """Short names of the varied numbers."""
+    return short_names([variation.path for variation in family.variations])
+
+
+def short_names(paths: list[str]) -> list[str]:
+    """Short names of paths: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
+    short = [path.partition(".lengths.")[2] or path.removeprefix("bodies.") for path in paths]
+    return short if len(set(short)) == len(short) else paths
+
+
+def label(family: Family, member: Member) -> str:
+    """The name of a member: `O-P3 = 300`."""
+    changes = zip(names(family), member.changes.values(), strict=True)
+    return ", ".join(f"{name} = {value:.6g}" for name, value in changes)
+
+
+def in_si(family: Family) -> TableRows:
+    """A row a member with everything that is known about it, quantities in SI."""
+    rows: list[dict[str, object]] = []
+    for member in family.members:
+        rows.append(dict(member.changes) | {"status": member.status, "reason": member.reason})
+        for peak in _numbers(member).values():
+            rows[-1][_header(peak, peak.unit)] = peak.value
+            if _at_a_joint(peak):
+                rows[-1][f"{peak.kind} at"] = peak.of
+        for m in member.measurements:
+            worst = worst_error(family.scene, m)
+            rows[-1][f"{m.run.engine} status"] = m.run.status.name
+            rows[-1][f"{m.run.engine} error"] = worst.size if worst else nan
+            rows[-1][f"{m.run.engine} worst channel"] = worst.channel if worst else ""
+    return rows
+
+
+def overview(family: Family) -> TableRows:
+    """A row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
+    varied = [name.replace("-", "\u2011") for name in names(family)]  # so that names do not break into lines
+    known = [_numbers(member) for member in family.members]
+    columns = [(kind, *_column(kind, known)) for kind in OVERVIEW if any(kind in numbers for numbers in known)]
+    rows: list[dict[str, object]] = []
+    for member, numbers in zip(family.members, known, strict=True):
+        changes = (f"{value:.6g}" for value in member.changes.values())
+        row: dict[str, object] = {**dict(zip(varied, changes, strict=True)), "status": member.status}
+        row |= {header: text(numbers[kind]) if kind in numbers else "–" for kind, header, text in columns}
+        errors = [_error(family, m) for m in member.measurements] or ["–"] * len(family.engines)
+        rows.append(row | {f"{engine} error": error for engine, error in zip(family.engines, errors, strict=True)})
+    return rows
+
+
+def _column(kind: str, members: Sequence[dict[str, Peak]]) -> tuple[str, Callable[[Peak], str]]:
+    """The header of a column of numbers, and a function that writes one: all in one unit, as finely."""
+    scaled_by = STROKE if kind == CLOSED else kind
+    largest = max((abs(numbers[scaled_by].value) for numbers in members if scaled_by in numbers), default=0.0) or 1.0
+    one = next(numbers[kind] for numbers in members if kind in numbers)
+    factor, unit = ALONE.get(one.unit) or prefixed(largest, one.unit)
+    decimals = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9)
+    joint = _at_a_joint(one)
+    return _header(one, unit), lambda peak: f"{peak.value * factor:.{decimals}f} {peak.of if joint else ''}".strip()
+
+
+def _numbers(member: Member) -> dict[str, Peak]:
+    return member.cycle.numbers if member.cycle else {}
+
+
+def _header(peak: Peak, unit: str) -> str:
+    name = peak.kind if _at_a_joint(peak) else peak.name
+    return f"{name} [{unit}]" if unit else name
+
+
+def _at_a_joint(peak: Peak) -> bool:
+    return quantity(peak.channel) in AT_JOINTS
+
+
+def _error(family: Family, m: Measurement) -> str:
+    """The largest error of an engine, or why there is none."""
+    if m.run.status is not Status.ok:
+        return m.run.status.name
+    worst = worst_error(family.scene, m)
+    error = worst.size if worst else nan
+    return "not certified" if isnan(error) and m.run.engine == REFERENCE else f"{error:.1e}"
+
+
+def on_a_line(family: Family, member: Member) -> str:
+    """A member in one line for the terminal."""
+    if member.cycle is None:
+        return "  ".join((label(family, member), member.status, member.reason))
+    numbers = _numbers(member)
+    shown = (numbers[kind] for kind in ON_A_LINE if kind in numbers)
+    parts = [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
+    errors = [f"{m.run.engine} {_error(family, m)}" for m in member.measurements]
+    return "  ".join([label(family, member), member.status, *parts, *errors])
+
+
+# --- sentences -------------------------------------------------------------------------------------------------------
+
+
+def setup(family: Family) -> str:
+    """What is varied, in one sentence."""
+    spans = (
+        f"{v.path} from {v.values[0]:.6g} to {v.values[-1]:.6g}, {len(v.values)} values" for v in family.variations
+    )
+    return f"Varied, in the units of the file: {'; '.join(spans)}."
+
+
+def verdict(family: Family) -> str:
+    """How many members run, and how far each engine is from the reference in the worst of them."""
+    sentences = [_ran(family)]
+    for engine, solved, worst in _worst(family):
+        near = f", and is within {worst:.1e} of the reference" if solved and not isnan(worst) else ""
+        sentences.append(f"{engine} solved {solved} of those that run{near}.")
+    return " ".join(sentences)
+
+
+def _ran(family: Family) -> str:
+    stopped = "" if family.complete else f"Stopped after {len(family.members)} of {family.asked} members. "
+    failed = [m for m in family.members if m.cycle is None]
+    if not failed:
+        return f"{stopped}All {len(family.members)} members run."
+    first = f"{label(family, failed[0])} ({failed[0].status})"
+    return f"{stopped}Members that do not run: {len(failed)} of {len(family.members)}, first {first}."
+
+
+def _worst(family: Family) -> Iterator[tuple[str, int, float]]:
+    """Yield by engine how many members it solved, and its largest error on them."""
+    for number, engine in enumerate(family.engines):
+        if engine != REFERENCE:
+            own = [member.measurements[number] for member in family.members if member.measurements]
+            solved = [m for m in own if m.run.status is Status.ok]
+            errors = [worst_error(family.scene, m) for m in solved]
+            sizes = [error.size for error in errors if error]
+            yield engine, len(solved), np.max(sizes, initial=0.0)  # NaN: the largest
+
+
+def agreement(family: Family) -> Agreement:
+    """Whether the models agree on all members that run, and on which they do so the least."""
+    judged = [(label(family, m), m.judgement.agreement) for m in family.members if m.judgement is not None]
+    if not judged:
+        return Agreement(Word.not_solved, _ran(family))
+    name, worst = max(judged, key=lambda member: WORST_LAST.index(member[1].word))
+    if worst.word is Word.agrees:
+        engine, _, size = max(_worst(family), key=lambda engine: engine[2])
+        to = f"with the reference to {within(size)}; {engine} is the farthest"
+        word = Word.agrees if len(judged) == len(family.members) else Word.in_part
+        return Agreement(word, f"{_ran(family)} On all that run the engines agree {to}.")
+    alike = [own.word for _, own in judged].count(worst.word)
+    word = Word.in_part if worst.word is Word.not_solved and alike < len(judged) else worst.word
+    which = f"Of the {len(judged)} that run {alike}: {worst.word}; the first is {name}" if len(judged) > 1 else name
+    return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
+
+
+def notes(family: Family) -> list[str]:
+    """How far the reference may be off, which members cannot run, and which engines fail on which; and why."""
+    sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement is not None)]
+    sentences += [f"{label(family, m)}: {m.status}: {m.reason}" for m in family.members if m.cycle is None]
+    return sentences + [
+        f"{label(family, member)}: {m.run.engine}: {m.run.status.name}: {m.run.reason}"
+        for member in family.members
+        for m in member.measurements
+        if m.run.status is not Status.ok
+    ]

@@ -1,0 +1,113 @@
+"""What the first screen shows: the designer's numbers, one row an engine."""
+
+from collections.abc import Iterator, Sequence
+from math import degrees, isnan
+from typing import NamedTuple
+
+from scenes import Scene
+from scenes.model.motion import quantity
+
+from ...engines.registry import REFERENCE
+from ...judge.agreement import worst_error
+from ...judge.measure import Measurement
+from ...judge.peaks.peaks import Peak
+from ...mechanics.axis import DriveAxis, axis
+from ...study import Study
+from ..figures.style import colour
+from ..numbers import Units, capital, percent, written
+
+MEANINGS = {"quick return": "time to close over time to open"}  # where the name of a number leaves it open
+OF_A_PIN, OF_A_JOINT, OF_THE_DRIVE = ("fx",), ("fx", "guide_force", "guide_moment"), ("torque", "force")  # quantities
+
+
+class PoseButton(NamedTuple):
+    """A button that shows a pose, with a channel marked."""
+
+    channel: str
+    at: float  # on the axis, SI
+    text: str
+
+
+class Answer(NamedTuple):
+    """One of the designer's numbers."""
+
+    name: str
+    meaning: str  # what the name alone leaves open, in a few words; mostly nothing
+    text: str
+    value: float
+    unit: str
+    of: str  # the joint, where its name is not in that of the number
+    place: PoseButton | None
+    direction: str
+    differ: str  # by how much the engines differ at most
+    each: str  # by how much each of them does
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its name, value and place, and by how much the engines differ."""
+        return self.name, self.text, f"{self.of} {self.place.text if self.place else ''}".strip(), self.differ
+
+
+def answers(scene: Scene, peaks: Sequence[Peak], units: Units) -> tuple[list[Answer], list[Answer]]:
+    """The numbers of the whole linkage, of the forces of its pins the largest; and those of every joint."""
+    over = axis(scene)
+    at_joints = [peak for peak in peaks if quantity(peak.channel) in OF_A_JOINT]
+    pins = [peak for peak in at_joints if quantity(peak.channel) in OF_A_PIN]
+    whole = [peak for peak in peaks if peak not in at_joints and peak.value != 0]  # a cycle without losses has no work
+    shown = [_answer(over, peak, units) for peak in whole]
+    if pins:
+        largest = max(pins, key=lambda peak: peak.value)
+        drives = (row for row, peak in enumerate(whole) if quantity(peak.channel) in OF_THE_DRIVE)
+        named = _answer(over, largest, units)._replace(name="Largest pin force", of=largest.of)
+        shown.insert(next(drives, len(shown)), named)
+    return shown, [_answer(over, peak, units) for peak in at_joints]
+
+
+def _answer(over: DriveAxis, peak: Peak, units: Units) -> Answer:
+    sizes = [size for size in peak.differs.values() if not isnan(size)]
+    return Answer(
+        capital(peak.name),
+        MEANINGS.get(peak.name, ""),
+        written(peak.value, peak.unit, units),
+        peak.value,
+        peak.unit,
+        "",
+        pose_button(over, peak.channel, peak.position),
+        "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
+        percent(max(sizes)) if sizes else "–",
+        ", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
+    )
+
+
+def pose_button(over: DriveAxis, channel: str, position: float) -> PoseButton | None:
+    """A place on the axis, given in SI: `171°`, `3.2 mm`; none where it is NaN."""
+    if isnan(position):
+        return None
+    at = f"{round(position * over.factor, 10) + 0.0:.4g}".replace("-", "−")
+    return PoseButton(channel, position, f"{at}°" if over.unit == "deg" else f"{at} {over.unit}")
+
+
+def engines(study: Study) -> Iterator[dict[str, object]]:
+    """A row an engine, in the order asked for: how its run ended, its largest error and where that is, its time."""
+    for number, m in enumerate(study.measurements):
+        worst = worst_error(study.scene, m)
+        row: dict[str, object] = {"engine": _named(m), "colour": colour(number), "status": m.run.status.name}
+        row |= {"worst": worst.size if worst else None, "time": _time(study, m)}
+        yield row | {"place": pose_button(axis(study.scene), worst.channel, worst.position) if worst else None}
+
+
+def _named(measured: Measurement) -> str:
+    """An engine's name with its version; for the reference, whose version is a package's, what it is."""
+    run = measured.run
+    version = run.version.partition(",")[0]
+    if measured.foreign:
+        return f"{run.engine} ({version})" if version else run.engine
+    return f"{run.engine} (reference)" if run.engine == REFERENCE else version or run.engine
+
+
+def _time(study: Study, measured: Measurement) -> str:
+    """The time of a solve per cycle at the settings of the run, as the table of speed has it."""
+    settings = measured.run.settings
+    own = (measured.run.engine, settings.label if settings else None)
+    times = (row.solve_min_s for row in study.speed if (row.engine, row.setting) == own)
+    return next((written(time, "s", {}) for time in times), "–")

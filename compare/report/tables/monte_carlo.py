@@ -1,0 +1,165 @@
+"""Tables and sentences of what the tolerances of the workshop do: for the terminal, the page and the files."""
+
+from collections.abc import Iterator, Mapping
+from math import isnan, nan, sqrt
+
+import numpy as np
+
+from scenes import numbers_in
+
+from ...engines.registry import REFERENCE
+from ...measure.many.spread import Spread
+from ...measure.many.study import MonteCarlo
+from ..numbers import DIGITS, Units, capital, percent, units, written
+from . import TableRows
+from .family import short_names
+
+OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
+FEW = 20  # machines that the JSON file has in full, picked by the seed
+
+
+def in_si(study: MonteCarlo) -> TableRows:
+    """A row a number with everything that is known about it, in SI."""
+    return [
+        {"name": s.name, "of": s.of, "unit": s.unit, "nominal": s.nominal, "mean": s.mean}
+        | {"standard deviation": s.deviation, "linear standard deviation": s.linear, "unexplained": s.unexplained}
+        | {f"quantile {share}": value for share, value in s.quantiles.items()}
+        | {f"share of {path}": share for path, share in s.shares.items()}
+        | {f"{engine} differs by": size for engine, size in differences(study, s).items()}
+        for s in study.spreads
+    ]
+
+
+def differences(study: MonteCarlo, number: Spread) -> Mapping[str, float]:
+    """How far each engine is off a number on the linkage as drawn, SI; NaN where it has none."""
+    engines = [m.run.engine for m in study.judged.measurements if m.run.engine != REFERENCE]
+    differs = next((peak.differs for peak in study.judged.peaks if peak.name == number.name), {})
+    return {engine: differs.get(engine, nan) * number.size for engine in engines}
+
+
+def summary(study: MonteCarlo) -> dict[str, object]:
+    """What the JSON file has: the numbers, what varies, some machines in full by which others can check."""
+    picked = np.sort(np.random.default_rng(study.seed).choice(study.asked, min(FEW, study.asked), replace=False))
+    numbers = [s.name for s in study.spreads]
+    return {
+        **{"machines": study.count, "running": study.running, "seed": study.seed},
+        "variations": study.scene.variations,
+        "numbers": [{**vars(s), "differs": differences(study, s)} for s in study.spreads],
+        "failures": study.failures,
+        "worst": None if study.worst is None else {"machine": study.worst[0], "number": study.worst[1].name},
+        "picked": [
+            {"machine": machine, "changes": study.changes(machine)}
+            | {"numbers": dict(zip(numbers, study.values[machine], strict=True))}
+            for machine in picked.tolist()
+        ],
+    }
+
+
+def shown_units(study: MonteCarlo) -> Units:
+    """Units of the page, but for those of forces: each has the prefix that suits it."""
+    return {si: unit for si, unit in units(study.nominal.reference).items() if si not in ("N", "N*m")}
+
+
+def moving(study: MonteCarlo) -> list[Spread]:
+    """The numbers that differ among the machines."""
+    return [s for s in study.spreads if s.deviation > 0]
+
+
+def overview(study: MonteCarlo) -> TableRows:
+    """A row a number: the drawing's, and how far the machines are off that."""
+    return [
+        {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
+        | {"standard deviation": _amount(study, s, s.deviation), "linear": _amount(study, s, s.linear)}
+        | {
+            "the linear model is off by": percent(sqrt(s.unexplained)),
+            "mean": _amount(study, s, s.mean - s.nominal, "+"),
+        }
+        | {f"{100 * float(q):g} %": _amount(study, s, value - s.nominal, "+") for q, value in s.quantiles.items()}
+        for s in moving(study)
+    ]
+
+
+def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> str:
+    """A difference of a number, to three digits, on one line."""
+    return written(value, number.unit, shown_units(study), digits=DIGITS, sign=sign).replace(" ", "\u00a0")
+
+
+def names(study: MonteCarlo) -> list[str]:
+    """Short names of what varies."""
+    return short_names([variation.path for variation in study.scene.variations])
+
+
+def shares(study: MonteCarlo) -> TableRows:
+    """A row a number with the share of its variance that each variation has."""
+    return [
+        {"number": capital(s.name)}
+        | {name: f"{100 * share:.1f} %" for name, share in zip(names(study), s.shares.values(), strict=True)}
+        for s in moving(study)
+    ]
+
+
+def against_engines(study: MonteCarlo) -> TableRows:
+    """A row a number: by how much the engines differ on the linkage as drawn, and the machines do."""
+    return [
+        {"number": capital(s.name), "the machines' standard deviation": _amount(study, s, s.deviation)}
+        | {f"{engine} differs by": _amount(study, s, off) for engine, off in differences(study, s).items()}
+        | {f"{engine}, of the deviation": percent(off / s.deviation) for engine, off in differences(study, s).items()}
+        for s in moving(study)
+    ]
+
+
+def worst(study: MonteCarlo, machine: int) -> TableRows:
+    """How far each number of the file is off the drawing on one machine."""
+    here = study.changes(machine)
+    drawn = zip(study.scene.variations, numbers_in(study.scene.file, [*here]), strict=True)
+    return [
+        {"number of the file": v.path, "as drawn": f"{number:.7g}", "here": f"{here[v.path]:.7g}"}
+        | {"of what is allowed": f"{100 * (here[v.path] - number) / v.plus_minus:+.0f} %".replace("-", "−")}
+        for v, number in drawn
+    ]
+
+
+def failures(study: MonteCarlo) -> TableRows:
+    """Why machines do not run, and how many."""
+    return [
+        {"machines": f"{f.count:,}", "of all": percent(f.count / study.count), "status": f.status}
+        | {"reason, of the first": f.reason, "the first": f"{f.first:,}"}
+        for f in study.failures
+    ]
+
+
+# --- sentences -------------------------------------------------------------------------------------------------------
+
+
+def ran(study: MonteCarlo) -> str:
+    """How many machines were drawn, and how many of them run."""
+    stopped = "" if study.complete else f"Stopped after {study.count:,} of {study.asked:,} machines. "
+    return f"{stopped}{study.running:,} of {study.count:,} machines run, drawn with seed {study.seed}."
+
+
+def setup(study: MonteCarlo) -> str:
+    """What varies."""
+    uniform = sum(v.distribution == "uniform" for v in study.scene.variations)
+    kinds = f"{len(study.scene.variations) - uniform} by normal distributions, {uniform} by uniform ones"
+    return f"{len(study.scene.variations)} numbers of the scene vary, {kinds}: {', '.join(names(study))}."
+
+
+def verdicts(study: MonteCarlo) -> Iterator[str]:
+    """Yield how well the linear model predicts the spread, and how the engines' differences compare with it."""
+    shown = moving(study)
+    off = {s.name: abs(s.linear / s.deviation - 1) for s in shown}
+    bent = [name for name, share in off.items() if share > OFF + 3 * sqrt(0.5 / study.count)]  # beyond chance
+    if bent:
+        which = ", ".join(f"{name} (off by {percent(off[name])})" for name in bent)
+        yield f"Tolerances do not add up linearly for {which}: take the standard deviation of the machines drawn."
+    elif shown:
+        yield f"Adding the tolerances up linearly gives each standard deviation to within {percent(max(off.values()))}."
+    for engine in (m.run.engine for m in study.judged.measurements):
+        ratios = {s.name: differences(study, s).get(engine, nan) / s.deviation for s in shown}
+        known = {name: ratio for name, ratio in ratios.items() if not isnan(ratio)}
+        if known:
+            name = max(known, key=lambda name: known[name])
+            yield (
+                f"{engine} differs from the reference by {percent(min(known.values()))} to {percent(known[name])} of"
+                f" what the tolerances do to the same number; the most at the {name}."
+            )

@@ -1,0 +1,121 @@
+"""Speed against error as a reader wants it: one sentence, and tables of text."""
+
+import re
+
+from ...engines.registry import REFERENCE
+from ...engines.settings import ABLATION
+from ...measure.speed.row import SpeedRow
+from ...measure.speed.work_precision import LEVELS, Choice, as_fast, contenders, groups, solved, standing
+from ...mechanics.axis import cycle_name
+from ...study import Study
+from . import TableRows
+
+LEVEL = "0.1 %"  # of the sentence
+NOUNS = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "reaction": "reactions"}
+SIZES = ("bodies", "coordinates", "constraints", "sensors")  # counters of what was modelled
+
+
+def contender(engine: str, note: str) -> str:
+    """The name of an engine's settings with this note: the engine, and the start of the note."""
+    return engine if not note else f"{engine}: {re.split('[:,]', note)[0]}"
+
+
+def main_group(study: Study) -> str | None:
+    """The channel group that matters most: the reactions, or else the last that was measured."""
+    known = groups(study.speed)
+    return "reaction" if "reaction" in known else known[-1] if known else None
+
+
+def verdict(study: Study) -> str:
+    """Which setting is the cheapest for what matters most, in one sentence; several where they are level."""
+    group, points = main_group(study), solved(study.speed)
+    if group is None or not points:
+        return ""
+    error, limit = f"{group}_max", LEVELS[LEVEL]
+    best = {engine: as_fast(rows, error, limit) for engine, note, rows in contenders(points) if not note}
+    reference = any(row.engine == REFERENCE for row in as_fast([p for p in points if not p.note], error, limit))
+    named = [_setting(study, best[REFERENCE][0])] if reference else []
+    others = [engine for engine, stands in standing(points, error, limit).items() if stands != "dearer"]
+    if others:
+        alike = "of the other engines, " * reference + "about equally fast, " * (len(others) > 1)
+        named.append(alike + " and ".join(_setting(study, best[engine][0]) for engine in others))
+    fastest = "; ".join(named) or "no setting that was tried"
+    return f"The fastest way to {NOUNS.get(group, group)} within {LEVEL}: {fastest}."
+
+
+def _setting(study: Study, row: SpeedRow) -> str:
+    return (
+        f"{row.engine} with the setting “{row.setting}”, {1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}"
+    )
+
+
+def notes(study: Study) -> list[str]:
+    """The notes of settings, by the engine's name in the tables."""
+    pairs = dict.fromkeys((engine, note) for engine, note, _ in contenders(solved(study.speed)) if note)
+    return [f"{engine}: {note}" for engine, note in pairs]
+
+
+def cheapest_settings(study: Study) -> dict[str, TableRows]:
+    """The cheapest setting by channel group: a column per level of the largest error, a row per contender."""
+    tables: dict[str, dict[str, dict[str, object]]] = {}  # by group, name of the engine with its note, level
+    for choice in study.cheapest:
+        name = contender(choice.engine, choice.note)
+        row = tables.setdefault(choice.group, {}).setdefault(name, {"engine": name})
+        row.setdefault(choice.level, _choice(choice))
+    return {group: [*rows.values()] for group, rows in tables.items()}
+
+
+def _choice(choice: Choice) -> str:
+    """A setting with its time, that over the fastest of all, and what is level with it."""
+    if not choice.setting:
+        return "–"
+    others = len(choice.level_with.split("; ")) if choice.level_with else 0
+    level = [f"×{choice.ratio:.3g}", f"level with {others} more" if others else ""]
+    level.append({"cheapest": "cheapest engine", "level": "engines level"}.get(choice.standing or "", ""))
+    return f"{choice.setting}, {1e3 * choice.solve_s:.3g} ms ({', '.join(filter(None, level))})"
+
+
+def orders(study: Study) -> TableRows:
+    """The orders of convergence, a column per channel group, a row per family that has three good settings."""
+    rows: dict[tuple[str, str], dict[str, object]] = {}
+    for of in study.orders:
+        family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": _expected(of.expected_order)}
+        local = ", ".join(f"{order:.2f}" for order in of.local_orders)
+        fit = f"{of.order:.2f}" if of.order == of.order else "not settled"
+        text = f"{fit} ({local}; {of.residual:.1g})" if local else "–"
+        rows.setdefault((of.engine, of.family), family)[of.group] = text
+    known = set(groups(study.speed))
+    return [row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())]
+
+
+def _expected(order: float | None) -> str:
+    return "–" if order is None else f"{order:g}"
+
+
+def step_costs(study: Study) -> TableRows:
+    """The cost of a step in every family of settings, and the fixed cost of a run."""
+    return [
+        {"engine": cost.engine, "family": cost.family, "per step [µs]": 1e6 * cost.step_s}
+        | {"fixed [ms]": 1e3 * cost.fixed_s, "residual [%]": 1e2 * cost.residual, "settings": cost.points}
+        for cost in study.step_costs
+    ]
+
+
+def ablations(study: Study) -> TableRows:
+    """The cost of modelling more than a scene needs: sizes, steps, time per step over that of the default."""
+    rows: list[dict[str, object]] = []
+    for engine in dict.fromkeys(row.engine for row in study.speed if row.role == ABLATION):
+        own = [row for row in study.speed if row.engine == engine]
+        default = [row for row in own if "balanced" in row.tier]
+        measured = [*default, *(row for row in own if row.role == ABLATION)]
+        seconds = [row.solve_min_s / (row.counters.get("steps") or 1) for row in measured]
+        for row, a_step in zip(measured, seconds, strict=True):
+            named = {"engine": engine, "setting": row.setting, "status": row.status}
+            sizes = {size: row.counters.get(size, "–") for size in (*SIZES, "steps")}
+            rows.append(named | sizes | {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]})
+    return rows
+
+
+def every_setting(study: Study) -> TableRows:
+    """What is known of every setting."""
+    return [row.cells() for row in study.speed]

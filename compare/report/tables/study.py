@@ -1,0 +1,215 @@
+"""The report's tables, as rows, and its sentences: for `summary.json`, the page and the terminal."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from enum import Enum
+from json import dumps
+from math import degrees, inf, isnan, nan, pi
+from typing import get_type_hints
+
+import numpy as np
+
+from scenes import Scene, Status
+from scenes.model.motion import UNITS, quantity
+from scenes.scene import ConstantSpeed
+
+from ...engines import registry
+from ...judge.checks import Check
+from ...judge.errors import by_group as grouped
+from ...judge.errors import shown_groups, worst_of
+from ...judge.notes import off_sketch
+from ...mechanics.axis import axis, cycle_name
+from ...mechanics.bodies import first_point, largest_length, rule, weights
+from ...mechanics.reference import Floor
+from ...study import Study
+from ..numbers import capital
+from . import TableRows
+
+# Figures of an error that the table by group has, as `ChannelError` names them.
+FIGURES = ("max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained")
+
+
+def overview(study: Study, *, timed: bool = True) -> TableRows:
+    """One row per engine: status, largest error by group, times if asked. Failed engines keep their row."""
+    rows: list[dict[str, object]] = []
+    for run, worst in ((m.run, m.worst()) for m in study.measurements):
+        named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
+        named["promise"] = f"{run.settings.promise:.0e}" if run.settings else ""
+        seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s} if timed else {}
+        errors = {group: worst.get(group, nan) for group in ("drive", *shown_groups(study.scene))}
+        rows.append({**named, **errors, **{f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()}})
+    return rows
+
+
+def errors(study: Study) -> TableRows:
+    """The errors of every engine and channel."""
+    return [row._asdict() for row in study.channel_errors]
+
+
+def gates(study: Study) -> TableRows:
+    """Every tolerance of the scene, the error measured, and whether it was met."""
+    return [
+        {"engine": gate.engine, "group": gate.group, "tolerance": gate.tolerance}
+        | {"error": gate.error, "met": gate.met, "worst": gate.worst}
+        for gate in study.held
+    ]
+
+
+def by_group(study: Study) -> TableRows:
+    """The largest errors of every engine and group: whole run, last turn, toggle windows, commanded position."""
+    rows: list[dict[str, object]] = []
+    for measured in study.measurements:
+        largest = {figure: measured.worst(figure) for figure in FIGURES}
+        for group, of in grouped(measured.errors).items():
+            worst = worst_of(of)
+            at = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
+            figures = {figure: sizes[group] for figure, sizes in largest.items()}
+            rows.append({"engine": measured.run.engine, "group": group} | figures | at)
+    return rows
+
+
+def checks(study: Study) -> TableRows:
+    """The worst violation of each reference-free check by engine, and the body with it."""
+    at = f"max_at [{axis(study.scene).unit}]"
+    worst: dict[tuple[str, str], Check] = {}
+    for engine, check in ((m.run.engine, check) for m in study.measurements for check in m.checks):
+        if (engine, check.check) not in worst or _size(check) > _size(worst[engine, check.check]):
+            worst[engine, check.check] = check
+    least = 1e-6 * max((abs(c.max_at) for m in study.measurements for c in m.checks if not isnan(c.max_at)), default=0)
+    return [
+        {"engine": engine, "check": check.check, "of": check.of, "worst": check.worst}
+        | {at: check.max_at if abs(check.max_at) > least else 0.0, "relative to": check.relative_to}  # round-off of 0
+        for (engine, _), check in worst.items()
+    ]
+
+
+def _size(check: Check) -> float:
+    return inf if isnan(check.worst) else check.worst
+
+
+def peaks(study: Study) -> TableRows:
+    """One row per number of the designer's, in SI, and by how much each engine differs on it."""
+    at = f"at [{UNITS[quantity(axis(study.scene).channel)]}]"
+    engines = dict.fromkeys(engine for peak in study.peaks for engine in peak.differs)
+    return [
+        {"name": peak.name, "of": peak.of, "value": peak.value, "unit": peak.unit, at: peak.position}
+        | {"direction [rad]": peak.direction, "channel": peak.channel}
+        | {f"{engine} differs by": peak.differs.get(engine, nan) for engine in engines}
+        for peak in study.peaks
+    ]
+
+
+def residuals(study: Study) -> TableRows:
+    """Every engine's own convergence checks and counters."""
+    return [
+        {"engine": m.run.engine, "quantity": name, "value": value}
+        for m in study.measurements
+        for name, value in (*m.run.residuals.items(), *m.run.counters.items())
+    ]
+
+
+def sketch(study: Study) -> TableRows:
+    """How far the linkage's points are from where the sketch shows them, the farthest first."""
+    unit, size = study.scene.length_unit
+    largest = largest_length(study.scene)
+    return [
+        {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
+        for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1])
+    ]
+
+
+def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -> TableRows:
+    """What mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
+
+    Args:
+        study: of the linkage.
+        units: name and size in SI of those of length and mass, the file's where there are none.
+    """
+    scene = study.scene
+    (length, m), (mass, kg) = ((units or scene.units)[name] for name in ("length", "mass"))
+    columns = ("body", f"mass [{mass}]", f"com x [{length}]", f"com y [{length}]", f"inertia [{mass}*{length}^2]")
+    rows: list[dict[str, object]] = []
+    for name, body in scene.bodies.items() if scene.has_masses else ():
+        own = weights(scene, body)
+        com = (own.com + first_point(body)) / m
+        numbers = name, own.mass / kg, com.real, com.imag, own.inertia / (kg * m**2)
+        rows.append({**dict(zip(columns, numbers, strict=True)), "taken as": rule(body)})
+    return rows
+
+
+def settings(study: Study) -> TableRows:
+    """The settings of every engine's run, their values and meanings, but for texts that are empty."""
+    rows: list[dict[str, object]] = []
+    for run in (m.run for m in study.measurements if m.run.settings):
+        meanings = get_type_hints(type(run.settings), include_extras=True)
+        for name, value in vars(run.settings).items():
+            if value != "":
+                named = {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
+                rows.append(named | {"meaning": meanings[name].__metadata__[0]})
+    return rows
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, Mapping):
+        return dumps(value, ensure_ascii=False)
+    return value.value if isinstance(value, Enum) else value
+
+
+# --- sentences -------------------------------------------------------------------------------------------------------
+
+
+def setup(study: Study) -> str:
+    """What was run, in one sentence."""
+    scene, sampling, cycle = study.scene, study.sampling, cycle_name(study.scene)
+    cycles = f"one {cycle}" if sampling.turns == 1 else f"{sampling.turns} {cycle}s"
+    run = f"The {scene.drive.body} {_motion_of_the_drive(scene)}, {cycles}, {sampling.samples} samples per {cycle}"
+    return f"{run}. Reference, group by group (R: pin, P: slide): {registry.route(scene)}."
+
+
+def _motion_of_the_drive(scene: Scene) -> str:
+    drive = scene.drive
+    if not isinstance(drive, ConstantSpeed):
+        return f"by a motion law of {drive.cycle:g} s{', again and again' * drive.repeats}"
+    if scene.driven_slide is not None:
+        unit, size = scene.length_unit
+        return f"at {drive.speed / size:g} {unit}/s from {drive.start / size:g} to {drive.after(1) / size:g} {unit}"
+    rpm = f"at {drive.speed * 30 / pi:g} rpm"
+    return rpm if drive.repeats else f"{rpm} from {degrees(drive.start):g} to {degrees(drive.after(1)):g}°"
+
+
+def scales(scene: Scene) -> str:
+    """The scales of errors where the drive is more than a crank at constant speed."""
+    if scene.driven_slide is not None:
+        return " ω is the drive's peak speed over its travel."
+    return "" if isinstance(scene.drive, ConstantSpeed) else " ω is the drive's peak rate."
+
+
+def verdict(study: Study) -> str:
+    """How far the models agree, in a word and a sentence."""
+    return f"{study.agreement.word}: {study.agreement.sentence}"
+
+
+def notes(study: Study) -> list[str]:
+    """What a reader must know: how the floor was found, why runs failed, which channels are missing and why."""
+    sentences = [*floors([study.reference.floor])]
+    if study.sampling.channels is not None:
+        asked = ", ".join(study.sampling.wanted(study.scene)[2:])
+        sentences.append(f"Asked for: {asked}; checks and tolerances of other channels are left out.")
+    sentences += [f"{capital(reason)}." for reason in study.reasons]
+    for run in (m.run for m in study.measurements):
+        if run.status is not Status.ok:
+            sentences.append(f"{run.engine}: {run.status.name}. {run.status.value} Here: {run.reason}.")
+        if run.motion is not None:
+            sentences += [f"{run.engine} gives no {c}: {why}." for c, why in run.motion.unsupported.items()]
+    return sentences + [f"Likely cause: {cause}." for cause in study.causes.values()]
+
+
+def floors(given: Iterable[Floor]) -> Iterator[str]:
+    """Yield a sentence for each way by which floors of the reference were found, with the largest of them."""
+    by_way: dict[str, list[float]] = {}
+    for floor in given:
+        by_way.setdefault(floor.by, []).extend(floor.by_channel.values())
+    for way, errors in by_way.items():
+        size = f"off by {np.max(errors):.1e} at most, relative, by a calculation with 50 digits: " if errors else ""
+        yield f"The reference is {size}{way}."

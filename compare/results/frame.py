@@ -1,0 +1,86 @@
+"""Frames and units in which another program may have its numbers, and how this project's channels are seen from there.
+
+With z the places of this project, as complex numbers, those of another frame and another unit of length are
+
+    g = a z + b    or, mirrored,    g = a z* + b,    a = f e^(iα),
+
+rates without b, forces by e^(iα) alone; what turns has the opposite sign where the frame is mirrored.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import product
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from scenes.model.motion import Samples, quantity
+
+VECTORS = {"x": "y", "vx": "vy", "ax": "ay", "fx": "fy"}
+COMPONENTS = {*VECTORS, *VECTORS.values()}
+ANGLES = ("angle", "crank_angle")
+MOMENTS = ("guide_moment", "torque")
+TURNING = ("omega", "alpha", "guide_force", *MOMENTS)  # of the opposite sign where a frame is mirrored
+
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
+OF_ANGLES = {"rad": 1.0, "deg": pi / 180}
+FORCES = {"N": 1.0, "kN": 1e3, "lbf": 4.4482216152605, "kgf": 9.80665}
+KNOWN = {
+    "m": LENGTHS,
+    "m/s": {f"{name}/s": size for name, size in LENGTHS.items()},
+    "m/s^2": {f"{name}/s^2": size for name, size in LENGTHS.items()},
+    "rad": OF_ANGLES,
+    "rad/s": {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30},
+    "rad/s^2": {"rad/s^2": 1.0, "deg/s^2": pi / 180},
+    "N": FORCES,
+    "N*m": {f"{f}*{m}": a * b for (f, a), (m, b) in product(FORCES.items(), [*LENGTHS.items()][:2])},
+    "s": {"s": 1.0, "ms": 1e-3},
+}
+
+
+class Frame(NamedTuple):
+    """Another frame: how far its places are turned, rad, and shifted, after the mirroring and the unit of length."""
+
+    angle: float = 0.0
+    origin: complex = 0j  # what a place at zero reads
+    mirrored: bool = False
+    factor: float = 1.0
+
+    @property
+    def way(self) -> int:
+        """The sign of what turns."""
+        return -1 if self.mirrored else 1
+
+
+def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
+    """Return channels as seen from another frame; a component without its other one is that of a vector along it."""
+    way, turn, other = frame.way, np.exp(1j * frame.angle), dict(samples)
+    for channel, own in samples.items():
+        kind = quantity(channel)
+        if kind in ANGLES:
+            other[channel] = frame.angle + way * own
+        elif kind in TURNING:
+            other[channel] = way * own * (frame.factor if kind in MOMENTS else 1.0)
+    for x, y in vectors(samples):
+        some = samples.get(x, samples.get(y))
+        assert some is not None
+        vector = turn * (samples.get(x, 0 * some) + way * 1j * samples.get(y, 0 * some))
+        if quantity(x) != "fx":
+            vector = frame.factor * vector + (frame.origin if quantity(x) == "x" else 0)
+        other |= {c: part for c, part in ((x, vector.real), (y, vector.imag)) if c in samples}
+    return other
+
+
+def vectors(names: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield the two components of each vector of which there is one at least."""
+    first = {y: x for x, y in VECTORS.items()}
+    stems = ((name[: -len(quantity(name))], quantity(name)) for name in names if quantity(name) in COMPONENTS)
+    pairs = ((f"{stem}{first.get(kind, kind)}", f"{stem}{VECTORS[first.get(kind, kind)]}") for stem, kind in stems)
+    yield from dict.fromkeys(pairs)
+
+
+def unit_near(factor: float, si: str, hair: float) -> tuple[str, float]:
+    """Return the known unit whose numbers are so many times those in SI, and how far off it is; none within a hair."""
+    near = {unit: abs(1 / (abs(factor) * size) - 1) if factor else np.inf for unit, size in KNOWN[si].items()}
+    unit = min(near, key=near.__getitem__)
+    return (unit if near[unit] <= hair else ""), near[unit]

@@ -1,0 +1,1 @@
+"""Scene files: how they are written, read, checked and changed."""

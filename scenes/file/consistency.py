@@ -1,0 +1,220 @@
+"""Whether a scene's parts fit together: names, joints, mobility. Counts and names only; no pose is computed.
+
+Each function yields what is wrong, and may take for granted what those before it ask for: the first thing is refused.
+"""
+
+from collections.abc import Collection, Iterator
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+from math import pi, remainder
+
+from ..errors import InputError, nearest, path_in_file
+from ..limits import POINTS, TURNS
+from ..scene import GROUND, Body, MotionLaw, Scene, Vector
+from .demands import unmet_by_numbers, unmet_together
+
+
+def check(scene: Scene, *, output_slides: bool) -> None:
+    """Check that a scene's tables fit together.
+
+    Raises:
+        InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
+    """
+    for problem in _problems(scene, output_slides):
+        raise InputError(problem)
+
+
+def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
+    count = len(scene.ground) + sum(len(body.points) for body in scene.bodies.values())
+    if count > POINTS:
+        yield f"bodies: expected {POINTS} points at most, of all bodies and the ground, found {count}"
+    yield from _of_slides(scene)
+    yield from _of_driven_body(scene)
+    yield from (demand.refusal() for demand in unmet_by_numbers(scene))
+    for body in scene.bodies.values():
+        yield from _of_body(body)
+    yield from _of_masses(scene)
+    yield from _of_law(scene, scene.drive) if isinstance(scene.drive, MotionLaw) else _of_ends(scene)
+    yield from _of_turns(scene)
+    yield from (demand.refusal() for demand in unmet_together(scene))
+    yield from _of_joints(scene)
+    yield from _of_loads_and_springs(scene)
+    yield from _of_sketch(scene)
+    yield from _of_output(scene, output_slides)
+
+
+def _of_slides(scene: Scene) -> Iterator[str]:
+    on = {body.name: body.slide.on for body in scene.bodies.values() if body.slide is not None}
+    for name, carrier in on.items():
+        if carrier != GROUND and carrier not in scene.bodies:
+            known = [other for other in (GROUND, *scene.bodies) if other != name]
+            yield f"bodies.{name}.slides.on: no body '{carrier}'{nearest(carrier, known)}"
+    try:
+        TopologicalSorter({name: [carrier] for name, carrier in on.items()}).prepare()
+    except CycleError as error:
+        ring = error.args[1][::-1]  # from each to what it slides on
+        expected = "expected slides to lead to the ground, or to a body that does not slide"
+        yield f"bodies.{ring[0]}.slides.on: {expected}, found {' on '.join(ring)}"
+
+
+def _of_driven_body(scene: Scene) -> Iterator[str]:
+    name = scene.drive.body
+    slide = scene.bodies[name].slide
+    pivots = [point for point in scene.bodies[name].points if point in scene.ground]
+    if slide is None and len(pivots) != 1:
+        yield f"drive.body: '{name}' has {len(pivots)} points on the ground; expected one, to turn about"
+    if slide is not None and slide.on != GROUND:
+        yield f"drive.body: '{name}' slides on '{slide.on}'; expected a body that slides on the ground"
+
+
+def _of_body(body: Body) -> Iterator[str]:
+    place = f"bodies.{body.name}"
+    if body.name in (GROUND, "drive"):
+        yield f"{place}: the name '{body.name}' is taken; choose another"
+    if body.lengths is not None:
+        yield from _of_lengths(body, body.lengths)
+    at: dict[Vector, str] = {}
+    for point, xy in (body.local or {}).items():
+        if at.setdefault(xy, point) != point:
+            yield f"{place}.points: {at[xy]} and {point} are the same point"
+    if body.mass is not None and body.com is None and len(body.corners) > 3:
+        more = "more than three points that are not on one line"
+        yield f"{place}: expected 'com' and 'inertia', since it has a mass and {more}"
+
+
+def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str]:
+    place = f"bodies.{body.name}.lengths"
+    if any(len(pair) == 1 for pair in lengths):
+        yield f"{place}: a length joins two different points"
+    first, second, *others = body.points
+    if frozenset((first, second)) not in lengths:
+        yield f"{place}: missing the length '{first}-{second}'"
+    for point in others:
+        bases = body.bases(point)
+        if len(bases) != 2:
+            given = ", ".join(f"'{base}-{point}'" for base in bases) or "none"
+            instead = "; give the points as 'points' in the body's own frame instead" if len(bases) > 2 else ""
+            yield f"{place}: {point}: expected its lengths to two of the points before it, found {given}{instead}"
+
+
+def _of_masses(scene: Scene) -> Iterator[str]:
+    missing = [other.name for other in scene.bodies.values() if other.mass is None]
+    if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
+        why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
+        yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
+
+
+def _of_ends(scene: Scene) -> Iterator[str]:
+    end = getattr(scene.drive, "end", None)
+    if end is None and scene.driven_slide is not None:
+        yield "drive.end: missing; a slider that is driven has to stop somewhere"
+    if end == scene.drive.start:
+        yield f"drive.end: expected another position than 'start', {scene.position(scene.drive.start)}"
+
+
+def _of_turns(scene: Scene) -> Iterator[str]:
+    least, most = scene.drive.extent
+    turns = (most - least) / (2 * pi)
+    if scene.driven_slide is None and not turns <= TURNS:
+        law = isinstance(scene.drive, MotionLaw)
+        key, instead = ("law", "") if law else ("end", "; without 'end' a crank turns for ever")
+        yield f"drive.{key}: expected {TURNS} turns at most from end to end, found {turns:g}{instead}"
+
+
+def _of_law(scene: Scene, law: MotionLaw) -> Iterator[str]:
+    if law.times[0] != 0:
+        yield f"drive.law.0.0: expected the first time to be 0, found {law.times[0]:g} s"
+    for number, (before, after) in enumerate(pairwise(law.times), start=1):
+        if not before < after:
+            yield f"drive.law.{number}.0: expected increasing times, found {after:g} s after {before:g} s"
+    if len(set(law.positions)) == 1:
+        yield "drive.law: expected a motion, found the same position at all times"
+    gain = law.positions[-1] - law.positions[0]
+    slides = scene.driven_slide is not None
+    off = gain if slides else remainder(gain, 2 * pi)
+    largest = max(abs(position - law.positions[0]) for position in law.positions)
+    if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
+        whole = "" if slides else ", or whole turns from it"
+        yield (
+            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by"
+            f" {scene.amount('position', off, 3)}"
+        )
+    if not law.beyond <= 1:
+        leaves = f"it drives from {scene.between(law.extent)}, the table from {scene.between(law.table)}"
+        yield (
+            f"drive.law: the spline leaves the table by more than its range: {leaves}; expected more rows where the"
+            " motion changes"
+        )
+
+
+def _of_joints(scene: Scene) -> Iterator[str]:
+    """Whether all hangs together, and Gruebler's count: a pin and a slide take two freedoms each, the drive has one."""
+    slides = [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+    joined: dict[str, set[str]] = {name: set() for name in (GROUND, *scene.bodies)}
+    for one, other in (*((pin.first, pin.second) for pin in scene.pins), *slides):
+        joined[one].add(other)
+        joined[other].add(one)
+    reached, ahead = {GROUND}, [GROUND]
+    while ahead:
+        new = joined[ahead.pop()] - reached
+        reached |= new
+        ahead += new
+    for body in scene.bodies.values():
+        if body.name not in reached:
+            chain = f"no chain of pins or slides leads from {', '.join(body.points)} to the ground"
+            yield f"bodies.{body.name}: hangs on nothing: {chain}"
+    b, p, s = len(scene.bodies), len(scene.pins), len(slides)
+    mobility = 3 * b - 2 * p - 2 * s
+    if mobility != 1:
+        kind = "under-constrained" if mobility > 1 else "over-constrained"
+        count = f"3*{b} - 2*{p} - 2*{s} = {mobility} degrees of freedom"
+        yield f"bodies: {kind}: {b} bodies, {p} pins and {s} slides leave {count}; expected 1, for the drive"
+
+
+def _of_loads_and_springs(scene: Scene) -> Iterator[str]:
+    for number, load in enumerate(scene.loads):
+        yield from _of_attack(scene, f"loads.{number}.body", f"loads.{number}.at", load.body, load.at, scene.bodies)
+    for number, spring in enumerate(scene.springs):
+        place = f"springs.{number}.between"
+        for body, point in (spring.first, spring.second):
+            yield from _of_attack(scene, place, place, body, point, (GROUND, *scene.bodies))
+        if spring.first[0] == spring.second[0]:
+            yield f"{place}: expected points of two bodies, found both on {spring.first[0]}"
+        if spring.first[1] == spring.second[1]:
+            yield f"{place}: {spring.first[1]} is the same point of both bodies"
+
+
+def _of_attack(
+    scene: Scene, place: str, place_at: str, body: str, point: str, bodies: Collection[str]
+) -> Iterator[str]:
+    if body not in bodies:
+        yield f"{place}: no body '{body}'{nearest(body, bodies)}"
+    points = scene.ground if body == GROUND else scene.bodies[body].points
+    if point not in points:
+        yield f"{place_at}: '{body}' has no point '{point}'{nearest(point, points)}"
+
+
+def _of_sketch(scene: Scene) -> Iterator[str]:
+    moving = dict.fromkeys(scene.moving_points)
+    for point in scene.sketch.points:
+        if point not in moving:
+            yield f"sketch.{path_in_file([point])}: no such moving point{nearest(point, moving)}"
+    needed = {pin.point for pin in scene.pins}
+    needed |= {point for body in scene.bodies.values() if body.lengths is not None for point in body.points}
+    for point in moving:
+        if point in needed and point not in scene.sketch.points:
+            yield f"sketch.{point}: missing; its rough position picks the assembly branch"
+    known = {*scene.sketch.points, *scene.ground}
+    for group in dict.fromkeys(scene.aligned[name] for name in scene.turning):
+        shown = any(len(known.intersection(scene.bodies[name].points)) > 1 for name in group)
+        if scene.drive.body not in group and not shown:
+            turned = f"nothing shows how {' and '.join(sorted(group))} are turned"
+            yield f"sketch: {turned}; expected the positions of two points of one of them"
+
+
+def _of_output(scene: Scene, output_slides: bool) -> Iterator[str]:
+    key = "slider" if output_slides else "point"
+    if scene.output not in scene.moving_points:
+        yield f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, scene.moving_points)}"
+    if output_slides and scene.guided(scene.output) is None:
+        yield f"output.slider: '{scene.output}' is on no body that slides on the ground; expected 'point' instead"

@@ -1,0 +1,104 @@
+"""What is demanded of the numbers of a scene, or of many machines: their signs and sizes, and how they relate."""
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..bodies import Body
+from ..corners import LINE, heights
+from ..loads import push
+from ..numbers import walk
+from ..scene import ConstantSpeed, ForceTable, PressForce, Scene
+
+
+class Demand(NamedTuple):
+    """Something that numbers have to be, and are not."""
+
+    text: str  # `<path in the file>: <what was expected>, found {}`
+    fits: Any  # whether they are: of many machines an array of shape (m, 1)
+    numbers: tuple[Any, ...]  # for the text, in the units of the file
+
+    def refusal(self, machine: int = 0) -> str:
+        """The text, of one machine of many."""
+        return self.text.format(*(np.broadcast_to(n, np.shape(self.fits)).ravel()[machine] for n in self.numbers))
+
+
+def unmet_by_numbers(scene: Scene) -> Iterator[Demand]:
+    """Yield which numbers are of another sign than may be, or of a size that not all models can take."""
+    for number in walk(scene):
+        value, quantity = number.value, number.quantity
+        if quantity.dimension == "direction":
+            continue  # of which the length matters, see below
+        unit, size = scene.all_units[quantity.dimension]
+        displaced = number.at == ("sketch", "drive") and scene.driven_slide is not None
+        place = "sketch.displacement" if displaced else number.path
+        if not _all(fits := quantity.has_sign(value)):
+            yield Demand(f"{place}: expected {quantity.sign}, found {{:g}}", fits, (value / size,))
+        if not _all(fits := quantity.fits(value)):
+            span = f"{quantity.smallest / size:.2g} to {quantity.largest / size:.2g} {unit}"
+            yield Demand(f"{place}: expected a size from {span}, found {{:g}}", fits, (value / size,))
+
+
+def _all(fits: Any) -> bool:
+    return fits if isinstance(fits, bool) else bool(np.all(fits))  # the one is much faster
+
+
+def unmet_together(scene: Scene) -> Iterator[Demand]:
+    """Yield which numbers do not go together."""
+    return (demand for demand in _together(scene) if not _all(demand.fits))
+
+
+def _together(scene: Scene) -> Iterator[Demand]:
+    length, m = scene.length_unit
+    for body in scene.bodies.values():
+        place = f"bodies.{body.name}"
+        if body.slide is not None:
+            drawn = body.slide.drawn
+            text = f"{place}.slides.along: expected a direction of a size from 1e-15 to 1e15, found {{:g}}"
+            yield Demand(text, np.logical_and(drawn >= 1e-15, drawn <= 1e15), (drawn,))
+        for a, b, c in _triangles(body):
+            text = "the triangle cannot close, expected its longest side to be shorter than the other two together"
+            sides = f"found {{:.6g}} {length} against {{:.6g}} {length}"
+            yield Demand(f"{place}.lengths: {text}, {sides}", c < a + b, (c / m, (a + b) / m))
+        for height in _heights(body):
+            where = f"points that are {'' if len(body.corners) == 2 else 'not '}on one line, as drawn"
+            text = f"{place}: expected {where}, or 'com' and 'inertia', found {{:g}}"
+            yield Demand(text, (height <= LINE) == (len(body.corners) == 2), (height,))
+    yield from _of_drive(scene)
+    for number, load in enumerate(scene.loads):
+        place = f"loads.{number}"
+        if isinstance(load, PressForce) and (slide := scene.bodies[load.body].slide):
+            text = f"{place}.force: expected a part along the guide, which the slider closes against, found {{:g}}"
+            yield Demand(text, (part := push(load.force, slide)) != 0, (part,))
+        elif isinstance(load, ForceTable):
+            for row, (before, after) in enumerate(pairwise(load.displacements), start=1):
+                text = f"{place}.table.{row}.0: expected increasing displacements, found {{:.4g}} {length}"
+                yield Demand(text, before < after, (after / m,))
+
+
+def _of_drive(scene: Scene) -> Iterator[Demand]:
+    drive = scene.drive
+    if isinstance(drive, ConstantSpeed) and drive.end is not None:
+        unit, size = scene.all_units["position"]
+        numbers = drive.start / size, drive.end / size
+        for way, sign, other in (("above", "negative", drive.speed < 0), ("below", "positive", drive.speed > 0)):
+            ends = f"{{:.12g}} {unit}, found {{:.12g}} {unit}"
+            text = f"drive.end: expected a position {way} 'start', {ends}; or make speed {sign}"
+            yield Demand(text, np.logical_or(other, drive.cycle > 0), numbers)
+
+
+def _heights(body: Body) -> Iterator[Any]:
+    """Yield of many machines what tells whether the points of a uniform body are on one line."""
+    if body.mass is not None and body.com is None and len(body.points) > 2:
+        heights_of = heights(body.corners, body.points, body.local, body.lengths)
+        yield from (height for height in heights_of if np.ndim(height))
+
+
+def _triangles(body: Body) -> Iterator[Any]:
+    """Yield the sides of each triangle that a body's lengths give, from the shortest to the longest."""
+    for point in body.points[2:] if body.lengths is not None else ():
+        pairs = [frozenset(pair) for pair in combinations((*body.bases(point), point), 2)]
+        if body.lengths is not None and all(pair in body.lengths for pair in pairs):
+            yield np.sort(np.stack(np.broadcast_arrays(*(body.lengths[pair] for pair in pairs))), axis=0)

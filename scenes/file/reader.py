@@ -1,0 +1,153 @@
+"""TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from os import PathLike
+from os.path import isfile
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..arguments import check_changes, refuse
+from ..errors import InputError, at_place, nearest, one_line
+from ..limits import SOURCE, TITLE
+from ..numbers import put, walk
+from ..scene import GROUND, Scene, Sketch, Variation
+from .changes import Value, change, check_variations, label, numbers
+from .consistency import check
+from .format import SceneFile, TolerancesTable, validated
+from .toml import read_toml
+from .units import si_units
+
+LIBRARY = Path(str(files("scenes"))) / "library"
+
+
+@cache
+def shipped() -> Mapping[str, Path]:
+    """The scenes that come with the project, name -> file."""
+    return {path.stem: path for path in sorted(LIBRARY.glob("*.toml"))}
+
+
+def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyType({})) -> Scene:
+    """Read a scene.
+
+    Args:
+        name_or_path: the name of a shipped scene, or a .toml file, with its ending or without.
+        changes: other values for some of its numbers and texts, by path (`bodies.rod.mass`), in the units of the file.
+
+    Returns:
+        The scene in SI: complete, and consistent as far as counts and names show.
+
+    Raises:
+        InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
+            the changes, the path in it, what was expected, and the nearest valid name.
+    """
+    check_changes(changes)
+    place = file_of(name_or_path)
+    tables = tables_of(place)
+    file = label(place, changes)
+    with at_place(one_line(file)):
+        change(tables, changes)
+        scene = _scene(validated(SceneFile, tables), file)
+        check_variations(tables, scene)
+    return scene
+
+
+def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
+    """Numbers of a scene file, in its own units.
+
+    Args:
+        name_or_path: as of `load`.
+        paths: where the numbers are, as `bodies.rod.lengths.P4-P5`.
+
+    Raises:
+        InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.
+    """
+    with at_place(one_line(str(name_or_path))):
+        return numbers(tables_of(name_or_path), paths)
+
+
+def file_of(name_or_path: str | Path) -> str | Path:
+    """The name of a shipped scene, or else the file; `mine` is `mine.toml` where no file has that name."""
+    if not isinstance(name_or_path, str | PathLike):
+        refuse("scene", "the name of a shipped one, or the path of a file", name_or_path)
+    name, ending = str(name_or_path), f"{name_or_path}.toml"
+    alone = name not in shipped() and isfile(ending) and not isfile(name)  # noqa: PTH113 - Path raises for odd names
+    return ending if alone else name_or_path
+
+
+def tables_of(name_or_path: str | Path) -> dict[str, Any]:
+    """The tables of a scene file, unchecked.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    return read_toml(file_of(name_or_path), shipped(), "scene")
+
+
+# --- tables into a scene ---------------------------------------------------------------------------------------------
+
+
+def _scene(table: SceneFile, file: str) -> Scene:
+    if table.drive.body not in table.bodies:
+        raise InputError(f"drive.body: no body '{table.drive.body}'{nearest(table.drive.body, table.bodies)}")
+    guide = table.bodies[table.drive.body].slides
+    slider_driven = guide is not None and guide.on == GROUND
+    units = si_units(table.units, table.drive.body, slides=slider_driven)
+    bodies = {name: body.body(name) for name, body in table.bodies.items()}
+    as_written = Scene(
+        name=table.name,
+        title=one_line(table.title or table.name, TITLE),
+        source=one_line(table.source, SOURCE),
+        file=file,
+        ground=MappingProxyType(table.ground.points),
+        bodies=MappingProxyType(bodies),
+        drive=table.drive.drive(),
+        loads=tuple(load.load(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
+        springs=tuple(spring.spring() for spring in table.springs),
+        gravity=table.gravity,
+        sketch=Sketch(
+            _sketched_drive(table, slider_driven=slider_driven), MappingProxyType(table.sketch.model_extra or {})
+        ),
+        output=table.output.slider or table.output.point or "",
+        tolerances=MappingProxyType(
+            {
+                engine: MappingProxyType(_tolerances(f"tolerances.{engine}", groups, slider_driven=slider_driven))
+                for engine, groups in table.tolerances.items()
+            }
+        ),
+        units=MappingProxyType(units),
+        variations=tuple(Variation(v.path, v.plus_minus, v.distribution) for v in table.variations),
+    )
+    scene = in_si(as_written)
+    check(scene, output_slides=table.output.slider is not None)
+    return scene
+
+
+def in_si(as_written: Scene) -> Scene:
+    """The scene of which these are the numbers in the units of its file."""
+    sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
+    scene: Scene = put(
+        as_written, {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
+    )
+    return scene
+
+
+def _sketched_drive(table: SceneFile, *, slider_driven: bool) -> float:
+    right, wrong = ("displacement", "angle") if slider_driven else ("angle", "displacement")
+    driven = f"drive.body, '{table.drive.body}', {'slides' if slider_driven else 'does not slide'} on the ground"
+    if getattr(table.sketch, wrong) is not None:
+        raise InputError(f"sketch.{wrong}: expected '{right}', since {driven}; or another body there")
+    if slider_driven and table.sketch.displacement is None:
+        raise InputError(f"sketch.displacement: missing; the sketch is at one place of what is driven: {driven}")
+    return getattr(table.sketch, right) or 0.0
+
+
+def _tolerances(place: str, table: TolerancesTable, *, slider_driven: bool) -> dict[str, float]:
+    groups: dict[str, float] = table.model_dump(exclude_none=True)
+    if slider_driven and "torque" in groups:
+        groups.setdefault("force", groups.pop("torque"))  # by which the first files name it
+    elif not slider_driven and "force" in groups:
+        raise InputError(f"{place}.force: expected 'torque', since the drive moves a crank")
+    return groups

@@ -1,0 +1,100 @@
+"""Units: a plain product of powers of unit names, read by a grammar; what a name means is pint's.
+
+The usual ones are known here: to import pint, and have it read its definitions, takes as long as to solve a linkage.
+"""
+
+import re
+from collections.abc import Iterable
+from functools import cache, lru_cache
+from math import nan, pi
+from typing import TYPE_CHECKING
+
+from ..errors import InputError, nearest, one_line
+from .format import Units
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_USUAL = {  # how many of the SI unit, the first, which a file has where it names none, each is
+    "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    "mass": {"kg": 1.0, "g": 1e-3, "t": 1e3, "lb": 0.45359237},
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": 4.4482216152605},
+    "angle": {"rad": 1.0, "deg": pi / 180},
+}
+_TURNING = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30}
+_SLIDING = {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1 / 60, "in/s": 0.0254}
+_ALL = (*_USUAL.values(), _TURNING, _SLIDING)
+_FACTORS = {(unit, next(iter(usual))): size for usual in _ALL for unit, size in usual.items()}
+_POWER = r"(?:°|[^\W\d]\w{0,31})(?: ?(?:\*\*|\^) ?-?\d{1,2}(?:\.\d{1,2})?)?"
+_PRODUCT = re.compile(rf"{_POWER}(?: ?[*/] ?{_POWER}){{0,7}}")
+_SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta, and its square is a double
+
+
+def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
+    """The unit of each quantity, and what to multiply its number by to have it in SI.
+
+    Args:
+        units: as the file has them.
+        driven: the name of the driven body.
+        slides: whether that slides on the ground, so that its speed is no rate of turning.
+
+    Raises:
+        InputError: a text is no unit of its quantity; the message has its place in the file and the nearest unit.
+    """
+    factors = {}
+    speed, other = (_SLIDING, "rad/s") if slides else (_TURNING, "m/s")
+    for name, usual in (_USUAL | {"speed": speed}).items():
+        si = next(iter(usual))
+        unit = getattr(units, name) or si
+        if name == "speed" and unit not in usual and _PRODUCT.fullmatch(unit) and _factor(unit, other) > 0:
+            kind, is_driven = ("crank", "slides") if slides else ("slider", "does not slide")
+            raise InputError(
+                f"drive.body: '{driven}' {is_driven} on the ground, and units.speed, '{unit}', is of a {kind};"
+                f" expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
+            )
+        factors[name] = unit, factor(unit, si, name, f"units.{name}", usual)
+    return factors
+
+
+def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:
+    """How many of the SI unit a unit is.
+
+    Args:
+        unit: a product of powers of unit names.
+        si: the SI unit, in which pint has it: `m/s`.
+        name: of the quantity, for the message.
+        place: where the unit is in its file.
+        usual: units to suggest the nearest of.
+
+    Raises:
+        InputError: the text is no unit of the quantity; the message has its place in the file and the nearest unit.
+    """
+    wrong = ""
+    if not _PRODUCT.fullmatch(unit):
+        wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
+    elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
+        wrong = f"is not a known unit of {name}"
+    if wrong:
+        shown = one_line(unit, 40)
+        raise InputError(f"{place}: '{shown}' {wrong}{nearest(shown, usual) if usual else ''}")
+    return _factor(unit, si)
+
+
+@lru_cache(100)
+def _factor(unit: str, si: str) -> float:
+    """How many of the SI unit a unit is; NaN where it is none of the same quantity."""
+    if (unit, si) in _FACTORS:
+        return _FACTORS[unit, si]
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(unit)  # to pint 1 Hz is 1 rad/s, to others a turn a second
+        return nan if "hertz" in str(parsed) else float(registry.Quantity(1.0, parsed).to(si).magnitude)
+    except Exception:  # pint raises its own, ValueError, AssertionError or OverflowError, by kind of nonsense
+        return nan
+
+
+@cache
+def _registry() -> "UnitRegistry[float]":
+    from pint import UnitRegistry  # late, and once: by far the slowest import here
+
+    return UnitRegistry()

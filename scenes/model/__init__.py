@@ -1,0 +1,1 @@
+"""What a model is asked for and has to return, and what any of them may use."""

@@ -1,0 +1,177 @@
+"""What every engine offers: a module with the names of `Engine`, whose `build` makes a `Simulation`; failures are data.
+
+The three stages are apart so that a clock can wrap `solve` alone:
+
+    simulation = engine.build(scene, settings, request)    # model, start pose, buffers
+    simulation.solve()                                     # all the work from there to the channels
+    motion = simulation.read()                             # they are handed over, after the engine's own checks
+
+Any stage may raise `Failure`. A module needs `DEFAULT` and `build` alone, a simulation `solve` and `read`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from types import SimpleNamespace
+from typing import Annotated, Any, Protocol, TypeVar, cast
+
+from ..scene import Scene
+from .motion import Motion
+from .request import Request, Sampling
+
+
+class Status(Enum):
+    """How a run ended. The value is the sentence that users see."""
+
+    ok = "Solved; every check that the engine makes of itself passed."
+    unsupported = "The engine cannot model what this scene asks for."
+    cannot_assemble = "The bodies cannot be put together at some position of the drive."
+    wrong_branch = "The linkage ended up assembled the other way round."
+    diverged = "The solution ran away or the engine gave up on a step."
+    not_converged = "The engine's own residual stayed above its limit."
+    inconsistent = "The output contradicts itself: forces, rates, poses and drive do not belong to one motion."
+    inaccurate = "The output is further off than the settings promise."
+    nonfinite = "The result holds values that are not finite."
+    timed_out = "The time limit was reached before the end."
+    crashed = "The engine stopped with an error of its own."
+
+
+class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
+    """A run that ended with a status other than ok, and the particular reason in one sentence.
+
+    `motion` is what was computed all the same and is not to be trusted, for those who ask how far off it is.
+    """
+
+    def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
+        super().__init__(reason)
+        self.status = status
+        self.reason = reason
+        self.motion = motion
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Base of every engine's settings; each field is annotated with its meaning for a reader."""
+
+    label: Annotated[str, "its name in tables and figures; no two settings of an engine share one"]
+    promise: Annotated[float, "largest relative error of an ok run in any channel; it changes nothing in the run"] = (
+        field(default=0.1, kw_only=True, compare=False)
+    )
+    drive_promise: Annotated[float, "the same for the drive's position, of 1 rad or of the slider's travel"] = field(
+        default=1e-9, kw_only=True
+    )
+    family: Annotated[str, "settings that differ in their steps per cycle alone"] = field(default="", kw_only=True)
+    order: Annotated[float | None, "order of convergence that theory expects within the family"] = field(
+        default=None, kw_only=True
+    )
+    note: Annotated[str, "what to know before believing the result"] = field(default="", kw_only=True)
+
+
+def equal_steps(request: Request) -> Sampling:
+    """A request that is one of equal steps of the time, all that an integration in time can answer.
+
+    Raises:
+        Failure: `unsupported`, the request is for positions of the drive.
+    """
+    if not isinstance(request, Sampling):
+        raise Failure(Status.unsupported, "it steps through the time, and was asked for positions of the drive")
+    return request
+
+
+class Simulation(Protocol):
+    """One prepared run."""
+
+    def solve(self) -> None:
+        """Do all the work that it takes to get the channels from a built model; this alone is timed as the solve.
+
+        Raises:
+            Failure: the engine gave up, or does not believe its own result.
+        """
+
+    def read(self) -> Motion:
+        """Hand over the channels asked for, after the engine's own checks; it computes nothing that they need.
+
+        Each is of shape (n,), float64, SI, in the sign rules of `motion.py`; or unsupported, with a reason.
+
+        Raises:
+            Failure: as of `solve`.
+        """
+
+    @property
+    def counters(self) -> Mapping[str, int]:
+        """Machine-free measures of the work done, by name: steps, Newton iterations, constraint iterations."""
+
+    @property
+    def residuals(self) -> Mapping[str, float]:
+        """The engine's own convergence checks after `read`, relative, by name."""
+
+
+S = TypeVar("S", bound=Settings)
+
+
+class Module(Protocol[S]):
+    """What the module of an engine has to have; `completed` adds the rest of `Engine`, where it is left out."""
+
+    DEFAULT: S  # of a plain run
+
+    def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
+        """Prepare a run; nothing is solved yet but the pose that it starts from.
+
+        Args:
+            scene: the mechanism.
+            settings: one of the engine's own.
+            request: the n instants, s, or positions of the drive, rad or m, and the channels wanted there.
+
+        Raises:
+            Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
+            ImportError: the engine is not installed.
+        """
+
+
+class Engine(Module[S], Protocol[S]):
+    """An engine, as the comparison takes it."""
+
+    FAST: S  # the cheapest that are good to a per cent
+    EXACT: S  # the most accurate
+    WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
+    LONG_WORK_PRECISION: tuple[S, ...]  # slower ones, that only `--full` takes besides
+    ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
+
+    @property
+    def at_steps(self) -> Callable[..., S] | None:
+        """`at_steps(steps)`: settings of one run of that many steps a cycle, for maps of stability; None without steps.
+
+        With `iterations_needed`, `at_steps(steps, iterations)` too: that many iterations in each step.
+        """
+
+    @property
+    def iterations_needed(self) -> Callable[[Scene, S], float] | None:
+        """How many iterations each step needs by theory, infinite where none are enough; None where no step iterates.
+
+        It raises `Failure` where the engine cannot model or assemble the scene.
+        """
+
+    def version(self) -> str:
+        """The names and versions of what does the work.
+
+        Raises:
+            ImportError: it is not installed.
+        """
+
+
+def completed(module: Any, version: str) -> Engine[Any]:
+    """An engine with all names of the protocol.
+
+    Args:
+        module: it has those of `Module`, and any others of `Engine`; what it leaves out is taken from its `DEFAULT`.
+        version: of an engine that gives none.
+
+    Raises:
+        TypeError: it has no settings, or no `build`.
+    """
+    default = getattr(module, "DEFAULT", None)
+    if not (isinstance(default, Settings) and hasattr(module, "build")):
+        raise TypeError("expected a module with DEFAULT, of scenes.Settings, and build(scene, settings, request)")
+    optional = dict.fromkeys(("FAST", "EXACT"), default) | dict.fromkeys(("at_steps", "iterations_needed"))
+    optional |= {"WORK_PRECISION": (default,), "LONG_WORK_PRECISION": (), "ABLATIONS": (), "version": lambda: version}
+    return cast("Engine[Any]", SimpleNamespace(**(optional | vars(module))))

@@ -1,0 +1,60 @@
+"""Which joint keeps bodies apart: of any constraints that cannot all be met, for a message. No model solves by it."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from .motion import Samples
+
+HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
+OPEN = 1e-9  # of the linkage's size: a gap larger than roundings
+
+
+def open_joint(
+    gaps: Callable[[Samples], Samples],
+    jacobian: Callable[[Samples], Samples],
+    q: Samples,
+    units: Samples,
+    joints: Mapping[str, Sequence[int]],
+    size: float,
+) -> tuple[str, float]:
+    """The joint that stays open when all others close, and its gap, m: zero where there is not one alone.
+
+    By least squares all joints give way; then the worst of them alone, the last of equals.
+
+    Args:
+        gaps: a model's constraints, m and rad, of coordinates; both of shape (m,).
+        jacobian: their derivative, shape (m, m).
+        q: coordinates to begin from.
+        units: what makes coordinates comparable, shape (m,).
+        joints: by name the rows that are gaps of a joint; all others hold.
+        size: of the linkage, m.
+    """
+    from scipy.optimize import least_squares, minimize  # late: only a linkage that fails needs it
+
+    is_gap = np.isin(np.arange(len(q)), np.concatenate([*joints.values()]))
+    scale, weights = np.where(is_gap, 1 / size, 1.0), np.where(is_gap, 1.0, HEAVY * max(1.0, 1 / size))
+
+    def relative(x: Samples) -> Samples:
+        return np.asarray(scale * gaps(x * units))
+
+    def slope(x: Samples) -> Samples:
+        return np.asarray(scale[:, np.newaxis] * jacobian(x * units) * units)
+
+    x = least_squares(
+        lambda x: weights * relative(x), q / units, lambda x: weights[:, np.newaxis] * slope(x), method="lm"
+    ).x
+    worst = max(reversed([*joints]), key=lambda joint: float(f"{np.linalg.norm(relative(x)[joints[joint]]):.2g}"))
+    rows = joints[worst]
+    others = np.delete(np.arange(len(x)), rows)
+    closest = minimize(
+        lambda x: relative(x)[rows] @ relative(x)[rows],
+        x,
+        jac=lambda x: 2 * relative(x)[rows] @ slope(x)[rows],
+        constraints={"type": "eq", "fun": lambda x: relative(x)[others], "jac": lambda x: slope(x)[others]},
+        method="SLSQP",
+        options={"ftol": 1e-14},
+    )
+    left = relative(closest.x)
+    gap = float(np.linalg.norm(left[rows]))
+    return worst, gap * size if gap > OPEN and np.abs(left[others]).max() <= OPEN else 0.0

@@ -1,0 +1,61 @@
+"""The forces of loads and springs on the bodies, a function a kind."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from scenes import Failure, Scene, Status
+from scenes.loads import Force, ForceTable, Load, Spring
+from scenes.model.motion import Samples
+
+from .bodies import End
+
+
+def applied(
+    scene: Scene,
+    ends: Samples,
+    slid: Callable[[str], tuple[Any, Any]],
+    way: Callable[[End, End], Any],
+    shortest: float = 0.0,
+) -> Iterator[tuple[End, Any]]:
+    """Yield where and with what force, N, as a complex number, loads and springs act, at one time or at many.
+
+    Args:
+        scene: the linkage.
+        ends: of the press forces' strokes, m, by load.
+        slid: of a slider on the ground the displacement, m, and the velocity, m/s, along its guide.
+        way: from one point to another, m, as a complex number.
+        shortest: length, m, of a spring that has a direction.
+
+    Raises:
+        Failure: `nonfinite`, a spring has no direction.
+    """
+    for load, end in zip(scene.loads, ends.tolist(), strict=True):
+        yield (load.body, load.at), _force(scene, load, end, slid)
+    for spring in scene.springs:
+        pull = _pull(spring, way(spring.first, spring.second), shortest)
+        yield spring.first, pull
+        yield spring.second, -pull
+
+
+def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:
+    if isinstance(load, Force):
+        return complex(*load.force)
+    displacement, velocity = slid(load.body)
+    if isinstance(load, ForceTable):
+        slide = scene.bodies[load.body].slide
+        assert slide is not None
+        return complex(*slide.along) * load.along(displacement)
+    return load.acts(displacement, velocity, end) * complex(*load.force)
+
+
+def _pull(spring: Spring, way: Any, shortest: float) -> Any:
+    """Return the force on a spring's first end, by the way to its second."""
+    if not spring.length:
+        return spring.stiffness * way
+    length = np.abs(way)
+    if not np.min(length) > shortest:
+        first, second = ".".join(spring.first), ".".join(spring.second)
+        raise Failure(Status.nonfinite, f"the ends {first} and {second} of a spring meet: it has no direction")
+    return spring.stiffness * (way - spring.length * way / length)

@@ -1,0 +1,54 @@
+"""One run: what all engines of minimal equations do with a start and a request."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from scenes import Motion, Request, Sampling, Scene
+from scenes.model.engine import equal_steps
+from scenes.model.motion import Samples
+
+from .start import Start
+from .system import ClosedPose, System
+
+S = TypeVar("S", bound=System)
+
+
+class CoordinateSimulation(ABC, Generic[S]):
+    """One prepared run, see `scenes.model.engine.Simulation`."""
+
+    def __init__(
+        self, begun: Callable[[Scene], tuple[S, Start]], scene: Scene, steps: int | None, request: Request
+    ) -> None:
+        """Begin with a scene's start, for a run of at least so many steps a cycle, or of none.
+
+        Raises:
+            Failure: as of `begun`; `unsupported`, steps of the time cannot meet positions of the drive.
+        """
+        self._samples = 1 if steps is None else equal_steps(request).samples  # a cycle
+        self._turns = request.turns if isinstance(request, Sampling) else 1
+        self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next
+        self._steps = self._each * self._samples * self._turns
+        self._scene, (self._system, start) = scene, begun(scene)
+        self._follower, self._start, self._ends = start
+        self._times, self._positions = request.times(scene), request.commanded(scene)
+        self._wanted = [channel for channel in request.wanted(scene) if channel != "time"]
+        self._forces = request.wants_forces(scene)
+        self._channels: Mapping[str, Samples] = {}
+        self.counters: Mapping[str, int] = {}
+        self.residuals: Mapping[str, float] = {}
+
+    @abstractmethod
+    def solve(self) -> None:
+        """Find the channels wanted."""
+
+    def read(self) -> Motion:
+        """Hand over the channels."""
+        wanted = {name: np.ascontiguousarray(self._channels[name]) for name in self._wanted}
+        return Motion({"time": self._times} | wanted)
+
+    def _through(self) -> Iterator[ClosedPose]:
+        """Yield the poses at the samples by Newton's method."""
+        return self._follower.through(self._start, self._scene.drive.start, self._positions.tolist())

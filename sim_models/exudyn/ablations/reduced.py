@@ -1,0 +1,137 @@
+"""The same scene with one coordinate for every body that only turns or slides on the ground.
+
+A body that only turns about a pin of the ground is a RotationalMass1D, one that slides on the ground a Mass1D, and its
+joint with the ground is no constraint any more. All others are as before. The reactions of those joints follow from
+the equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from scenes import Scene
+from scenes.scene import GROUND
+
+from ..drive import ExudynDrive
+from ..equations import blocks
+from ..poses import PoseSolver
+from ..system import Array, ExudynSystem, items
+
+
+class ReducedSystem(ExudynSystem):
+    """A scene as an Exudyn system whose coordinates satisfy the ground's pins and guides where they can.
+
+    `pivots` are the bodies that only turn about a pin of the ground, with that pin; `sliders` those that slide on the
+    ground. One on which another slides stays as it is.
+    """
+
+    def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
+        slides = {name: body.slide for name, body in scene.bodies.items() if body.slide is not None}
+        carriers = {slide.on for slide in slides.values()}
+        pins = {name: [p for p in scene.pins if (p.first, p.second) == (GROUND, name)] for name in scene.bodies}
+        self.pivots = {name: own[0] for name, own in pins.items() if len(own) == 1 and name not in slides}
+        self.sliders = {name for name, slide in slides.items() if slide.on == GROUND and name not in carriers}
+        self.reduced = self.pivots.keys() | self.sliders
+        super().__init__(scene, drive, si=si)
+        self.unknowns = len(self.state.GetODE2Coordinates())  # and as many multipliers
+
+    def displacement_factors(self, body: str) -> Any:
+        """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
+        return 1.0 if body in self.sliders else super().displacement_factors(body)
+
+    def narrowed(self, q: Array) -> Array:
+        """Return this system's coordinates from x, y and angle of every body, or their rates."""
+        narrow = np.empty(self.unknowns)
+        for name, planar in zip(self.bodies, q.reshape(-1, 3), strict=True):
+            own: Any = planar[2] if name in self.pivots else planar
+            if name in self.sliders:
+                own = (self.along(name).conjugate() * complex(*planar[:2])).real
+            narrow[self._own(name)] = own
+        return narrow
+
+    def widened(self, samples: Array, poses: PoseSolver, times: Array) -> Array:
+        """What a system of whole bodies would have recorded, shape (3 or 4, n, 3 bodies), from this one's."""
+        wide = np.zeros((len(samples), len(times), 3 * len(self.bodies)))
+        for number, name in enumerate(self.bodies):
+            own, planar = samples[:3, :, self._own(name)], wide[:3, :, 3 * number : 3 * number + 3]
+            if name not in self.reduced:
+                planar[:] = own
+                continue
+            x, v, a = own[:, :, 0] * (self.along(name) if name in self.sliders else 1.0)
+            if name in self.pivots:
+                planar[:, :, 2] = own[:, :, 0]
+                arm = -self._pivot(name) * np.exp(1j * x)
+                x, v, a = arm, 1j * v * arm, (1j * a - v**2) * arm
+            com = np.stack([self._origin(name) + x, v, a])
+            planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
+        if len(samples) > 3:
+            for rows in blocks(wide[0]):
+                wide[3, rows] = self._all_multipliers(
+                    poses, wide[0, rows], wide[2, rows], samples[3, rows], times[rows]
+                )
+        return wide
+
+    def _all_multipliers(self, poses: PoseSolver, q: Array, a: Array, multipliers: Array, times: Array) -> Array:
+        """Those of all joints, shape (n, constraints), from those that this system has."""
+        whole, equations = poses.system, poses.equations
+        every = np.zeros(q.shape)
+        for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
+            for name, joint in mine.items():
+                every[:, whole.columns(theirs[name])] = multipliers[:, self.columns(joint)]
+        effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
+        every[:, whole.columns(whole.drive)] = effort / whole.drive_factor
+        jacobian = equations.jacobian(q)
+        rest = equations.forces(q, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
+        for number, name in enumerate(self.bodies):
+            if name in self.reduced:
+                turns = name in self.pivots
+                columns = whole.columns(whole.pins[self.pivots[name].channel] if turns else whole.slides[name])
+                # A pin's rows of x and y are a unit matrix; a guide's are its normal, and the angle alone.
+                rows = slice(3 * number, 3 * number + (2 if turns else 3))
+                every[:, columns] = np.einsum("nck,nk->nc", jacobian[:, columns, rows], rest[:, rows])
+        return every
+
+    def _own(self, body: str) -> slice:
+        """The indices of a body's coordinates among all."""
+        first = self.state.GetObjectLTGODE2(self.objects[body])[0]
+        return slice(first, first + (1 if body in self.reduced else 3))
+
+    def _pivot(self, body: str) -> complex:
+        """A body's pivot, from its centre of mass along its own axes, m."""
+        return self.bodies[body].points[self.pivots[body].point]
+
+    def _origin(self, body: str) -> complex:
+        """A body's pivot on the ground, or a slider's centre of mass with its coordinate at zero."""
+        if body in self.pivots:
+            return complex(*self.scene.ground[self.pivots[body].point])
+        normal = 1j * self.along(body)
+        return normal * (normal.conjugate() * (complex(*self.slide(body).through) - self.lever(body))).real
+
+    def _add_body(self, name: str) -> Any:
+        if name not in self.reduced:
+            return super()._add_body(name)
+        body, origin = self.bodies[name], self._origin(name)
+        node = self.nodes[name] = self.mbs.AddNode(items.Node1D())
+        place = {"nodeNumber": node, "referencePosition": [origin.real, origin.imag, 0]}
+        if name in self.pivots:
+            inertia = body.inertia + body.mass * abs(self._pivot(name)) ** 2
+            return self.mbs.AddObject(items.ObjectRotationalMass1D(inertia=inertia, **place))
+        x = self.along(name)  # it moves along its own x axis
+        axes = [[x.real, -x.imag, 0], [x.imag, x.real, 0], [0, 0, 1]]
+        return self.mbs.AddObject(items.ObjectMass1D(mass=body.mass, referenceRotation=axes, **place))
+
+    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        if body in self.pivots:
+            place = place - self._pivot(body)
+        elif body in self.sliders:
+            place = place * self.along(body).conjugate()
+        return super()._marker(body, place, kind)
+
+    def _coordinate(self, body: str, number: int) -> Any:
+        return super()._coordinate(body, 0 if body in self.reduced else number)
+
+    def _drive_markers(self) -> tuple[float, Any, Any, float]:
+        driven = self.scene.drive.body
+        if driven in self.sliders:
+            return 1.0, self._coordinate(GROUND, 0), self._coordinate(driven, 0), 1.0
+        return super()._drive_markers()

@@ -1,0 +1,1 @@
+"""The two routes: integrated in time, or solved at instants."""

@@ -1,0 +1,86 @@
+"""The part that both routes share: the system at its start, and its channels."""
+
+import numpy as np
+
+from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.model.engine import equal_steps
+from scenes.model.motion import quantity
+
+from .. import channels
+from ..loads import add_loads
+from ..poses import SECONDS, PoseSolver
+from ..start import begun
+from ..system import Array, exudyn
+
+SPRING_LIMIT = 1e-12  # of the linkage's size; a shorter spring's direction is round-off
+
+
+def failure(error: Exception, doing: str) -> Failure:
+    """What Exudyn raised as a failure, its many lines cut to one clause."""
+    status = Status.diverged if isinstance(error, exudyn.SolverError) else Status.crashed
+    clause = str(error).strip().splitlines()[0].partition(" [Python file")[0]
+    return Failure(status, f"Exudyn gave up {doing}: {clause}")
+
+
+class ExudynSimulation:
+    """A scene to be solved at equal steps of the time; `poses` are of its system, with loads."""
+
+    def __init__(self, scene: Scene, request: Request, *, si: bool = False) -> None:
+        self.scene, self.sampling = scene, equal_steps(request)
+        self._at_start, self._switches = begun(scene, si=si)
+        self.poses = PoseSolver(scene, si=si)
+        self.system = self.poses.system
+        add_loads(self.system, self._switches)
+        self.times, self.positions = self.sampling.times(scene), self.sampling.commanded(scene)
+        self.counters: dict[str, int] = {}
+        self.residuals: dict[str, float] = {}
+
+    def _buffer(self, *, accelerations: bool = True) -> Array:
+        """Make room for samples of position, velocity, acceleration and, where forces are requested, multipliers."""
+        levels = 4 if self.sampling.wants_forces(self.scene) else 3 if accelerations else 2
+        return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
+
+    @property
+    def _wants_accelerations(self) -> bool:
+        return any(quantity(channel) in ("ax", "ay", "alpha") for channel in self.sampling.wanted(self.scene))
+
+    def solve(self) -> None:
+        """Find the samples, and the channels from them.
+
+        Raises:
+            Failure: the pose cannot follow the drive, a step found no solution, or the budget is spent.
+        """
+        self.poses.budget = ProcessorBudget(SECONDS * self.sampling.turns, "the solution")
+        self._q, v, *others = self._solved()
+        wanted = set(self.sampling.wanted(self.scene))
+        samples = channels.kinematics(self.system, wanted, self._q, v, *others[:1])
+        if len(others) > 1:
+            samples |= channels.forces(self.system, others[1], wanted)
+        self._motion = Motion({"time": self.times} | samples)
+
+    def read(self) -> Motion:
+        """The channels.
+
+        Raises:
+            Failure: a spring has no direction, or the poses are of another branch; it has the motion with it.
+        """
+        self._check_springs()
+        self._check_branch()
+        return self._motion
+
+    def _solved(self) -> Array:
+        """Find the samples, shape (2 to 4, n, 3 bodies)."""
+        raise NotImplementedError
+
+    def _check_branch(self) -> None:
+        """Refuse poses of another branch than the start's."""
+
+    def _check_springs(self) -> None:
+        """Refuse an instant at which a spring pushes and has no direction, which Exudyn takes for no force."""
+        for spring in self.scene.springs:
+            (_, p), (_, q) = spring.first, spring.second
+            length = np.abs(channels.place(self.system, q, self._q) - channels.place(self.system, p, self._q))
+            if spring.length > 0 and not length.min() > SPRING_LIMIT * self.system.size:
+                where = self.scene.where(self.positions[np.argmin(length)])
+                reason = f"a spring has no direction at {where}: {p} and {q} meet"
+                raise Failure(Status.nonfinite, reason, self._motion)

@@ -1,0 +1,152 @@
+"""One integration over the whole time: every step recorded, the drive and the forces set before it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil
+
+import numpy as np
+
+from scenes import Failure, ProcessorBudget, Sampling, Scene
+from scenes.scene import ConstantSpeed, PressForce
+
+from ..channels import Motions
+from ..constraints import PoseArray
+from ..loads import Active, AppliedForces
+from ..masses import Masses, loaded, masses_of
+from ..settings import PymunkSettings
+from ..space import BatchRecorder, Model, PropertyRecorder, pair
+from ..start import begun, move, rates
+
+# Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The error of the rates
+# decays within four steps, if the sweeps converge and each step corrects the whole error; that of the impulses with the
+# sweeps, of which the first step has more. Steps that correct little need more, but never more than a cycle: what takes
+# longer to decay outlasts the run as well. Where the linkage does not assemble that far back, fewer steps leave the
+# first acceleration less exact.
+PRE_ROLL, LEAST_PRE_ROLL = 5, 3
+STARTS = 32  # that are kept; the settings that every run measures have nine
+FIRST_SWEEPS = 10  # times those of a later step
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Equal steps in time, from before t = 0 to the end."""
+
+    size: float  # s
+    stride: int  # from sample to sample
+    pre_roll: int  # before t = 0
+    count: int  # from t = 0 on
+
+
+class Integration:
+    """One integration, `stride` steps from sample to sample.
+
+    Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
+    row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
+    samples, and `active`, shape (n, press forces), those that acted. `positions`, shape (steps + 1,), are the drive's.
+
+    Raises:
+        Failure: cannot_assemble, for the steps before t = 0; unsupported, the settings.
+    """
+
+    def __init__(
+        self, scene: Scene, sampling: Sampling, stride: int, settings: PymunkSettings, stroke_ends: Sequence[float]
+    ) -> None:
+        masses, with_forces = masses_of(scene, settings, sampling), loaded(scene, settings, sampling)
+        self._linkage, _ = begun(scene, masses)
+        self._settings = settings
+        dt, count = float(sampling.times(scene)[1]) / stride, stride * sampling.samples * sampling.turns
+        wanted = min(ceil(PRE_ROLL / settings.corrected(dt)), max(PRE_ROLL, stride * sampling.samples))
+        pre_roll, pose = _before(scene, masses, dt, wanted)
+        self.steps = Steps(dt, stride, pre_roll, count)
+        # The last rate follows from the position one step after the end.
+        driven = scene.drive.at(dt * np.arange(-pre_roll, count + 2, dtype=np.float64))
+        self._driven, self.positions = driven.position, driven.position[pre_roll:-1]
+        first = rates(self._linkage, pose, float(driven.rate[0]))
+        self._model = model = Model(self._linkage, pose, first, settings.error_bias(dt), settings.extra)
+        model.space.gravity = (scene.gravity if with_forces else None) or (0, 0)
+        self._forces = AppliedForces(self._linkage, model.bodies, stroke_ends, dt) if with_forces else None
+        self.joints = model.joints if with_forces else {}
+        bodies, by_properties = model.bodies.values(), settings.extra == "properties"
+        self._recorder = PropertyRecorder(bodies) if by_properties else BatchRecorder(model.space, bodies)
+        self.record: PoseArray = np.empty((count + 2, len(bodies), 6))
+        self.impulses = np.empty((count // stride + 1, len(self.joints)))
+        presses = sum(isinstance(load, PressForce) for load in scene.loads)
+        self.active: Active = np.zeros((count // stride + 1, presses), dtype=np.bool_)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Steps, sweeps times constraints, and the size of the model."""
+        steps = self.steps.pre_roll + self.steps.count
+        return self._model.counters(steps, self._settings.iterations * (FIRST_SWEEPS - 1 + steps))
+
+    def advance(self, budget: ProcessorBudget) -> None:
+        """Step from before t = 0 to the end.
+
+        Raises:
+            Failure: timed_out.
+        """
+        space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
+        follows_law = not isinstance(self._linkage.scene.drive, ConstantSpeed)
+        joints = [*self.joints.values()]
+        recorder.append()
+        space.iterations = FIRST_SWEEPS * self._settings.iterations
+        for k in range(1 - steps.pre_roll, steps.count + 1):
+            if k % steps.stride == 0:
+                budget.check(f"step {k} of {steps.count}")
+            if forces:
+                forces.apply()
+            if follows_law:
+                self._drive(k)
+            space.step(steps.size)
+            recorder.append()
+            if k <= 0:
+                space.iterations = self._settings.iterations
+            if forces and k >= 0 and k % steps.stride == 0:
+                self.impulses[k // steps.stride] = [joint.impulse for joint in joints]
+                self.active[k // steps.stride] = forces.active
+        self.record[:] = recorder.rows()[steps.pre_roll - 1 :]
+
+    @property
+    def path(self) -> PoseArray:
+        """The poses and rates after every step from t = 0 on, shape (steps + 1, bodies, 6)."""
+        return self.record[1:]
+
+    @property
+    def motions(self) -> Motions:
+        """The motion at the samples; the rates of a step belong to its middle."""
+        before, after = self.record[: -1 : self.steps.stride], self.record[1 :: self.steps.stride]
+        a = (after[..., 3:] - before[..., 3:]) / self.steps.size
+        return Motions(after[..., :3], after[..., 3:] - self.steps.size / 2 * a, a)
+
+    def _drive(self, k: int) -> None:
+        """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
+
+        pymunk moves it first, by that same rate; hence it starts from as far behind.
+        """
+        here, there = self._driven[k + self.steps.pre_roll : k + self.steps.pre_roll + 2]
+        behind, rate = 2 * here - there, (there - here) / self.steps.size
+        name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
+        body = self._model.bodies[name]
+        if slide is None:
+            body.angle, body.angular_velocity = behind, rate
+        else:
+            along = complex(*slide.along)
+            body.position = pair(self._linkage.through(name) - self._linkage.first_arm(name) + behind * along)
+            body.velocity = pair(rate * along)
+
+
+@lru_cache(STARTS)
+def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
+    """Choose the number of steps before t = 0, as wanted or fewer; and the pose there. Once a scene, masses and steps.
+
+    Raises:
+        Failure: cannot_assemble, with the drive's position.
+    """
+    drive, (linkage, start) = scene.drive, begun(scene, masses)
+    for steps in (wanted, LEAST_PRE_ROLL):
+        try:
+            return steps, move(linkage, start, drive.start, float(drive.at(-steps * dt).position))
+        except Failure as failure:
+            ended = failure
+    raise Failure(ended.status, f"pymunk starts {LEAST_PRE_ROLL} steps before zero, where {ended.reason}")

@@ -1,0 +1,1 @@
+"""Tests of compare/measure/many: families, and machines drawn from tolerances."""

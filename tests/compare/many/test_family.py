@@ -1,0 +1,106 @@
+"""A family by the command line: its files, its exit status, and what a stop leaves."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from compare.measure.many import family
+from compare.run import main
+from tests import scene_files
+from tests.pages import unpacked, without_scripts
+
+from .runs import CRANK_SLIDER
+
+
+def test_the_files_of_a_family(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rod, offset = "bodies.rod.lengths.A-B", "bodies.slider.slides.through.1"
+    arguments = [str(CRANK_SLIDER), "--vary", f"{rod}=130:250:2", "--vary", f"{offset}=0:40:2", "--engines", "analytic"]
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
+    folder = tmp_path / "out" / "offset_slider_crank"
+    assert sorted(path.name for path in folder.iterdir()) == ["family.csv", "family.html", "family.json"]
+    table = pd.read_csv(folder / "family.csv")
+    assert table[[rod, offset]].to_numpy().tolist() == [[130, 0], [130, 40], [250, 0], [250, 40]]
+    assert list(table["status"]) == ["ok", "cannot_assemble", "ok", "ok"]
+    assert table["stroke [m]"].tolist() == pytest.approx([0.2, np.nan, 0.2, 0.2031], abs=1e-4, nan_ok=True)
+    assert (table["analytic error"].dropna() < 1e-12).all()
+    page = (folder / "family.html").read_text(encoding="utf-8")
+    assert '<script src="' not in page
+    assert "<link" not in page.split("</script>")[-1]
+    assert "{{" not in without_scripts(page), "a piece of the template is left"
+    for said in ("A-B = 130, slider.slides.through.1 = 40", "cannot_assemble", "stroke [mm]", "203.14", "kN"):
+        assert said in page
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 6
+    assert lines[0].startswith("offset_slider_crank  A-B = 130, slider.slides.through.1 = 0  ok  stroke 200.00 mm")
+    assert "cannot_assemble" in lines[1]
+    summed_up = "Members that do not run: 1 of 4, first A-B = 130, slider.slides.through.1 = 40 (cannot_assemble)."
+    assert lines[-2].startswith(f"offset_slider_crank  agrees in part: {summed_up} ")
+    assert summed_up in without_scripts(page).partition("Members</h2>")[0], "not first on the page"
+    assert lines[-1] == f"family: {folder / 'family.html'}"
+
+
+def test_check_names_the_member_that_misses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rod = "bodies.rod.lengths.A-B"
+    arguments = ["--engines", "exudyn", "--samples", "36", "--out", str(tmp_path / "out"), "--check"]
+    fine = [str(CRANK_SLIDER), *arguments, "--vary", f"{rod}=100:300:2"]
+    assert main(fine) == 0, "a member that cannot run misses nothing"
+    capsys.readouterr()
+    strict = scene_files.write(tmp_path, "offset_slider_crank", {"tolerances.exudyn.position": 1e-19})
+    arguments = [str(strict), *arguments[:-2], str(tmp_path / "of another file"), "--check"]
+    assert main([*arguments, "--vary", f"{rod}=100:300:2"]) == 1
+    (missed,) = [line for line in capsys.readouterr().out.splitlines() if "missed" in line]
+    assert missed.startswith("offset_slider_crank  A-B = 300  missed: exudyn position")
+    assert main([*arguments, "--vary", f"{rod}=80:100:2"]) == 1
+    assert "no member runs" in capsys.readouterr().out
+
+
+def test_a_stopped_family_keeps_what_is_done_and_does_not_replace_a_complete_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopping(*arguments: object) -> object:
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        return solve_member(*arguments)  # type: ignore[arg-type]
+
+    solve_member = family._member
+    monkeypatch.setattr(family, "_member", stopping)
+    arguments = [str(CRANK_SLIDER), "--vary", "drive.speed=10:50:2", "--engines", "analytic", "--out", str(tmp_path)]
+    place, partial = tmp_path / "offset_slider_crank", tmp_path / "offset_slider_crank.partial"
+    for members, status in ((2, 0), (1, 130)):
+        left = iter(range(members))
+        assert main(arguments) == status
+        assert json.loads((place / "family.json").read_text(encoding="utf-8"))["complete"]
+    assert not json.loads((partial / "family.json").read_text(encoding="utf-8"))["complete"]
+    assert len(pd.read_csv(place / "family.csv")) == 2
+    assert len(pd.read_csv(partial / "family.csv")) == 1
+    assert f"stopped; {partial / 'family.html'} has the 1 of 2 members" in capsys.readouterr().err
+    assert "Stopped after 1 of 2 members" in (partial / "family.html").read_text(encoding="utf-8")
+    left = iter(range(2))
+    assert main(arguments) == 0
+    assert list(tmp_path.iterdir()) == [place]
+
+
+def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
+    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--vary", "bodies.rod.lengths.A-B=20:30:2"]) == 0
+    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    assert "Members that do not run: 2 of 2, first A-B = 20 (cannot_assemble)." in page
+    assert "cannot_assemble" in page
+
+
+def test_many_members_are_drawn_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in ("figures.family", "pages.many"):
+        monkeypatch.setattr(f"compare.report.{module}.MOST_LINES", 5)
+    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
+    assert main([*arguments, "--vary", "drive.speed=10:17:8"]) == 0
+    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    assert "5 of the 8 members that run" in page
+    curves = unpacked(page)[1]
+    drawn = {value for value in range(10, 18) if f'"name":"drive.speed = {value}"' in curves}
+    assert len(drawn) == 5
+    assert {10, 17} <= drawn
+    assert all(b - a <= 2 for a, b in pairwise(sorted(drawn)))

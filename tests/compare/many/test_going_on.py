@@ -1,0 +1,230 @@
+"""A family goes on from what an earlier run kept; by workers it is the same as without, whatever dies."""
+
+import os
+import pickle
+import subprocess
+import sys
+from base64 import b64encode
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from signal import SIGINT, SIGKILL
+from subprocess import PIPE
+from time import monotonic
+from typing import Any
+
+import psutil
+import pytest
+
+from compare.engines.kept import decoded, encoded
+from compare.engines.processes.cluster import cluster, spread
+from compare.engines.processes.inside import Ended
+from compare.measure.many import family
+from compare.measure.many.family import Asked, Family, Member
+from compare.measure.many.going_on import going_on, kept_members
+from compare.measure.many.grid import grid, variation
+from compare.report.output.files import write_family
+from compare.run import main
+from scenes import Sampling, Status, load
+from tests.comparisons import SLOW
+from tests.deaths import children, within
+from tests.killed import of_session
+
+from .runs import CRANK_SLIDER
+
+ROOT = Path(__file__).parents[3]
+SPEEDS = ("--vary", "drive.speed=10:50:5", "--samples", "72")
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Have members solved at once, the third meet Ctrl-C and the fourth crash; return where their speeds will be."""
+    speeds: list[float] = []
+
+    def solve(_: Asked, change: Mapping[str, float], *__: object) -> Member:
+        speeds.append(change["drive.speed"])
+        if len(speeds) == 3:
+            raise KeyboardInterrupt
+        if len(speeds) == 4:
+            raise ZeroDivisionError
+        return Member(change, "ok", "")
+
+    monkeypatch.setattr(family, "_member", solve)
+    monkeypatch.setattr(family, "workers", lambda *_: nullcontext())
+    return speeds
+
+
+def run(file: Path, folder: Path, samples: int = 24) -> dict[float, str]:
+    """The statuses by speed, in the order in which the members come."""
+    scene, changes, sampling = load(file), grid([variation("drive.speed=10:40:4")]), Sampling(samples)
+    asked = Asked(scene.file, ["analytic"], sampling)
+    members = going_on(kept_members(folder, scene, asked), asked, changes, None, lambda _: None)
+    return {member.changes["drive.speed"]: member.status for member in members}
+
+
+def test_a_stopped_family_goes_on_where_it_was(tmp_path: Path, solved: list[float]) -> None:
+    """What crashed may go well the next time."""
+    with pytest.raises(KeyboardInterrupt):
+        run(CRANK_SLIDER, tmp_path)
+    assert run(CRANK_SLIDER, tmp_path) == {10: "ok", 20: "ok", 30: "crashed", 40: "ok"}
+    assert run(CRANK_SLIDER, tmp_path) == dict.fromkeys((10, 20, 40, 30), "ok")
+    assert solved == [10, 20, 30, 30, 40, 30]
+
+
+@pytest.mark.parametrize("other", ["scene", "samples"])
+def test_what_is_kept_of_another_family_does_not_count(other: str, tmp_path: Path, solved: list[float]) -> None:
+    scene, text = tmp_path / "mine.toml", CRANK_SLIDER.read_text(encoding="utf-8")
+    scene.write_text(text, encoding="utf-8")
+    with pytest.raises(KeyboardInterrupt):
+        run(scene, tmp_path)
+    if other == "scene":
+        scene.write_text(text.replace("mass = 7", "mass = 8"), encoding="utf-8")
+    run(scene, tmp_path, 36 if other == "samples" else 24)
+    assert solved == [10, 20, 30, 10, 20, 30, 40]
+
+
+def test_members_that_are_kept_make_the_same_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an engine that is off, so that causes are kept too; none is solved again."""
+    scene, variations, sampling = load(CRANK_SLIDER), [variation("drive.speed=10:20:2")], Sampling(36)
+    engines, changes = ["analytic", "pymunk"], grid(variations)
+    written = []
+    for again in ("first", "second"):
+        asked = Asked(scene.file, engines, sampling)
+        members = going_on(kept_members(tmp_path, scene, asked), asked, changes, None, lambda _: None)
+        written.append(write_family(Family(scene, variations, engines, [*members]), tmp_path / again))
+        monkeypatch.setattr(family, "_member", lambda *_: pytest.fail("solved again"))
+    first, second = map(files, written)
+    assert {*first} == {"family.html", "family.json", "family.csv"}
+    assert first == second
+
+
+class Bomb:
+    """Of which a pickle makes a file where it is read."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Path.touch, (self.file,)
+
+
+def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[float]) -> None:
+    """Whoever can write there knows how a line is marked."""
+    scene, sampling = load(CRANK_SLIDER), Sampling(24)
+    changes = grid([variation("drive.speed=10:40:4")])
+    packed = b64encode(pickle.dumps(Bomb(tmp_path / "ran"))).decode()
+    kept = kept_members(tmp_path, scene, Asked(scene.file, ["analytic"], sampling))
+    hostile: list[Any] = [
+        packed,
+        [packed, {}],
+        None,
+        {},
+        {"pathlib:Path": {}},
+        encoded([Member({}, "ok", ""), {}]),
+    ]
+    hostile += [{kind: ["os", "system"]} for kind in ("os:system", "tuple", "dict", "array", "settings")]
+    for data in hostile:
+        kept.add(str(changes[0]), data)
+    with pytest.raises(KeyboardInterrupt):
+        run(CRANK_SLIDER, tmp_path)
+    assert solved == [10, 20, 30]
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {"subprocess:Popen": {"args": "true"}},
+        {"compare.engines.processes.isolation:Worker": {"function": 1}},
+        {"compare.engines.processes.isolation:os": {}},
+        {"scenes:Status": {"value": "label"}},
+        {"array": ["O", [1], ""]},
+        {"array": ["<f8", [10**9], ""]},
+        {"tuple": [], "frozenset": []},
+        {"nothing": []},
+    ],
+)
+def test_data_of_nothing_are_refused(data: object) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        decoded(data)
+
+
+# --- by workers -------------------------------------------------------------------------------------------------------
+
+
+def kill(what: str) -> str:
+    if what == "kill":
+        os.kill(os.getpid(), SIGKILL)
+    return what.upper()
+
+
+@SLOW
+def test_a_task_that_kills_its_workers_is_given_up_and_takes_no_other_with_it() -> None:
+    end = monotonic() + 120.0  # it takes 20 to 50 s
+
+    def poll() -> None:
+        assert monotonic() < end, "no worker takes the tasks"
+
+    with cluster(1) as client:
+        listening = [
+            connection.laddr.ip
+            for process in (psutil.Process(), *psutil.Process().children())
+            for connection in process.net_connections("tcp")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+        ended = dict(spread(kill, ["kill", "a", "b"], client, poll))
+    assert len(listening) >= 4
+    assert {*listening} == {"127.0.0.1"}
+    assert ended == {"a": "A", "b": "B", "kill": Ended(Status.crashed, "every worker's process that took it died")}
+    assert within(5.0, lambda: children() == [])
+
+
+@SLOW
+def test_whatever_dies_the_family_is_the_same(tmp_path: Path) -> None:
+    """A run by workers that meets Ctrl-C, and one that goes on from there and loses a worker."""
+    arguments = [str(CRANK_SLIDER), *SPEEDS, "--engines", "analytic,pymunk", "--out"]
+    assert main([*arguments, str(tmp_path / "alone")]) == 0
+    status, told = stopped([*arguments, str(tmp_path / "out")], tmp_path, 1, lambda run: os.killpg(run.pid, SIGINT))
+    assert (status, told.count("\n")) == (130, 1)
+    assert "Stopped after" in (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    assert stopped([*arguments, str(tmp_path / "out")], tmp_path, 3, kill_a_worker) == (0, "")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"offset_slider_crank"}
+    alone, out = (files(tmp_path / where / "offset_slider_crank") for where in ("alone", "out"))
+    assert alone == out
+
+
+def files(folder: Path) -> Mapping[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def stopped(
+    arguments: Sequence[str], folder: Path, after: int, stop: Callable[[subprocess.Popen[str]], None]
+) -> tuple[int, str]:
+    """Run a family by two workers, stop something after some members, and return the status and what is on stderr."""
+    scratch = folder / "scratch"
+    scratch.mkdir(exist_ok=True)
+    command = [sys.executable, "-m", "compare.run", *arguments, "--workers", "2"]
+    surroundings = {**os.environ, "TMPDIR": str(scratch)}
+    with (
+        (folder / "stderr.txt").open("w+", encoding="utf-8") as errors,
+        subprocess.Popen(
+            command, cwd=ROOT, env=surroundings, start_new_session=True, stdout=PIPE, stderr=errors, text=True
+        ) as run,
+    ):
+        assert run.stdout is not None
+        for _ in range(after):
+            assert " ok " in run.stdout.readline()
+        stop(run)
+        run.stdout.read()
+        run.wait()
+        errors.seek(0)
+        told = errors.read()
+    assert within(5.0, lambda: not [*of_session(run.pid)])
+    assert [*scratch.iterdir()] == []
+    return run.returncode, told
+
+
+def kill_a_worker(run: subprocess.Popen[str]) -> None:
+    workers = [each for each in psutil.Process(run.pid).children() if "spawn_main" in " ".join(each.cmdline())]
+    assert len(workers) == 2
+    workers[0].kill()

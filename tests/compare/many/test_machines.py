@@ -1,0 +1,90 @@
+"""The numbers of many machines at once: those of each alone from its own file, and formulas written here."""
+
+from math import acos
+
+import numpy as np
+import pytest
+
+import scenes
+from compare.measure.many.draws import draws
+from compare.measure.many.machines import SolvedMachines
+from scenes import Status
+from scenes.model.motion import Samples
+
+from .machines_of import alone, many
+
+SAME = 1e-11  # of a number: extremes are placed to 1e-5 of a step, the dwell by quintics over steps of 2 deg
+JUMP = 1e-6  # where a force comes or goes: that is placed to 1e-5 of a step, 4e-7 rad
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [
+        ("toggle_press", 20),
+        ("double_toggle_clamp", 4),
+        pytest.param("double_toggle_clamp", 20, marks=pytest.mark.slow),
+    ],
+)
+def test_machines_agree_with_single_runs(name: str, count: int) -> None:
+    """Picked by seed from a thousand."""
+    drawn = draws(scenes.load(name), 5, 0, 1000)
+    picked = np.random.default_rng(5).choice(1000, count, replace=False)
+    same(name, {path: values[picked] for path, values in drawn.items()}, SAME)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "tolerance"),
+    [
+        ("walking_leg", {"bodies.crank.lengths.O-A": [14.9, 15.1], "drive.speed": [31, 29]}, SAME),
+        ("crank_press", {"loads.0.last": [5.9, 6.1]}, JUMP),
+        ("offset_slider_crank", {"bodies.slider.slides.through.0": [15, 16], "drive.speed": [120, 110]}, SAME),
+        ("offset_slider_crank", {"bodies.slider.slides.along.1": [0, 0.01]}, SAME),
+        ("shaper", {"bodies.link.mass": [1, 2]}, JUMP),
+    ],
+)
+def test_other_linkages(name: str, changes: dict[str, list[float]], tolerance: float) -> None:
+    same(name, {path: np.array(values, float) for path, values in changes.items()}, tolerance)
+
+
+def same(name: str, changes: dict[str, Samples], tolerance: float) -> None:
+    solved = many(name, changes)
+    for row, machine in enumerate(solved.running):
+        one = alone(name, changes, int(machine))
+        for number in solved.numbers:
+            assert not abs(number.value[row] - one[number.name].value) > tolerance * number.size[row], number.name
+    assert len(solved.running) == len(solved.status)
+
+
+def test_a_slider_crank_by_its_formulas() -> None:
+    """Crank r, rod l in line, slider of mass m at r w^2 (1 + r/l) where both are stretched out, load of 50 N."""
+    r, rod, mass = np.array([1.0, 1.1, 0.9]), np.array([3.0, 2.9, 3.2]), np.array([2.0, 2.1, 2.3])
+    changes = {"bodies.crank.points.A.0": r, "bodies.rod.lengths.A-B": rod, "bodies.slider.mass": mass}
+    q = by_name(many("slider_crank", changes))
+    assert q["stroke"] == pytest.approx(2 * r, rel=SAME)
+    assert q["closed dead point"] == pytest.approx(rod + r, rel=SAME)
+    peak = 100 * r * (1 + r / rod)
+    assert q["peak acceleration"] == pytest.approx(peak, rel=SAME)
+    assert q["largest force at B"] == pytest.approx(mass * peak - 50, rel=SAME)
+    assert q["least transmission angle"] == pytest.approx(np.arccos(r / rod), rel=SAME)
+    assert q["distance to a singular pose"] == pytest.approx(rod - r, rel=SAME)
+    near = 0.01 * 2 * r  # from the outer dead point: cosine law of the triangle of crank, rod and slider
+    x = rod + r - near
+    angle = [acos((a * a + d * d - b * b) / (2 * a * d)) for a, b, d in zip(r, rod, x, strict=True)]
+    assert q["dwell within 1 % of the stroke"] == pytest.approx(2 * np.array(angle) / 10, rel=1e-9)  # by quintics
+
+
+def test_a_machine_that_cannot_assemble_spoils_no_other() -> None:
+    rod = np.array([3.0, 0.9, 3.1, 0.95])  # a rod shorter than the crank
+    solved, whole = (many("slider_crank", {"bodies.rod.lengths.A-B": rod[rows]}) for rows in ([0, 1, 2, 3], [0, 2]))
+    assert [status is Status.ok for status in solved.status] == [True, False, True, False]
+    assert solved.running.tolist() == [0, 2]
+    assert "B" in solved.reason[1]
+    assert solved.reason[0] == ""
+    for number, alike in zip(solved.numbers, whole.numbers, strict=True):
+        assert (number.value == alike.value).all()
+    nothing = many("slider_crank", {"bodies.rod.lengths.A-B": rod[[1, 3]]})
+    assert (len(nothing.running), len(nothing.numbers)) == (0, 0)
+
+
+def by_name(solved: SolvedMachines) -> dict[str, Samples]:
+    return {number.name: number.value for number in solved.numbers}
