@@ -85,8 +85,9 @@ def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
     Raises:
         InputError: the result cannot be written; the older one is then as it was.
     """
+    place = (folder / name).resolve()
+    made = not place.parent.exists()
     try:
-        place = (folder / name).resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
         with _beside(place) as aside:
             yield aside
@@ -96,6 +97,10 @@ def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
                 _swap(aside, place)
     except OSError as error:
         raise InputError(f"--out {folder}: cannot be written ({error.strerror or error})") from None
+    finally:
+        if made:
+            with suppress(OSError):
+                place.parent.rmdir()  # empty, where nothing was written
 
 
 def remove(folder: Path, own: Sequence[str]) -> None:
