@@ -105,15 +105,8 @@ def _sources(package: str) -> Iterable[Path]:
     return sorted(path for path in files if path.suffix in (".py", ".toml"))
 
 
-# --- results as JSON and back -------------------------------------------------------------------------------------
-
-
 def encoded(value: Any) -> Any:
-    """Return a value as what JSON has: a list as itself, all else that JSON lacks as one word and what is in it.
-
-    Raises:
-        TypeError: it is or holds what is no data.
-    """
+    """Return a value as what JSON has: a list as itself, all else that JSON lacks as one word and what is in it."""
     kind = type(value)
     if value is None or (isinstance(value, int | str) and not isinstance(value, Enum)):
         return value
@@ -142,11 +135,7 @@ def encoded(value: Any) -> Any:
 
 
 def decoded(data: Any) -> Any:
-    """Return the value that was encoded.
-
-    Raises:
-        Exception: the data are of no value, whatever is wrong with them.
-    """
+    """Return the value that was encoded, or raise whatever is wrong with the data."""
     if isinstance(data, list):
         return [*map(decoded, data)]
     if not isinstance(data, dict):

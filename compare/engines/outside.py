@@ -15,7 +15,9 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
+from itertools import chain
 from multiprocessing import current_process
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Annotated, Any, ClassVar, NoReturn, TypeAlias, get_type_hints
 
@@ -25,9 +27,8 @@ from scenes.fields import ENGINE
 from scenes.model.engine import completed
 
 from .installed import Entry
-from .processes.inside import Ended, Limits
+from .processes.inside import Ended, Limits, packed
 from .processes.isolation import isolated
-from .processes.messages import packed
 from .reasons import described, text_of
 
 GROUP = "linkage_crosscheck.engines"
@@ -38,25 +39,17 @@ Meanings: TypeAlias = tuple[tuple[str, str], ...]  # by name of a field
 
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:
-    """Return the entries of all engines that installed distributions offer, by name.
-
-    Args:
-        taken: names that other engines have.
-    """
-    points = sorted(_points(), key=lambda point: point.name)
-    count = Counter([*taken, *(point.name for point in points)])
-    known = ((point.name, _entry(point)) for point in points)
-    return {name if count[name] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
-
-
-def _points() -> list[EntryPoint]:
-    """Return the entry points of engines: of a distribution that is found twice the first, of a broken one none."""
-    first: dict[str, tuple[EntryPoint, ...]] = {}
+    """Return the entries of all engines that installed distributions offer, by name; others have those `taken`."""
+    first: dict[
+        str, tuple[EntryPoint, ...]
+    ] = {}  # of a distribution that is found twice; of a broken one there is none
     for each in distributions():
         with suppress(Exception):  # of anybody's files: not UTF-8, or a line that is no entry point
             if points := tuple(each.entry_points.select(group=GROUP)):
                 first.setdefault(each.name, points)
-    return [point for points in first.values() for point in points]
+    known = [(point.name, _entry(point)) for point in sorted(chain(*first.values()), key=attrgetter("name"))]
+    count = Counter([*taken, *(name for name, _ in known)])
+    return {name if count[name] == 1 else f"{name}@{entry.distribution}": entry for name, entry in known}
 
 
 def _entry(point: EntryPoint) -> Entry:
@@ -80,16 +73,9 @@ def _entry(point: EntryPoint) -> Entry:
     return Entry(purpose, module, package, name, f"pip install {name}", outside=version, trouble=one_line(trouble))
 
 
-# --- when an engine is asked for --------------------------------------------------------------------------------------
-
-
 @cache
 def imported(entry: Entry) -> Engine[Any]:
-    """Return an engine, imported in this process.
-
-    Raises:
-        Exception: it cannot be, or offers what is not what the protocol asks for.
-    """
+    """Return an engine, imported in this process, or raise what keeps it from being one."""
     engine = completed(import_module(entry.module), entry.version)
     check(engine)
     return engine
@@ -131,12 +117,7 @@ def _elsewhere(*_: object) -> NoReturn:
 
 
 def check(engine: Engine[Any]) -> None:
-    """Refuse an engine whose settings are not what the protocol asks for.
-
-    Raises:
-        TypeError: its settings are none, or in no tuple.
-        ValueError: two settings have one label.
-    """
+    """Raise TypeError or ValueError for an engine whose settings are not what the protocol asks for."""
     settings = [getattr(engine, name) for name in TIERS]
     for ladder in (getattr(engine, name) for name in LADDERS):
         if not isinstance(ladder, tuple):
@@ -150,11 +131,7 @@ def check(engine: Engine[Any]) -> None:
 
 
 def check_settings(settings: object) -> None:
-    """Refuse what an engine offers as settings and nothing else could take for them.
-
-    Raises:
-        TypeError: the settings, their label, steps or promises are not what the protocol asks for.
-    """
+    """Raise TypeError for what an engine offers as settings and nothing else could take for them."""
     if not isinstance(settings, Settings):
         raise TypeError(f"expected scenes.Settings, found {type(settings).__name__}")
     if not (isinstance(settings.label, str) and settings.label == one_line(settings.label, 60) != ""):
@@ -169,11 +146,8 @@ def check_settings(settings: object) -> None:
             raise TypeError(f"{settings.label}: expected a promise between 0 and 1, found {promise!r}")
 
 
-# --- their settings, where the engine is not imported ----------------------------------------------------------------
-
-
 class StandIn(Settings):
-    """Settings of plain values, with the names and meanings of an engine's own, in a class of their own."""
+    """Settings of plain values, with the names and meanings of an engine's own, where that is not imported."""
 
     as_sent: ClassVar[bytes]  # the engine's own, as they can be read where it is imported alone
     meanings: ClassVar[Meanings]
@@ -196,11 +170,9 @@ def stand_in(settings: Settings) -> Settings:
     return standing(bytes(packed(settings)), meanings, values)
 
 
-def _plain(value: object) -> object:
-    for kind in (bool, int, float):
-        if isinstance(value, kind):
-            return kind(value)
-    return None if value is None else text_of(value)
+def _plain(value: Any) -> object:
+    kind = next((kind for kind in (bool, int, float) if isinstance(value, kind)), text_of)
+    return None if value is None else kind(value)
 
 
 def standing(as_sent: bytes, meanings: Meanings, values: Mapping[str, Any]) -> Settings:

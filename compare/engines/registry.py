@@ -20,17 +20,9 @@ Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the driv
 class Many(Protocol):
     """The motions of m machines, as the analytic core returns them."""
 
-    @property
-    def samples(self) -> Mapping[str, Samples]:
-        """By channel, shape (m, n), SI; NaN where a machine does not assemble."""
-
-    @property
-    def status(self) -> Sequence[Status]:
-        """How each machine ended."""
-
-    @property
-    def reason(self) -> Sequence[str]:
-        """Why it is not ok, in a sentence; empty where it is."""
+    samples: Mapping[str, Samples]  # by channel, shape (m, n), SI; NaN where a machine does not assemble
+    status: Sequence[Status]  # how each machine ended
+    reason: Sequence[str]  # why it is not ok, in a sentence; empty where it is
 
 
 SolveMany: TypeAlias = Callable[[Samples, Samples], Many]  # positions of the drive and instants, shape (m, n)
@@ -57,28 +49,27 @@ class Entries(UserDict[str, Entry]):
         return len(self._all)
 
 
+REFERENCE = "analytic"
 _CORE = "vector equations: dyads in closed form, larger groups by Newton; the reference"
-_DAE = "multibody DAE with Lagrange multipliers"
-_IMPULSES = "impulses, block Gauss-Seidel"
-_LAGRANGE = "Lagrange's equations, every derivative by automatic differentiation"
-_RECURSIONS = "joint coordinates, closed loops, recursive Newton-Euler"
-_SOFT = "springs and dampers for joints, made as hard as a step allows"
 _FLINT = "50 digits, Newton on the constraints; certifies the reference's floor"
-_CERTIFY = "'linkage-crosscheck[certify]'"
+_OWN = (  # name, what it is, its package and distribution, and the extra of this project that brings them
+    (REFERENCE, _CORE, "numpy", "numpy", ""),
+    ("exudyn", "multibody DAE with Lagrange multipliers", "exudyn", "exudyn", ""),
+    ("pymunk", "impulses, block Gauss-Seidel", "pymunk", "pymunk", ""),
+    ("casadi", "Lagrange's equations, every derivative by automatic differentiation", "casadi", "casadi", "casadi"),
+    ("mujoco", "springs and dampers for joints, made as hard as a step allows", "mujoco", "mujoco", "mujoco"),
+    ("pinocchio", "joint coordinates, closed loops, recursive Newton-Euler", "pinocchio", "pin", "pinocchio"),
+    ("multiprecision", _FLINT, "flint", "python-flint", "certify"),
+)
 OWN = {
-    name: Entry(purpose, f"{module}.engine", package, distribution, f"pip install {install}", everything=True)
-    for name, purpose, module, package, distribution, install in (
-        ("analytic", _CORE, "analytic", "numpy", "numpy", "numpy"),
-        ("exudyn", _DAE, "sim_models.exudyn", "exudyn", "exudyn", "exudyn"),
-        ("pymunk", _IMPULSES, "sim_models.pymunk", "pymunk", "pymunk", "pymunk"),
-        ("casadi", _LAGRANGE, "sim_models.casadi", "casadi", "casadi", "'linkage-crosscheck[casadi]'"),
-        ("mujoco", _SOFT, "sim_models.mujoco", "mujoco", "mujoco", "'linkage-crosscheck[mujoco]'"),
-        ("pinocchio", _RECURSIONS, "sim_models.pinocchio", "pinocchio", "pin", "'linkage-crosscheck[pinocchio]'"),
-        ("multiprecision", _FLINT, "sim_models.multiprecision", "flint", "python-flint", _CERTIFY),
+    name: Entry(
+        *(purpose, f"{'' if name == REFERENCE else 'sim_models.'}{name}.engine", package, distribution),
+        install="pip install " + (f"'linkage-crosscheck[{extra}]'" if extra else package),
+        everything=True,
     )
+    for name, purpose, package, distribution, extra in _OWN
 }
 ENTRIES = Entries(OWN)
-REFERENCE = "analytic"
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
 ALIKE = frozenset({"casadi", "mujoco", "pinocchio"})  # they share how a linkage is assembled, `sim_models.coordinates`
@@ -122,20 +113,13 @@ def imported(name: str) -> Engine[Any]:
 def reference(scene: Scene, channels: frozenset[str] | None = None) -> Solve:
     """Return the analytic core's solver of a scene for some channels or all, against which every engine is measured.
 
-    It raises Failure where the linkage has no motion, as where a drive was taken beyond its end.
-
-    Raises:
-        Failure: the core cannot take the scene apart.
+    Both raise Failure: where the core cannot take the scene apart, and where the linkage has no motion.
     """
     return cast("Solve", import_module("analytic").solver(scene, channels))
 
 
 def checked_reference(scene: Scene) -> Solve:
-    """Return `reference` of a scene for all channels, whose drive leads it nowhere from one branch into another.
-
-    Raises:
-        Failure: the core cannot take the scene apart, or two branches meet at a position of the drive.
-    """
+    """Return `reference` of a scene for all channels; Failure also where two branches meet on the drive's way."""
     solve = reference(scene)
     import_module("analytic").check_way(solve)
     return solve
@@ -144,10 +128,7 @@ def checked_reference(scene: Scene) -> Solve:
 def many(scene: Scene, changes: Mapping[str, Samples], channels: frozenset[str]) -> SolveMany:
     """Return the analytic core's solver of m machines that differ in some numbers, for some channels.
 
-    Args:
-        scene: whose machines they are.
-        changes: by path their numbers, each of shape (m,), in the units of the file.
-        channels: those wanted.
+    These are by path, each of shape (m,), in the units of the file.
     """
     return cast("SolveMany", import_module("analytic").many_solver(scene, changes, channels))
 
@@ -155,17 +136,9 @@ def many(scene: Scene, changes: Mapping[str, Samples], channels: frozenset[str])
 def derivatives(
     scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
 ) -> Mapping[str, Samples]:
-    """Return the exact derivatives of channels by p numbers of the scene, each of shape (p, n), at fixed positions.
+    """Return the exact derivatives of channels by p numbers of the scene file, at n fixed positions of the drive.
 
-    Args:
-        scene: the linkage.
-        paths: of the numbers in the scene file.
-        position: of the drive, rad or m, shape (n,).
-        time: the instants, s, shape (n,).
-        channels: those wanted.
-
-    Returns:
-        By channel, in SI per unit of the file of the number.
+    Each is of shape (p, n), in SI per unit of the file of the number; positions are in rad or m, times in s.
     """
     by_channel = import_module("analytic").derivatives(scene, paths, position, time, channels)
     return cast("Mapping[str, Samples]", by_channel)

@@ -71,11 +71,7 @@ class Runs:
     def run(self, name: str, scene: Scene, request: Request, settings: Settings | None = None) -> Run:
         """Build, solve and read, each timed apart; what comes back is not looked at, see `complete`.
 
-        Args:
-            name: of the engine.
-            scene: the mechanism.
-            request: the instants and the channels wanted there.
-            settings: of the engine; None for its default.
+        No settings are the engine's default.
         """
         (ended,) = self._runs(name, scene, request, [settings], reads=True)
         return ended
@@ -112,24 +108,19 @@ run = HERE.run
 def _attempts(
     name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
 ) -> list[Run]:
-    return [_attempt(name, scene, request, each, reads=reads) for each in settings]
-
-
-def _attempt(name: str, scene: Scene, request: Request, settings: Settings | None, *, reads: bool) -> Run:
-    """Return how a run ends.
-
-    Raises:
-        MemoryError: there was not enough.
-    """
-    failed = Run(name, settings, Status.crashed, "", "engine", registry.ENTRIES[name].version)
-    try:
-        engine = registry.imported(name)
-        failed = replace(failed, settings=settings or engine.DEFAULT, version=text_of(engine.version()))
-        return _solved(engine, scene, request, failed, reads=reads)  # the version is known: no clock times an import
-    except MemoryError:
-        raise
-    except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
-        return replace(failed, reason=described(error))
+    """How runs end; MemoryError where there is not enough."""
+    ended = []
+    for each in settings:
+        failed = Run(name, each, Status.crashed, "", "engine", registry.ENTRIES[name].version)
+        try:
+            engine = registry.imported(name)
+            failed = replace(failed, settings=each or engine.DEFAULT, version=text_of(engine.version()))
+            ended.append(_solved(engine, scene, request, failed, reads=reads))  # by now no clock times an import
+        except MemoryError:
+            raise
+        except Exception as error:  # an engine's own fault is an outcome to report, the other engines go on
+            ended.append(replace(failed, reason=described(error)))
+    return ended
 
 
 def processor_time() -> float:

@@ -15,20 +15,16 @@ from multiprocessing import resource_tracker
 from queue import Empty, SimpleQueue
 from socket import gethostname
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from scenes import InputError, Status
 
 from ..kept import version
-from .inside import Ended, Limits, answer
+from .inside import Ended, Item, Limits, Result, answer, packed
 from .isolation import POLL, WAIT, isolated, uninterrupted
-from .messages import packed
 
 if TYPE_CHECKING:
     from dask.distributed import Client
-
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 PATIENCE = 10  # s, for a scheduler and its workers to answer
 HERE = "127.0.0.1"  # nothing listens to other machines
@@ -56,9 +52,6 @@ def cluster(workers: int, scheduler: str = "") -> Iterator["Client"]:
     Args:
         workers: how many processes to begin on this machine, where no scheduler is given.
         scheduler: address of a cluster's scheduler, as `tcp://host:8786`; its workers have this project installed.
-
-    Raises:
-        InputError: no scheduler answers there, or it has no workers.
     """
     check_installed()
     logging.disable()  # what Dask reports of workers that come and go is no matter of the user's
@@ -115,7 +108,11 @@ def _greet(scheduler: str) -> None:
 
 
 def spread(
-    function: Callable[[Item], Result], items: Iterable[Item], client: "Client", poll: Callable[[], None]
+    function: Callable[[Item], Result],
+    items: Iterable[Item],
+    client: "Client",
+    poll: Callable[[], None],
+    again: bool = True,
 ) -> Iterator[tuple[Item, Result | Ended]]:
     """Yield every item with what the function returns for it on a worker, or how it ended, as they come.
 
@@ -124,26 +121,14 @@ def spread(
         items: what it is called with, one after the other on each worker.
         client: of the cluster; see `cluster`.
         poll: called again and again, and may raise: then what has not begun never will.
+        again: whether what was on several workers that died is tried once more, by itself.
 
     Raises:
         InputError: a worker has another version of this project or of what it needs, or the scheduler has gone.
     """
-    blamed: list[Item] = []
-    for item, outcome in _spread(function, items, client, poll):
-        if outcome is KILLED:
-            blamed.append(item)
-        else:
-            yield item, outcome
-    for item in blamed:
-        yield from _spread(function, [item], client, poll)
-
-
-def _spread(
-    function: Callable[[Item], Result], items: Iterable[Item], client: "Client", poll: Callable[[], None]
-) -> Iterator[tuple[Item, Result | Ended]]:
-    """Yield what `spread` does, and `KILLED` for what was on several workers that died."""
     from dask.distributed import KilledWorker
 
+    blamed: list[Item] = []
     done = SimpleQueue[Any]()
     running: dict[Any, Item] = {}
     try:
@@ -167,21 +152,19 @@ def _spread(
             except CancelledError:
                 raise InputError("--scheduler: it has gone; what is done is kept for another run") from None
             future.release()  # as its __del__ does, where Python would drop Ctrl-C
-            yield item, outcome
+            if outcome is KILLED and again:
+                blamed.append(item)
+            else:
+                yield item, outcome
     finally:
         with suppress(Exception):  # it has gone
             client.cancel(list(running))
-
-
-# --- on a worker ------------------------------------------------------------------------------------------------------
+    for item in blamed:
+        yield from spread(function, [item], client, poll, again=False)
 
 
 def _done(wanted: str, task: bytes) -> bytes:
-    """Return the answer to a task.
-
-    Raises:
-        InputError: this is another version of everything than where it comes from, whose answer may differ.
-    """
+    """Return the answer to a task, on a worker; another version of everything may give another."""
     if version() != wanted:
         raise InputError(f"workers: expected the same versions of everything, and one on {gethostname()} has others")
     function, item = pickle.loads(task)

@@ -1,4 +1,10 @@
-"""What goes on in a process that is not this one: it is begun and limited, then answers until its parent has gone."""
+"""What goes on in a process that is not this one: it is begun and limited, then answers until its parent has gone.
+
+It ends with all that it began, whatever became of that: its parent is its guard, which runs nothing but what is here.
+What the guarded process began, and they in turn, are children of the guard once their own parents have gone (it is a
+subreaper, of Linux), in whatever group or session they are. The guarded process leads a group of its own, so that a
+signal to its group reaches no other.
+"""
 
 import faulthandler
 import gc
@@ -8,21 +14,23 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
+from ctypes import CDLL
 from dataclasses import dataclass
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from threading import Thread
-from typing import TypeVar
+from types import MappingProxyType
+from typing import Any, TypeVar
 
 from scenes import Status
 
 from ..reasons import TRACEBACK, described
 from ..threads import one_thread
-from .guard import begin_guarded
-from .messages import packed
 
 LINUX = sys.platform == "linux"
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36  # of Linux' sys/prctl.h
 OPEN: set["Connection[bytes, bytes]"] = set()  # ways to the processes of this one, which are no matter of theirs
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -60,7 +68,8 @@ def serve(connection: "Connection[bytes, bytes]", function: Callable[[Item], Res
     with one_thread(), suppress(EOFError):
         while True:
             limits, item = pickle.loads(connection.recv_bytes())
-            _limit(size + limits.memory)
+            if LINUX:
+                _limit("RLIMIT_AS", size + limits.memory)
             connection.send_bytes(answer(function, item, limits))
 
 
@@ -76,6 +85,18 @@ def answer(function: Callable[[Item], Result], item: Item, limits: Limits) -> me
     return packed((ended,))
 
 
+def packed(message: object) -> memoryview:
+    """A message as it is sent."""
+    return ForkingPickler.dumps(message)
+
+
+def _read_only(mapping: dict[Any, Any]) -> MappingProxyType[Any, Any]:
+    return MappingProxyType(mapping)
+
+
+ForkingPickler.register(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))  # scenes hold them
+
+
 def _prepare(parent: int, connection: int) -> None:
     """End with the parent or by SIGTERM, leave Ctrl-C to the parent, and print nothing but tracebacks on request."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -87,12 +108,22 @@ def _prepare(parent: int, connection: int) -> None:
     sys.stdout = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - as long as the process is
     sys.stderr = sys.stderr if shown else sys.stdout
     gc.freeze()  # what came from the parent is not looked at again, and so not copied
+    if sys.platform != "win32":
+        _limit("RLIMIT_CORE", 0)  # no file is left where it crashes
     if LINUX:
         for each in OPEN:
             each.close()
-        begin_guarded(parent, connection)
+        _begin_guarded(parent, connection)
     else:
         Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _limit(what: str, value: int) -> None:
+    import resource  # not on Windows
+
+    number = getattr(resource, what)
+    _, hard = resource.getrlimit(number)
+    resource.setrlimit(number, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
 
 
 def _end_with_parent() -> None:
@@ -102,12 +133,70 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def _limit(memory: int) -> None:
-    """Let the process have so much address space, and leave no file where it crashes."""
-    if sys.platform == "win32":
-        return
-    import resource
+# --- the guard --------------------------------------------------------------------------------------------------------
 
-    for limit, value in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_AS, memory))[: 1 + LINUX]:
-        _, hard = resource.getrlimit(limit)
-        resource.setrlimit(limit, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
+
+def _begin_guarded(parent: int, own: int) -> None:
+    """Return in a new process. Its guard, this one, ends when and as that ends, or by SIGTERM, or with its parent.
+
+    The new process alone has `own` open, a file.
+    """
+    system, awaited = CDLL(None), {signal.SIGTERM, signal.SIGCHLD}
+    signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
+    system.prctl(PR_SET_CHILD_SUBREAPER, 1)
+    _end_with(system, parent, signal.SIGTERM)
+    guard, guarded = os.getpid(), os.fork()
+    if not guarded:
+        os.setpgid(0, 0)
+        _end_with(system, guard, signal.SIGKILL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, awaited)
+        return
+    os.close(own)
+    ended = status = 0
+    while ended != guarded and signal.sigwait(awaited) == signal.SIGCHLD:
+        ended, status = os.waitpid(guarded, os.WNOHANG)
+    if not ended:
+        os.kill(guarded, signal.SIGKILL)
+        _, status = os.waitpid(guarded, 0)
+    with suppress(ChildProcessError):  # none is left
+        while True:
+            os.waitpid(-1, os.WNOHANG)
+            for each in descendants(guard):
+                with suppress(ProcessLookupError):
+                    os.kill(each, signal.SIGKILL)
+            os.waitpid(-1, 0)
+    if os.WIFSIGNALED(status):
+        number = os.WTERMSIG(status)
+        if number != signal.SIGKILL:
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {number})
+        os.kill(guard, number)
+    os._exit(os.WEXITSTATUS(status))
+
+
+def _end_with(system: CDLL, parent: int, by: signal.Signals) -> None:
+    """Have this process get a signal when its parent dies; it may have died before."""
+    system.prctl(PR_SET_PDEATHSIG, by)
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def descendants(process: int) -> list[int]:
+    """Return the processes below one, those of whom others are below first."""
+    below: dict[int, list[int]] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has gone
+            parent = int(stat.read_text("utf-8", "replace").rpartition(")")[2].split()[1])
+            below.setdefault(parent, []).append(int(stat.parent.name))
+    known = [process]
+    for each in known:
+        known += below.get(each, ())
+    return known[1:]
+
+
+def memory(process: int) -> int:
+    """Return the bytes that a process has for itself, and its share of what it has with others; 0 where it has gone."""
+    with suppress(OSError):
+        lines = Path(f"/proc/{process}/smaps_rollup").read_text("ascii").splitlines()
+        return 1024 * next((int(line.split()[1]) for line in lines if line.startswith("Pss:")), 0)
+    return 0

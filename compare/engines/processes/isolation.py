@@ -5,22 +5,23 @@ engine asleep in C goes on after its parent was killed, half an answer hangs the
 alone.
 """
 
+import io
 import os
+import pickle
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import wait
 from time import monotonic
-from typing import Generic
+from typing import Any, Generic
 
 from scenes import InputError, Status
 
 from ..reasons import described
-from .guard import descendants, memory
-from .inside import LINUX, OPEN, Ended, Item, Limits, Result, serve
-from .messages import Messages, packed
+from .inside import LINUX, OPEN, Ended, Item, Limits, Result, descendants, memory, packed, serve
 
 CONTEXT = get_context("fork") if LINUX else get_context("spawn")  # a fork takes milliseconds; elsewhere it is not safe
 SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
@@ -28,17 +29,14 @@ POLL = 0.2  # s, between two looks at whether the user asked to stop
 LOOK = 1.0  # s, between two looks at what processes of an engine's own take
 PATIENCE = 2.0  # s, for a guard to end its processes
 WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
+CHUNK, HEAD = 2**20, 4  # bytes of a message that are taken at a time, and that its size has
 
 
 class Worker(Generic[Item, Result]):
     """A process that calls one function with what it is asked, one after the other, until it dies or is ended."""
 
     def __init__(self, function: Callable[[Item], Result]) -> None:
-        """Begin the process.
-
-        Raises:
-            InputError: the system allows no further one.
-        """
+        """Begin the process; InputError where the system allows no further one."""
         try:
             self.connection, theirs = CONTEXT.Pipe()
             OPEN.add(self.connection)
@@ -48,7 +46,7 @@ class Worker(Generic[Item, Result]):
         except OSError as error:
             raise InputError(f"engines: no process can be begun for them: {error.strerror}") from error
         theirs.close()
-        self._messages = Messages(self.connection)
+        self._come = bytearray()  # of a message
         self._engine = 0  # the process that answers, once it has sent its number
         self.busy = False  # whether it was asked for something of which the outcome is not known
         self.outcome: Result | Ended
@@ -88,7 +86,7 @@ class Worker(Generic[Item, Result]):
     def _ended(self) -> Ended | None:
         """Take what the process has sent, and return how it ended where no answer is to come."""
         try:
-            while self.busy and (message := self._messages.next(self._limits.memory)) is not None:
+            while self.busy and (message := self._message()) is not None:
                 if self._engine:
                     (self.outcome,), self.busy = message, False
                 else:
@@ -97,11 +95,25 @@ class Worker(Generic[Item, Result]):
             return self._died()
         except Exception as error:
             return Ended(Status.crashed, f"its result cannot be read: {described(error)}")
-        if not self.busy:
-            return None
-        if self._process.exitcode is not None and not self.connection.poll():
+        if self.busy and self._process.exitcode is not None and not self.connection.poll():
             return self._died()
-        return self._beyond()
+        return self._beyond() if self.busy else None
+
+    def _message(self) -> Any:
+        """Return what was sent once it is whole, None before that: half a message holds nobody up."""
+        if self.connection.poll():
+            if sys.platform == "win32":
+                return _Reader(io.BytesIO(self.connection.recv_bytes())).load()
+            if not (more := os.read(self.connection.fileno(), CHUNK)):
+                raise EOFError
+            self._come += more
+        end = HEAD + int.from_bytes(self._come[:HEAD], "big", signed=True)  # as `multiprocessing` sends it
+        if not HEAD <= end <= HEAD + self._limits.memory:
+            raise ValueError("it is too large")
+        if len(self._come) < end:
+            return None
+        message, self._come = bytes(self._come[HEAD:end]), self._come[end:]
+        return _Reader(io.BytesIO(message)).load()
 
     def _beyond(self) -> Ended | None:
         """Return which limit it is beyond."""
@@ -136,6 +148,15 @@ class Worker(Generic[Item, Result]):
         return Ended(Status.crashed, f"its process ended by {cause}")
 
 
+class _Reader(pickle.Unpickler):
+    """Imports nothing for what it reads: an engine's own code stays where it is."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if module not in sys.modules:
+            raise pickle.UnpicklingError(f"{name} of {module} is not known outside of it")
+        return super().find_class(module, name)
+
+
 def isolated(
     function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Callable[[], None]
 ) -> Iterator[tuple[Item, Result | Ended]]:
@@ -152,10 +173,8 @@ def isolated(
                 busy[worker] = left.pop()
                 worker.ask(busy[worker], limits)
             wait([worker.connection for worker in busy], POLL)
-            for worker, item in [*busy.items()]:
-                if not worker.done():
-                    continue
-                del busy[worker]
+            for worker in filter(Worker.done, [*busy]):
+                item = busy.pop(worker)
                 if isinstance(worker.outcome, Ended):  # whatever state it is in
                     worker.end()
                 else:

@@ -27,7 +27,6 @@ class Workers(Runs):
     """Runs each engine in its process; what ends a process is a row of data."""
 
     def __init__(self, poll: Callable[[], None]) -> None:
-        """Begin nothing yet; `poll` is called again and again while a run is waited for, and may raise."""
         self._poll = poll
         self._workers: dict[str, Worker[Callable[[], Any], Any]] = {}
         self._scene: Scene | None = None  # that was asked for last
@@ -85,11 +84,8 @@ def _import(name: str) -> None:
 def workers(engines: Iterable[str], poll: Callable[[], None]) -> Iterator[Runs]:
     """Yield what runs engines in processes of their own, which are begun now and ended afterwards.
 
-    In a process that may have none of its own, as a worker of the caller's, engines run in that.
-
-    Args:
-        engines: their names; those that are not installed begin no process.
-        poll: called again and again while a run is waited for; it may raise, which ends the engine's process.
+    In a process that may have none of its own, as a worker of the caller's, engines run in that. `poll` is called again
+    and again while a run is waited for; it may raise, which ends the engine's process.
     """
     with one_thread():
         if current_process().daemon:
@@ -109,7 +105,6 @@ class Lasting:
     """What runs engines for one task after the other of a process that goes on, as a worker of a cluster does."""
 
     def __init__(self) -> None:
-        """Begin nothing yet."""
         self._lock = Lock()
         self._begun = ExitStack()
         self._runs: Runs | None = None
