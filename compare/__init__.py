@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 __all__ = ["check", "vary"]
 
 ENGINES = ("analytic", "exudyn", "pymunk")
+TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable, by which a command shows where an error is
 
 
 def check(

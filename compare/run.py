@@ -12,7 +12,7 @@ with starting(__name__):
 
     from scenes import InputError, Scene, load, numbers_in
 
-    from .cli import family, monte_carlo, report
+    from .cli import many, report
     from .cli.arguments import parser, sampling
     from .cli.commands import command_among, do
     from .cli.cost import announce
@@ -55,9 +55,9 @@ def _run(options: argparse.Namespace) -> int:
     from .report.output.origin import check_origin
     from .report.output.placing import check_writable
 
-    run, own = (family.run, files.FAMILY) if options.vary else (report.run, files.REPORT)
+    run, own = (many.family, files.FAMILY) if options.vary else (report.run, files.REPORT)
     if options.monte_carlo:
-        run, own = monte_carlo.run, files.MONTE_CARLO
+        run, own = many.monte_carlo, files.MONTE_CARLO
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():

@@ -44,58 +44,32 @@ def parser() -> argparse.ArgumentParser:
         description="Solve planar linkages by independent models.",
         epilog=f"Other commands: {'; '.join(f'{name}, {about}' for name, about in COMMANDS.items())}.",
     )
-    parser.add_argument(
-        "scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file"
-    )
-    parser.add_argument("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
-    parser.add_argument(
-        "--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)"
-    )
-    parser.add_argument("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
+    add = parser.add_argument
+    add("scenes", nargs="*", metavar="SCENE", default=["toggle_press"], help="shipped name, or .toml file")
+    add("--engines", type=_engines, default=",".join(registry.DEFAULT_ENGINES), help="comma-separated")
+    add("--samples", type=_count(FEWEST, 100_000), default=360, help="samples per cycle of the drive (360)")
+    add("--turns", type=_count(1, 10_000), default=1, help="cycles of the drive (1)")
     parser.add_out("the reports")
-    parser.add_argument("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
-    parser.add_argument(
-        "--accuracy",
-        type=accuracy,
-        help=f"the engines' settings: {', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)",
-    )
-    parser.add_argument(
-        "--vary",
-        type=variation,
-        action="append",
-        default=[],
-        metavar="PATH=FROM:TO:COUNT",
-        help="run a family instead, over a number of the scene file; may be given several times, for all combinations",
-    )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
-    parser.add_argument(
-        "--monte-carlo",
-        type=_count(2, MOST_MACHINES),
-        metavar="N",
-        help="draw so many machines from the scene's [[variations]] instead, and report what the tolerances do",
-    )
-    parser.add_argument("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
-    parser.add_argument(
-        "--result",
-        action="append",
-        default=[],
-        metavar="NAME=FILE.csv",
-        help="judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]",
-    )
-    parser.add_argument("--full", action="store_true", help="take more settings of each engine, timed for longer")
-    parser.add_argument("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
-    parser.add_argument(
-        "--format",
-        choices=("plain", "github"),
-        default="plain",
-        help="of --check: annotations and a step summary too",
-    )
-    parser.add_argument(
-        "--baseline", type=Path, metavar="FILE", help="name what changed since the run that wrote this summary.json"
-    )
-    parser.add_argument("--open", action="store_true", help="open each report in the browser when it is written")
+    add("--channels", type=_names, help="only these, comma-separated; P5.* is all of P5 (all)")
+    levels = f"{', '.join(TIERS)}, or the cheapest within a relative error as 1e-4 (balanced)"
+    add("--accuracy", type=accuracy, help=f"the engines' settings: {levels}")
+    about = "run a family instead, over a number of the scene file; may be given several times, for all combinations"
+    add("--vary", type=variation, action="append", default=[], metavar="PATH=FROM:TO:COUNT", help=about)
+    where = parser.add_mutually_exclusive_group().add_argument
+    where("--workers", type=_count(1, 256), metavar="N", help="run the family by N processes, with Dask")
+    where("--scheduler", metavar="ADDRESS", help="run the family on the Dask cluster with this scheduler")
+    about = "draw so many machines from the scene's [[variations]] instead, and report what the tolerances do"
+    add("--monte-carlo", type=_count(2, MOST_MACHINES), metavar="N", help=about)
+    add("--seed", type=_count(0, 2**32 - 1), metavar="K", help="of these draws (0)")
+    about = "judge a result of another program too, by the mapping in FILE.toml or in the scene's [results.NAME]"
+    add("--result", action="append", default=[], metavar="NAME=FILE.csv", help=about)
+    add("--full", action="store_true", help="take more settings of each engine, timed for longer")
+    add("--check", action="store_true", help="exit 1 if a tolerance of a scene is missed")
+    about = "of --check: annotations and a step summary too"
+    add("--format", choices=("plain", "github"), default="plain", help=about)
+    about = "name what changed since the run that wrote this summary.json"
+    add("--baseline", type=Path, metavar="FILE", help=about)
+    add("--open", action="store_true", help="open each report in the browser when it is written")
     return parser
 
 
@@ -119,11 +93,7 @@ def _count(least: int, most: int) -> Callable[[str], int]:
 
 
 def accuracy(text: str) -> Accuracy:
-    """The accuracy that an argument asks for.
-
-    Raises:
-        ArgumentTypeError: it is none.
-    """
+    """The accuracy that an argument asks for, or raise ArgumentTypeError."""
     if text in TIERS:
         return text
     try:
@@ -131,10 +101,8 @@ def accuracy(text: str) -> Accuracy:
     except ValueError:
         level = 0.0
     if not 0 < level < 1:
-        raise ArgumentTypeError(
-            f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found '{one_line(text, 40)}'"
-            f"{nearest(text, TIERS, or_all=False)}"
-        )
+        found = f"'{one_line(text, 40)}'{nearest(text, TIERS, or_all=False)}"
+        raise ArgumentTypeError(f"expected {', '.join(TIERS)} or a relative error such as 1e-4, found {found}")
     return level
 
 
@@ -150,30 +118,20 @@ def from_python(engines: object, **others: object) -> argparse.Namespace:
 
 
 def sampling(scene: Scene, samples: int, turns: int, patterns: Sequence[str] | None = None) -> Sampling:
-    """The sampling of a scene, for the channels that match one of the patterns, or all.
-
-    Raises:
-        InputError: a pattern matches no channel, there are to be several cycles of a run that has one, or more values
-            than fit.
-    """
+    """The sampling of a scene, for the channels that match one of the patterns, or all; bad ones raise InputError."""
     if turns > 1 and not scene.drive.repeats:
         raise InputError(f"arguments: --turns {turns}: expected 1, since {scene.name} runs once from start to end")
     request = Sampling(samples, turns, channels=None if patterns is None else matching(scene, patterns))
     width = len(request.wanted(scene))
     if request.count * width > limits.VALUES:
-        raise InputError(
-            f"arguments: --samples {samples} --turns {turns}: expected {limits.VALUES} values at most, found"
-            f" {request.count} samples of {width} channels of {scene.name}; --channels asks for fewer"
-        )
+        expected = f"--samples {samples} --turns {turns}: expected {limits.VALUES} values at most"
+        found = f"{request.count} samples of {width} channels of {scene.name}"
+        raise InputError(f"arguments: {expected}, found {found}; --channels asks for fewer")
     return request
 
 
 def matching(scene: Scene, patterns: Sequence[str]) -> frozenset[str]:
-    """The channels of a scene whose names match one of the patterns, `P5.*` for example.
-
-    Raises:
-        InputError: a pattern matches no channel.
-    """
+    """The channels of a scene whose names match a pattern, as `P5.*`; InputError for one that matches none."""
     known = [channel for channel in channels(scene) if channel not in ("time", scene.drive_channel)]
     for pattern in patterns:
         if not any(fnmatchcase(channel, pattern) for channel in known):

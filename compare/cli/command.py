@@ -23,10 +23,11 @@ from pathlib import Path
 from signal import SIG_IGN, SIGINT, SIGTERM, getsignal, signal
 from typing import Any, NoReturn, ParamSpec, TextIO, cast
 
+from .. import TRACEBACK
+
 P = ParamSpec("P")
 
 CONSOLE = "linkage-crosscheck"
-TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable
 OBJECTS = 100_000  # that are new before unused ones are looked for: nearly all that imports make stay
 LEAST = 512  # MB of address space: the main job takes 464; with less, libraries end the process as they like
 
@@ -67,9 +68,8 @@ def _folder(text: str) -> Path:
     try:
         return Path(text).expanduser()
     except RuntimeError:
-        raise argparse.ArgumentTypeError(
-            f"expected the path of a folder, and the home of '{text}' is unknown"
-        ) from None
+        why = f"expected the path of a folder, and the home of '{text}' is unknown"
+        raise argparse.ArgumentTypeError(why) from None
 
 
 def called() -> str:
@@ -86,11 +86,7 @@ def console() -> None:
 
 @contextmanager
 def starting(name: str) -> Iterator[None]:
-    """Have what stops a main program during its imports end it as it does later.
-
-    Args:
-        name: `__name__` of the module that imports; nothing happens in one that is not the main program.
-    """
+    """Have what stops a main program, which is known by its `__name__`, during its imports end it as it does later."""
     if name != "__main__":
         yield
         return
@@ -142,14 +138,7 @@ def _prepare() -> None:
 
 
 def command(run: Callable[P, int]) -> Callable[P, int]:
-    """A command that ends with one line and an exit status whatever stops it.
-
-    Args:
-        run: the command; its exit status stands where nothing stops it.
-
-    Returns:
-        The command, with an exit status as in the table above.
-    """
+    """A command that ends with one line and an exit status as in the table above, whatever stops it."""
 
     @wraps(run)
     def ended(*arguments: P.args, **options: P.kwargs) -> int:
@@ -166,9 +155,9 @@ def command(run: Callable[P, int]) -> Callable[P, int]:
         output.flush()
         if output.trouble:
             _to_nowhere(sys.stdout)
-        if output.trouble and not isinstance(output.trouble, BrokenPipeError):
-            _report(f"standard output: {output.trouble.strerror}; what was to be printed is lost")
-            status = status or 2
+            if not isinstance(output.trouble, BrokenPipeError):
+                _report(f"standard output: {output.trouble.strerror}; what was to be printed is lost")
+                status = status or 2
         return status
 
     return ended

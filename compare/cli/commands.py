@@ -10,9 +10,8 @@ from ..engines import registry
 from .arguments import COMMANDS
 from .command import CONSOLE, called
 
-SPELLINGS = {f"--{name}": name for name in ("list", "new", "version")} | {
-    "--result-mapping": "map"
-}  # as options among others
+# as options among others
+SPELLINGS = {"--list": "list", "--new": "new", "--version": "version", "--result-mapping": "map"}
 
 
 def command_among(words: Sequence[str]) -> tuple[str, list[str]]:
@@ -25,11 +24,7 @@ def command_among(words: Sequence[str]) -> tuple[str, list[str]]:
 
 
 def do(name: str, words: Sequence[str]) -> None:
-    """Do what a command is for.
-
-    Raises:
-        InputError: its words are not as `COMMANDS` has them, or what they name cannot be read or written.
-    """
+    """Do what a command is for, by words as `COMMANDS` has them."""
     results = [word for word in words if "=" in word]
     match name, [word for word in words if word not in results], results:
         case "list", _, _:

@@ -3,7 +3,6 @@
 import os
 import sys
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 from scenes import InputError, Sampling, Scene
 
@@ -21,58 +20,29 @@ SHARED, OWN = 90, 25  # bytes for every number: of the reference and what is bei
 SHOWN_S, SHOWN_BYTES = 30.0, 1e9  # above which a prediction is shown
 
 
-class Cost(NamedTuple):
-    """The cost of a run."""
-
-    seconds: float  # of processor time
-    memory: float  # bytes
-
-
-def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> Cost:
-    """What a run costs by itself, without `--full`.
-
-    Args:
-        scene: the linkage.
-        sampling: the instants, and the channels.
-        engines: their names.
-        members: of a family; 0 for a single scene.
-    """
+def predicted(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> tuple[float, float]:
+    """What a run, or a family of so many members, costs without `--full`: s of processor time, and bytes."""
     bodies, numbers = len(scene.bodies), sampling.count * len(sampling.wanted(scene))
     matrices = MATRIX * (3 * bodies) ** 3 * sampling.count * len(engines)
     of_engines = numbers * sum(NUMBER.get(engine, OTHER) for engine in engines)
     seconds, memory = OF_BODIES * bodies**2 + matrices + of_engines, numbers * (SHARED + OWN * len(engines))
     program = PROGRAM + SQUARE * bodies**2
     if members:
-        return Cost(members * (MEMBER + seconds), program + members * memory)
-    return Cost(FIXED + seconds, program + memory)
+        return members * (MEMBER + seconds), program + members * memory
+    return FIXED + seconds, program + memory
 
 
 def announce(scene: Scene, sampling: Sampling, engines: Sequence[str], members: int = 0) -> None:
-    """Write one line to stderr on what a large run will cost.
-
-    Args:
-        scene: the linkage.
-        sampling: the instants, and the channels.
-        engines: their names.
-        members: of a family; 0 for a single scene.
-
-    Raises:
-        InputError: it needs more memory than there is.
-    """
-    cost, limit = predicted(scene, sampling, engines, members), _memory()
+    """Write one line to stderr on what a large run will cost, or raise InputError where no memory holds it."""
+    (seconds, memory), limit = predicted(scene, sampling, engines, members), _memory()
     family = f" and {members:,} members" if members else ""
     what = f"{sampling.count:,} samples of {len(scene.bodies)} bodies by {len(engines)} engines{family}"
-    if cost.memory > limit:
+    if memory > limit:
         why = f"expected what fits into the {limit / 1e9:.1f} GB of memory here"
-        raise InputError(f"{scene.name}: {why}; {what} need about {cost.memory / 1e9:.1f} GB")
-    if cost.seconds > SHOWN_S or cost.memory > SHOWN_BYTES:
-        print(
-            f"{scene.name}: {_time(cost.seconds)} and {cost.memory / 1e9:.1f} GB expected for {what}", file=sys.stderr
-        )
-
-
-def _time(seconds: float) -> str:
-    return f"about {seconds:.0f} s" if seconds < 90 else f"about {seconds / 60:.0f} min"
+        raise InputError(f"{scene.name}: {why}; {what} need about {memory / 1e9:.1f} GB")
+    if seconds > SHOWN_S or memory > SHOWN_BYTES:
+        time = f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+        print(f"{scene.name}: about {time} and {memory / 1e9:.1f} GB expected for {what}", file=sys.stderr)
 
 
 def _memory() -> float:

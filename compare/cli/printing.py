@@ -38,11 +38,7 @@ def print_result(result: "Study") -> None:
 def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, more: Sequence[str] = ()) -> bool:
     """Name every tolerance that was missed and every engine that failed, and return whether there is any.
 
-    Args:
-        scene: the linkage.
-        judged: by name what was judged.
-        output_format: `github` for annotations and a step summary besides.
-        more: what else is missed.
+    What was judged is by name; with `github` as format there are annotations and a step summary besides.
     """
     from ..ci import github
     from ..engines import registry
@@ -69,14 +65,7 @@ def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, m
 def show_page(what: str, page: Path, unfinished: str, options: Namespace) -> None:
     """Print where a page is, and open it in the browser where that is asked for and there is one.
 
-    Args:
-        what: the page.
-        page: its file.
-        unfinished: what it has where the user stopped; nothing where all is done.
-        options: of the command line.
-
-    Raises:
-        KeyboardInterrupt: the user stopped.
+    `unfinished` is what it has where the user stopped, which raises KeyboardInterrupt; nothing where all is done.
     """
     print(f"{what}: {page}")
     if unfinished:

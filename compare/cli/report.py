@@ -14,14 +14,11 @@ if TYPE_CHECKING:
     from ..ci.baseline import Change, Summary
     from ..study import Study
 
-TO_LOCK = "lock_rrr"  # ladder of the map of stability next to a singular configuration
-
 
 def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
     """Write one scene's report, and return whether it misses a tolerance.
 
-    Raises:
-        KeyboardInterrupt: the user stopped; what was done till then is written, if there is a reference to report on.
+    Where the user stops, what was done till then is written, if there is a reference to report on.
     """
     from ..engines.processes.stopping import Stopped, stoppable
     from ..measure.speed.timing import Budget
@@ -52,12 +49,12 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     folder = output.write(result, options.out, changed, complete=not stopped)
     print_result(result)
     show_page("report", folder / "report.html", "what was done" if stopped else "", options)
-    worse = [str(change) for change in changed or () if change.worse]
     if not options.check:
         return False
     from ..judge.canaries.canaries import canaries
 
     result.let_through.extend(canaries(result))
+    worse = [str(change) for change in changed or () if change.worse]
     return stops(scene, {scene.name: result}, options.format, worse)
 
 
@@ -80,7 +77,7 @@ def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None
     from ..measure.hard.stability import stability_table
 
     able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]
-    to_lock = [(rung.label, rung.scene()) for rung in ladder(TO_LOCK).rungs]
+    to_lock = [(rung.label, rung.scene()) for rung in ladder("lock_rrr").rungs]
     maps = stability_table(result.scene, able, to_lock, progress)
     hard = hard_cases(catalogue(), able, options.out, progress, result.reasons.append)
     return replace(result, maps=maps, hard=hard)

@@ -7,7 +7,8 @@ from traceback import print_exception, walk_tb
 
 from scenes.errors import one_line
 
-TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable, as of the command line
+from .. import TRACEBACK
+
 CALLERS = ("compare", "importlib")  # packages from which an engine is called
 
 

@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from compare.cli.command import TRACEBACK, Parser, command
+from compare import TRACEBACK
+from compare.cli.command import Parser, command
 from scenes import InputError
 from tests.comparisons import SLOW
 

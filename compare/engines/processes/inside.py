@@ -26,7 +26,8 @@ from typing import Any, TypeVar
 
 from scenes import Status
 
-from ..reasons import TRACEBACK, described
+from ... import TRACEBACK
+from ..reasons import described
 from ..threads import one_thread
 
 LINUX = sys.platform == "linux"

@@ -1,4 +1,7 @@
-"""A family of linkages: `python -m compare.run --vary`."""
+"""Many linkages: a family, by `python -m compare.run --vary`, and machines drawn from a scene's tolerances.
+
+A command that the user stops reports on what was solved till then, and ends by KeyboardInterrupt.
+"""
 
 from argparse import Namespace
 from collections.abc import Callable
@@ -10,12 +13,8 @@ from ..measure.many.grid import grid
 from .printing import show_page, stops
 
 
-def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
-    """Write one scene's family, and return whether a member misses a tolerance, or none runs.
-
-    Raises:
-        KeyboardInterrupt: the user stopped; what was solved till then is written.
-    """
+def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+    """Write one scene's family, and return whether a member misses a tolerance, or none runs."""
     from ..engines.processes.cluster import cluster
     from ..measure.many.family import Asked, Family
     from ..measure.many.going_on import going_on, kept_members
@@ -57,3 +56,34 @@ def run(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str
     for first in [*able.values()][:1]:  # whose motions are gone: the comparison itself is checked with others
         first.let_through.extend(judged(first.scene, options.engines, request).let_through)
     return stops(scene, able, options.format, () if able else ("every tolerance, since no member runs",))
+
+
+def monte_carlo(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:
+    """Write what one scene's tolerances do, and return whether the linkage as drawn misses a tolerance."""
+    from ..judge.canaries.canaries import canaries
+    from ..measure.many.study import begun, solved
+    from ..report.output import files as output
+    from ..report.tables.monte_carlo import ran, verdicts
+
+    def progress(doing: str) -> None:
+        show(f"{scene.name}: {doing}")
+
+    study = begun(scene, options.monte_carlo, options.seed or 0, options.engines, request, progress)
+    try:
+        for block in solved(study):
+            study.blocks.append(block)
+            progress(f"{study.count:,} of {study.asked:,} machines")
+    except KeyboardInterrupt:
+        if not study.blocks:
+            raise
+    progress("writing the report")
+    page = output.write_monte_carlo(study, options.out) / "monte_carlo.html"
+    for sentence in (ran(study), *verdicts(study)):
+        print(f"{scene.name}  {sentence}")
+    done = f"the {study.count} of {study.asked} machines that were done"
+    show_page("tolerances", page, "" if study.complete else done, options)
+    if not options.check:
+        return False
+    study.judged.let_through.extend(canaries(study.judged))
+    none = () if study.running else ("every tolerance, since no drawn machine runs",)
+    return stops(scene, {scene.name: study.judged}, options.format, none)
