@@ -38,7 +38,7 @@ class Study(Judgement):
 
     @cached_property
     def cheapest(self) -> list[work_precision.Choice]:
-        """The cheapest setting for every error, see `work_precision.choices`."""
+        """The cheapest setting for every error."""
         return work_precision.choices(self.speed)
 
     @cached_property
@@ -53,17 +53,13 @@ class Study(Judgement):
 
 
 def judged(scene: Scene, engines: Sequence[str], sampling: Sampling, accuracy: Accuracy = "balanced") -> Judgement:
-    """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written.
-
-    Raises:
-        InputError: the reference cannot solve the scene.
-    """
-    _prepared(scene, _able(engines))
+    """Solve a scene by every engine named, measure, gate, and check the comparison; nothing is timed or written."""
+    able = _prepared(scene, engines)
     with workers([*engines, ORACLE], lambda: None) as runs:
         reference = establish(scene, sampling.channels, runs)
         speed: Sequence[SpeedRow] = ()
         if not isinstance(accuracy, str):
-            speed = speed_table(reference, _able(engines), NO_CLOCK, lambda _: None, sampling.channels, runs)
+            speed = speed_table(reference, able, NO_CLOCK, lambda _: None, sampling.channels, runs)
         judged = judgement(reference, engines, sampling, _offers(accuracy, speed), lambda _: None, runs)
         from .judge.canaries.canaries import canaries  # late: no report needs it
 
@@ -82,14 +78,10 @@ def study(
 ) -> Study:
     """Solve a scene by every engine named, measure, gate, and time; results of other programs are judged beside them.
 
-    A stop leaves what is done.
-
-    Where the accuracy is a number, the settings that the engines offer are measured before one of them is chosen.
-
-    Raises:
-        InputError: the reference cannot solve the scene.
+    A stop leaves what is done. Where the accuracy is a number, the settings that the engines offer are measured before
+    one of them is chosen. InputError is raised where the reference cannot solve the scene.
     """
-    doing, able = "solving and certifying the reference", _able(engines)
+    doing = "solving and certifying the reference"
 
     def report(now: str) -> None:
         nonlocal doing
@@ -97,7 +89,7 @@ def study(
         progress(doing)
 
     report(doing)
-    _prepared(scene, able)
+    able = _prepared(scene, engines)
     with workers([*engines, ORACLE], lambda: progress(doing)) as runs:
         reference = establish(scene, sampling.channels, runs)
 
@@ -110,19 +102,16 @@ def study(
     names = [*engines, *(result.run.engine for result in results)]
     judged.reasons.extend(_left_out(names, judged.measurements, able, speed, budget))
     motion = reference.at(sampling.commanded(scene), sampling.times(scene))
-    known = {field.name: getattr(judged, field.name) for field in fields(judged)}
-    return Study(**known, motion=motion, speed=speed)
+    return Study(**{field.name: getattr(judged, field.name) for field in fields(judged)}, motion=motion, speed=speed)
 
 
-def _prepared(scene: Scene, engines: Sequence[str]) -> None:
-    """Import what the processes share before they are begun: the core, the library of motion laws, the settings."""
-    for name in (REFERENCE, *engines):
+def _prepared(scene: Scene, engines: Sequence[str]) -> list[str]:
+    """Return the engines that can run, when what their processes share is imported: core, motion laws, settings."""
+    able = [engine for engine in engines if not registry.ENTRIES[engine].missing]
+    for name in (REFERENCE, *able):
         registry.engine(name)
     _ = scene.drive.extent
-
-
-def _able(engines: Sequence[str]) -> list[str]:
-    return [engine for engine in engines if not registry.ENTRIES[engine].missing]
+    return able
 
 
 def _offers(accuracy: Accuracy, speed: Sequence[SpeedRow]) -> Offers:

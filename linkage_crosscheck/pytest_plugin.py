@@ -138,7 +138,7 @@ class ChannelGroup(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         """Return the file, the line of the tolerance, from 0, and the name of the test in reports."""
-        from compare.ci.lines import line_of
+        from compare.ci.github import line_of
 
         line = line_of(self.path, ("tolerances", *self._names))
         return self.path, line and line - 1, f"{self.path.name} {self.name}"

@@ -4,9 +4,10 @@ Worse is an engine that was ok and is not. Where the linkage and the sampling ar
 channel that an engine returns no more, an error of more than twice its size, and a peak that moved.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import inf, isclose
+from math import inf, isclose, prod
 from pathlib import Path
 from statistics import median
 from typing import Annotated, Any, TypeAlias
@@ -16,8 +17,8 @@ from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
 from scenes.file.toml import SUMMARY_BYTES, read_text
-
-from .units import in_file, unit_of
+from scenes.numbers import quantity_at
+from scenes.scene import units_of_all
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them
 ROUNDING = 1e-12  # relative, over thousands of steps: what the reference itself promises
@@ -28,7 +29,11 @@ EPS = 1e-15  # in SI: what is left of a zero where a unit's conversion rounds
 LEFT_OUT = ("file", "title", "source", "units")  # of a scene: they change no number of a result in SI
 
 
+BASE = {"m": "length", "kg": "mass", "N": "force", "rad": "angle"}  # what the scene's file names a unit of
+
 OneLine: TypeAlias = Annotated[str, AfterValidator(one_line)]  # whatever the file has there
+Json: TypeAlias = dict[str, Any]
+Place: TypeAlias = tuple[Any, ...]  # as ("scene", "bodies", "rod", "mass")
 
 
 class _Engine(BaseModel):
@@ -66,8 +71,8 @@ class _Choice(BaseModel):
 class Summary(BaseModel):
     """What is compared of a `summary.json`."""
 
-    scene: dict[str, Any]
-    sampling: dict[str, Any]
+    scene: Json
+    sampling: Json
     environment: dict[str, str]
     engines: dict[OneLine, _Engine]
     errors: list[_Error]
@@ -88,15 +93,7 @@ class Change:
 
 
 def read(path: Path, scene: Scene) -> Summary:
-    """The summary of an earlier run of a scene.
-
-    Args:
-        path: a `summary.json`, or the folder that the earlier run had as `--out`.
-        scene: of which it must be.
-
-    Raises:
-        InputError: the file is missing, no summary, or of another scene.
-    """
+    """The summary of an earlier run of a scene, by its `summary.json`, or the folder that it had as `--out`."""
     file = path / scene.name / "summary.json" if path.is_dir() else path
     shown = f"--baseline: {one_line(str(file))}"
     try:
@@ -116,7 +113,8 @@ def read(path: Path, scene: Scene) -> Summary:
 
 def changes(old: Summary, new: Summary) -> list[Change]:
     """What changed, the worse first."""
-    inputs = [*_inputs(old, new)]
+    before, after = (summary.model_dump(include={"scene", "sampling", "environment"}) for summary in (old, new))
+    inputs = [each for each in _differences(before, after, new.scene) if each[0][1] not in LEFT_OUT]
     alike = all(path[0] == "environment" or path[1] == "tolerances" for path, _ in inputs)
     changed = [
         *([Change(_few([text for _, text in inputs]))] if inputs else []),
@@ -133,19 +131,11 @@ def _few(texts: Sequence[str]) -> str:
     return "; ".join(texts[:SHOWN]) + (f"; and {more} more" if more > 0 else "")
 
 
-def _inputs(old: Summary, new: Summary) -> Iterator[tuple[tuple[Any, ...], str]]:
-    """The path of what went in and differs, and a text; what is nothing or empty is as what is not there."""
-    names = {"scene", "sampling", "environment"}
-    before, after = (summary.model_dump(include=names) for summary in (old, new))
-    for path, text in _differences(before, after, new.scene):
-        if path[1] not in LEFT_OUT:
-            yield path, text
+def _differences(old: Json, new: Json, scene: Json | None = None) -> Iterator[tuple[Place, str]]:
+    """What differs by more than round-off, and a text, with numbers of the scene in the units of its file.
 
-
-def _differences(
-    old: dict[str, Any], new: dict[str, Any], scene: dict[str, Any] | None = None
-) -> Iterator[tuple[tuple[Any, ...], str]]:
-    """What differs by more than round-off, and a text, with numbers of the scene in the units of its file."""
+    What is nothing or empty is as what is not there.
+    """
     before, after = dict(_leaves(old)), dict(_leaves(new))
     for path in dict.fromkeys((*before, *after)):
         was, now = before.get(path, "none"), after.get(path, "none")
@@ -159,7 +149,7 @@ def _shown(value: Any, unit: str, size: float) -> str:
     return f"{value / size:.12g} {unit}".strip() if type(value) in (int, float) else one_line(str(value), 60)
 
 
-def _leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+def _leaves(value: Any, path: Place = ()) -> Iterator[tuple[Place, Any]]:
     if isinstance(value, dict | list):
         for key, child in value.items() if isinstance(value, dict) else enumerate(value):
             yield from _leaves(child, (*path, key))
@@ -185,7 +175,7 @@ def _engines(old: Summary, new: Summary) -> Iterator[Change]:
 def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
     after = {(error.engine, error.channel): error for error in new.errors}
     compared = {error.engine for error in new.errors}
-    grouped: dict[tuple[str, str, str], list[tuple[float, str]]] = {}
+    grouped: dict[tuple[str, str, str, bool], list[tuple[float, str]]] = {}
     for was in old.errors:
         now = after.get((was.engine, was.channel))
         if was.engine not in compared or (now is None and not alike):
@@ -193,12 +183,13 @@ def _errors(old: Summary, new: Summary, *, alike: bool) -> Iterator[Change]:
         ratio = _ratio(was, now) if now else inf
         if 1 / FACTOR <= ratio <= FACTOR:
             continue
-        kind = "not returned any more:" if now is None else "error in" if ratio > 1 else "smaller error in"
-        text = f"{was.channel} {_size(now)}, was {_size(was)}" if now else was.channel
-        grouped.setdefault((was.engine, was.group, kind), []).append((-abs(ratio - 1), text))
-    for (engine, group, kind), texts in grouped.items():
-        named = _few([text for _, text in sorted(texts)])
-        yield Change(f"{engine} {group}: {kind} {named}", worse=alike and not kind.startswith("smaller"))
+        kind, text = "not returned any more:", was.channel
+        if now:
+            kind = "error in" if ratio > 1 else "smaller error in"
+            text = f"{was.channel} {_size(now)}, was {_size(was)}"
+        grouped.setdefault((was.engine, was.group, kind, ratio > 1), []).append((-abs(ratio - 1), text))
+    for (engine, group, kind, larger), texts in grouped.items():
+        yield Change(f"{engine} {group}: {kind} {_few([text for _, text in sorted(texts)])}", worse=alike and larger)
 
 
 def _ratio(was: _Error, now: _Error) -> float:
@@ -252,3 +243,21 @@ def _times(old: Summary, new: Summary) -> Iterator[Change]:
         times = median([after[key] / before[key] for key in after if key[0] == engine and key in before] or [1.0])
         if not 1 / FACTOR <= times <= FACTOR:
             yield Change(f"{engine}: {times:.2g} times the time, each relative to the fastest engine of its run")
+
+
+def unit_of(path: Place, scene: Json) -> tuple[str, float]:
+    """The unit that a number of the scene has in its file, and what that is in SI."""
+    quantity = quantity_at(Scene, path[1:])
+    if quantity is None:
+        return "", 1.0
+    slides = scene["bodies"][scene["drive"]["body"]]["slide"] is not None
+    name, size = units_of_all(scene["units"], slides=slides)[quantity.dimension]
+    return name, size
+
+
+def in_file(si: str, scene: Json) -> tuple[str, float]:
+    """A unit of SI, such as N*m, in those of the scene's file, and what that is in SI."""
+    names, sizes = ({base: scene["units"][quantity][k] for base, quantity in BASE.items()} for k in (0, 1))
+    parts = re.findall(r"(/?)([A-Za-z]+)(?:\^(\d))?", si)
+    size = prod(sizes[base] ** (int(power or 1) * (-1) ** bool(over)) for over, base, power in parts if base in sizes)
+    return re.sub("[A-Za-z]+", lambda base: names.get(base[0], base[0]), si), float(size)

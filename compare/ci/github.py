@@ -1,6 +1,7 @@
 """What GitHub shows of a check: an annotation for each miss, and the summary of the step."""
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from html import escape
@@ -12,23 +13,16 @@ from scenes.file.reader import file_of
 from ..judge.agreement import Judgement
 from ..judge.errors import shown_groups
 from ..judge.gates import Miss
-from .lines import line_of
 
 WORKSPACE, SUMMARY = "GITHUB_WORKSPACE", "GITHUB_STEP_SUMMARY"  # environment variables that its runners set
 MOST, LINES = 20, 1000  # linkages of a family, and lines, that a summary shows; it takes a megabyte
+_KEY = r"""(?:"[^"\n]*"|'[^'\n]*'|[\w-]+)"""
+_PATH = rf"{_KEY}(?:\s*\.\s*{_KEY})*"
+_LINE = re.compile(rf"\s*(?:\[\[?\s*(?P<table>{_PATH})\s*\]|(?P<key>{_PATH})\s*=)")
 
 
 def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, Sequence[Miss]]) -> None:
-    """Print the annotations, and append to the summary of the step where there is one.
-
-    Args:
-        scene: the linkage.
-        judged: by name what was judged.
-        misses: by name what it misses.
-
-    Raises:
-        InputError: the summary cannot be written.
-    """
+    """Print the annotations of what each misses, and append to the summary of the step where there is one."""
     for name, missed in misses.items():
         causes = judged[name].causes if name in judged else {}
         for miss in missed:
@@ -45,25 +39,14 @@ def report(scene: Scene, judged: Mapping[str, Judgement], misses: Mapping[str, S
 
 
 def annotation(scene: Scene, name: str, miss: Miss, cause: str = "") -> str:
-    """The workflow command that marks a miss, in the scene file at the line of the tolerance if it has one.
-
-    Args:
-        scene: the linkage.
-        name: of what was judged.
-        miss: what is to be shown.
-        cause: the likely one, if known.
-    """
+    """The workflow command that marks a miss, in the scene file at the line of the tolerance if it has one."""
     path, title = ("tolerances", miss.engine, miss.group), f"{name} {miss.engine} {miss.group}".strip()
     return _error(scene.file, path, title, f"{miss.text}; likely cause: {cause}" if cause else miss.text)
 
 
 @contextmanager
 def refusals(name_or_path: str) -> Iterator[None]:
-    """Print the annotation of a scene file that is refused, and go on with the error.
-
-    Raises:
-        InputError: the file is refused.
-    """
+    """Print the annotation of a scene file that is refused, and go on with the error."""
     try:
         yield
     except InputError as error:
@@ -82,6 +65,26 @@ def _error(name_or_file: str, path: Sequence[str], title: str, text: str) -> str
             place["line"] = line
     properties = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in (place | {"title": title}).items())
     return f"::error {properties}::{_escaped(text)}"
+
+
+def line_of(file: Path, path: Sequence[str]) -> int | None:
+    """The line, from 1, of the part of a path that a TOML file has; None where that is nothing, or it has no text.
+
+    The path is as `("tolerances", "exudyn", "reaction")`.
+    """
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError):
+        return None
+    table, known, at = (), 0, None
+    for number, line in enumerate(text.split("\n"), start=1):
+        if not (match := _LINE.match(line)):
+            continue
+        here = tuple(key.strip("\"'") for key in re.findall(_KEY, match["table"] or match["key"]))
+        table, here = (here, here) if match["table"] else (table, (*table, *here))
+        if len(here) > known and here == tuple(path[: len(here)]):
+            known, at = len(here), number
+    return at
 
 
 def _escaped(text: str, more: str = "") -> str:

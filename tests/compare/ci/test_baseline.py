@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from compare.ci.baseline import Change, Summary, changes, read
-from compare.ci.units import in_file, unit_of
+from compare.ci.baseline import Change, Summary, changes, in_file, read, unit_of
 from compare.report.output.files import summary
 from compare.report.plain import json_text
 from compare.run import main

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from compare.ci import github
-from compare.ci.lines import line_of
+from compare.ci.github import line_of
 from compare.judge.gates import Miss
 from compare.run import main
 from scenes import Failure, InputError, Status, load
