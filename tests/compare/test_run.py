@@ -4,6 +4,8 @@ import json
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
+from shutil import copytree
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -26,17 +28,14 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "toggle_press"
 
 
+def summary_of(folder: Path) -> Any:
+    return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+
+
 def test_the_files_of_the_main_job(results: Path) -> None:
-    assert {path.name for path in results.iterdir()} == {
-        "report.html",
-        "summary.json",
-        "errors.csv",
-        "peaks.csv",
-        "speed.csv",
-        "motion.analytic.csv",
-        "motion.exudyn.csv",
-        "motion.pymunk.csv",
-    }
+    motions = {f"motion.{engine}.csv" for engine in ("analytic", "exudyn", "pymunk")}
+    others = {"report.html", "summary.json", "errors.csv", "peaks.csv", "speed.csv"}
+    assert {path.name for path in results.iterdir()} == motions | others
 
 
 def test_motion_files(results: Path, toggle_press: Scene) -> None:
@@ -64,7 +63,7 @@ def test_a_motion_file_is_the_text_that_pandas_writes(
 
 
 def test_summary(results: Path, toggle_press: Scene) -> None:
-    summary = json.loads((results / "summary.json").read_text(encoding="utf-8"))
+    summary = summary_of(results)
     assert set(summary["engines"]) == set(registry.DEFAULT_ENGINES)
     for engine in summary["engines"].values():
         assert engine["status"] == "ok"
@@ -75,17 +74,11 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
     assert len(summary["gates"]) == 10
     assert summary["verdict"]["word"] == "agrees"
     assert summary["engines"]["exudyn"]["worst_error"]["channel"] == "P5.ax"
-    assert summary["scene"]["bodies"]["toggle"]["lengths"] == pytest.approx(
-        {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
-    )
+    lengths = {"P2-P3": 0.49, "P3-P4": 0.49, "P2-P4": 0.76}
+    assert summary["scene"]["bodies"]["toggle"]["lengths"] == pytest.approx(lengths)
     assert summary["environment"]["python"].startswith("3.")
-    assert {row["group"] for row in summary["cheapest"]} == {
-        "position",
-        "velocity",
-        "acceleration",
-        "reaction",
-        "torque",
-    }
+    groups = {"position", "velocity", "acceleration", "reaction", "torque"}
+    assert {row["group"] for row in summary["cheapest"]} == groups
     assert {row["level"] for row in summary["cheapest"]} == {"10 %", "1 %", "0.1 %", "1e-4", "1e-6", "1e-8"}
     for engine in registry.DEFAULT_ENGINES:
         rows = [row for row in summary["cheapest"] if row["engine"] == engine and not row["note"]]
@@ -94,7 +87,7 @@ def test_summary(results: Path, toggle_press: Scene) -> None:
 
 
 def test_peaks_are_the_same_in_both_files(results: Path) -> None:
-    told = json.loads((results / "summary.json").read_text(encoding="utf-8"))["peaks"]
+    told = summary_of(results)["peaks"]
     table = pd.read_csv(results / "peaks.csv")
     assert [peak["name"] for peak in told] == list(table["name"])
     assert [peak["value"] for peak in told] == pytest.approx(table["value"].tolist(), rel=1e-15)
@@ -109,12 +102,8 @@ def test_peaks_are_the_same_in_both_files(results: Path) -> None:
 def test_errors_are_those_promised(results: Path) -> None:
     """What each engine must reach at its default settings; pymunk's accelerations have their own gate in the scene."""
     errors = pd.read_csv(results / "errors.csv")
-    for engine, group, promised in (
-        ("exudyn", "position", 1e-12),
-        ("exudyn", "reaction", 1e-6),
-        ("pymunk", "position", 1e-4),
-        ("pymunk", "reaction", 1e-4),
-    ):
+    promises = {("exudyn", "position"): 1e-12, ("exudyn", "reaction"): 1e-6}
+    for (engine, group), promised in (promises | {("pymunk", of): 1e-4 for of in ("position", "reaction")}).items():
         rows = errors[(errors["engine"] == engine) & (errors["group"] == group)]
         assert len(rows) >= 10
         assert (rows["max"] <= promised).all(), (engine, group)
@@ -161,8 +150,7 @@ def test_channels_narrow_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert "velocity" not in said
     table = pd.read_csv(tmp_path / "toggle_press" / "motion.analytic.csv")
     assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.y [m]", "P3.fx [N]", "P3.fy [N]"]
-    summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
-    assert summary["sampling"]["channels"] == ["P3.fx", "P3.fy", "P5.y"]
+    assert summary_of(tmp_path / "toggle_press")["sampling"]["channels"] == ["P3.fx", "P3.fy", "P5.y"]
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -170,8 +158,7 @@ def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.Capture
     """Pymunk's cheapest setting for a per cent is coarser than the one it runs at else, and is good to a per cent."""
     arguments = ["--engines", "pymunk", "--accuracy", "1e-2", "--samples", "72", "--out", str(tmp_path)]
     assert main(arguments) == 0
-    summary = json.loads((tmp_path / "toggle_press" / "summary.json").read_text(encoding="utf-8"))
-    settings = summary["engines"]["pymunk"]["settings"]
+    settings = summary_of(tmp_path / "toggle_press")["engines"]["pymunk"]["settings"]
     assert settings["label"] in capsys.readouterr().out
     assert settings["steps"] < registry.engine("pymunk").DEFAULT.steps
     errors = pd.read_csv(tmp_path / "toggle_press" / "errors.csv")
@@ -180,10 +167,7 @@ def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.Capture
 
 @pytest.mark.usefixtures("few_settings")
 def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> None:
-    target = tmp_path / "toggle_press"
-    target.mkdir()
-    for path in results.iterdir():
-        (target / path.name).write_bytes(path.read_bytes())
+    target = copytree(results, tmp_path / "toggle_press")
     (target / "notes.txt").write_text("the user's own", encoding="utf-8")
     assert main(["--engines", "analytic", "--out", str(tmp_path)]) == 0
     assert sorted(path.name for path in target.glob("motion.*")) == ["motion.analytic.csv"]
@@ -191,27 +175,20 @@ def test_a_second_run_leaves_nothing_stale(results: Path, tmp_path: Path) -> Non
     assert [path.name for path in tmp_path.iterdir()] == ["toggle_press"], "the folder aside must go"
 
 
-@pytest.mark.parametrize("words", [["list"], ["--list"], ["four_bar", "--list"]])
-def test_list(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 0
+@pytest.mark.parametrize("words", ["list", "--list", "four_bar --list", "version", "--version"])
+def test_list_and_version(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words.split()) == 0
     said = capsys.readouterr().out
-    for name in ("toggle_press", *registry.ENTRIES):
-        assert name in said
-
-
-@pytest.mark.parametrize("words", [["version"], ["--version"]])
-def test_version(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 0
-    assert capsys.readouterr().out == f"linkage-crosscheck {version('linkage-crosscheck')}\n"
+    if "list" in words:
+        assert all(name in said for name in ("toggle_press", *registry.ENTRIES))
+    else:
+        assert said == f"linkage-crosscheck {version('linkage-crosscheck')}\n"
 
 
 @pytest.mark.parametrize("words", [["new"], ["new", "a", "b"], ["map", "four_bar"], ["map", "a", "b", "c=d.csv"]])
 def test_a_command_of_other_words_shows_its_own(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(words) == 2
     assert capsys.readouterr().err.startswith(f"arguments: expected python -m compare.run {words[0]} ")
-
-
-# --- tolerances -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -249,14 +226,10 @@ def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
     assert "unsupported" in (tmp_path / "toggle_press" / "report.html").read_text(encoding="utf-8")
 
 
-# --- a first scene of one's own ---------------------------------------------------------------------------------------
-
-
 @pytest.mark.usefixtures("few_settings")
 def test_new_scene_runs_as_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", str(tmp_path / "mine")]) == 0
     file = tmp_path / "mine.toml"
     assert str(file) in capsys.readouterr().out
     assert main([str(file), "--check", "--out", str(tmp_path)]) == 0
-    summary = json.loads((tmp_path / "mine" / "summary.json").read_text(encoding="utf-8"))
-    assert {engine["status"] for engine in summary["engines"].values()} == {"ok"}
+    assert {engine["status"] for engine in summary_of(tmp_path / "mine")["engines"].values()} == {"ok"}

@@ -30,8 +30,12 @@ def before() -> Json:
     return found
 
 
-def since(old: Json, new: Json) -> list[Change]:
-    return changes(Summary.model_validate(old), Summary.model_validate(new))
+def since(old: Json, *made: Callable[[Json], object], new: Json | None = None) -> list[Change]:
+    """What changed where changes were made of the old, or in the new."""
+    after = deepcopy(new or old)
+    for change in made:
+        change(after)
+    return changes(Summary.model_validate(old), Summary.model_validate(after))
 
 
 def row(table: list[Json], **known: str) -> Json:
@@ -39,11 +43,7 @@ def row(table: list[Json], **known: str) -> Json:
 
 
 def grown(by: float) -> Callable[[Json], None]:
-    return lambda s: times(row(s["errors"], engine="pymunk", channel="B.fx"), "max", by)
-
-
-def times(table: Json, key: str, by: float) -> None:
-    table[key] *= by
+    return lambda s: error(by * row(s["errors"], engine="pymunk", channel="B.fx")["max"])(s)
 
 
 def put(key: str | int, value: object, *way: str | int) -> Callable[[Json], None]:
@@ -57,7 +57,7 @@ def put(key: str | int, value: object, *way: str | int) -> Callable[[Json], None
 
 
 def moved(by: float) -> Callable[[Json], None]:
-    return lambda s: times(row(s["peaks"], name="peak speed"), "value", 1 + by)
+    return lambda s: (peak := row(s["peaks"], name="peak speed")).update(value=(1 + by) * peak["value"])
 
 
 def without(table: str, **known: str) -> Callable[[Json], None]:
@@ -87,13 +87,12 @@ WORSE: Changes = {
     "peaks: peak speed (T) 3078.": moved(3e-8),
     "peaks: stroke (T) in it alone": without("peaks", name="stroke"),
 }
+COUPLER = "scene.bodies.coupler"
 OTHER: Changes = {
     "scene.bodies.crank.mass 0.7 kg, was 0.5 kg": put("mass", 0.7, "scene", "bodies", "crank"),
     "scene.tolerances.pymunk.position 0.1, was 1e-05": put("position", 0.1, "scene", "tolerances", "pymunk"),
     "scene.bodies.crank.lengths.A-O 110 mm, was 100 mm": put("A-O", 0.11, "scene", "bodies", "crank", "lengths"),
-    "scene.bodies.coupler.inertia 62083 kg*mm^2, was 52083 kg*mm^2": put(
-        "inertia", 0.062083, "scene", "bodies", "coupler"
-    ),
+    f"{COUPLER}.inertia 62083 kg*mm^2, was 52083 kg*mm^2": put("inertia", 0.062083, "scene", "bodies", "coupler"),
     "scene.drive.speed -45 rpm, was -60 rpm": put("speed", -1.5 * math.pi, "scene", "drive"),
     "scene.drive.start 90 deg, was 0 deg": put("start", math.pi / 2, "scene", "drive"),
     "scene.ground.C.0 210 mm, was 200 mm": put(0, 0.21, "scene", "ground", "C"),
@@ -127,44 +126,30 @@ NOTHING: Changes = {
 }
 
 
-@pytest.mark.parametrize("text", WORSE)
-def test_what_became_worse(text: str, before: Json) -> None:
-    after = deepcopy(before)
-    WORSE[text](after)
-    (change,) = since(before, after)
-    assert change.worse
-    assert str(change).startswith(f"worse than the baseline: {text}")
-
-
-@pytest.mark.parametrize("text", OTHER)
-def test_what_else_changed(text: str, before: Json) -> None:
-    after = deepcopy(before)
-    OTHER[text](after)
-    (change,) = since(before, after)
-    assert not change.worse
-    assert str(change).startswith(f"changed since the baseline: {text}")
+@pytest.mark.parametrize("text", [*WORSE, *OTHER])
+def test_what_changed(text: str, before: Json) -> None:
+    (change,) = since(before, (WORSE | OTHER)[text])
+    assert change.worse is (text in WORSE)
+    assert str(change).startswith(f"{'worse than' if change.worse else 'changed since'} the baseline: {text}")
 
 
 @pytest.mark.parametrize("what", NOTHING)
 def test_what_is_no_change(what: str, before: Json) -> None:
-    after = deepcopy(before)
-    NOTHING[what](after)
-    assert since(before, after) == []
+    assert since(before, NOTHING[what]) == []
 
 
-@pytest.mark.parametrize(("place", "worse"), [("tolerances", True), ("bodies", False), ("sampling", False)])
+@pytest.mark.parametrize(
+    ("change", "worse"),
+    [
+        (put("position", 0.1, "scene", "tolerances", "pymunk"), [True, True, False]),
+        (put("mass", 0.7, "scene", "bodies", "crank"), 3 * [False]),
+        (put("samples", 48, "sampling"), 3 * [False]),
+    ],
+)
 def test_only_of_the_same_linkage_and_sampling_are_errors_and_peaks_worse(
-    place: str, worse: bool, before: Json
+    change: Callable[[Json], None], worse: list[bool], before: Json
 ) -> None:
-    after = deepcopy(before)
-    change = {
-        "tolerances": put("position", 0.1, "scene", "tolerances", "pymunk"),
-        "bodies": put("mass", 0.7, "scene", "bodies", "crank"),
-        "sampling": put("samples", 48, "sampling"),
-    }[place]
-    for each in (change, grown(2.5), moved(1e-3)):
-        each(after)
-    assert [change.worse for change in since(before, after)] == ([True, True, False] if worse else [False] * 3)
+    assert [each.worse for each in since(before, change, grown(2.5), moved(1e-3))] == worse
 
 
 @pytest.mark.parametrize(("value", "named"), [(1e-11, False), (1e-9, True)])
@@ -172,7 +157,7 @@ def test_a_moment_that_is_zero_but_for_rounding(value: float, named: bool, befor
     """What 1e-12 of the largest force makes at an arm of the stroke, 7e-11 N m, is no change."""
     moment = row(before["peaks"], name="peak driving torque") | {"name": "moment", "of": "guide", "differs": {}}
     old, new = ({**before, "peaks": [*before["peaks"], moment | {"value": of}]} for of in (0.0, value))
-    assert bool(since(old, new)) is named
+    assert bool(since(old, new=new)) is named
 
 
 def test_units_are_those_of_the_file() -> None:
@@ -191,16 +176,14 @@ def test_units_are_those_of_the_file() -> None:
 
 
 def test_many_changes_of_a_kind_are_a_line(before: Json) -> None:
-    after = deepcopy(before)
-    for error in after["errors"]:
-        if error["engine"] == "pymunk" and error["group"] == "reaction":
-            error["max"] *= 5 if error["channel"] == "C.fy" else 3
-    (change,) = since(before, after)
+    def grow(after: Json) -> None:
+        for error in after["errors"]:
+            if error["engine"] == "pymunk" and error["group"] == "reaction":
+                error["max"] *= 5 if error["channel"] == "C.fy" else 3
+
+    (change,) = since(before, grow)
     assert change.text.startswith("pymunk reaction: error in C.fy ")
     assert change.text.endswith("; and 5 more")
-
-
-# --- the command ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -221,14 +204,8 @@ def test_the_command_names_what_changed_and_stops_where_it_is_worse(
     assert f"Worse than the baseline: {text}" in file.with_name("report.html").read_text(encoding="utf-8")
 
 
-BROKEN = {
-    "": "Invalid JSON",
-    "{": "Invalid JSON",
-    "[" * 100_000: "Invalid JSON",
-    "[]": "expected the summary.json of an earlier run",
-    "{}": "scene. Field required",
-    "\ufeff": "Invalid JSON",
-}
+BROKEN = dict.fromkeys(("", "{", "[" * 100_000, "\ufeff"), "Invalid JSON")
+BROKEN |= {"[]": "expected the summary.json of an earlier run", "{}": "scene. Field required"}
 
 
 @pytest.mark.parametrize("text", BROKEN, ids=lambda text: text[:3] or "empty")
@@ -263,9 +240,14 @@ def test_a_baseline_that_is_not_of_the_scene(
         read(file, scene_files.load("four_bar"))
 
 
-@pytest.mark.parametrize("name", ["missing.json", "."])
-def test_a_baseline_that_is_not_there(name: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read"):
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [("missing.json", "cannot be read"), (".", "cannot be read"), ("pipe", "expected a text file, found a pipe")],
+)
+def test_a_baseline_that_is_not_there(name: str, why: str, tmp_path: Path) -> None:
+    """Nobody writes to a pipe, so that reading it would never end."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match=why):
         read(tmp_path / name, scene_files.load("four_bar"))
 
 
@@ -281,13 +263,6 @@ def test_what_a_baseline_has_is_one_line(before: Json) -> None:
     old["engines"][bad] = old["engines"]["pymunk"]
     old["errors"].append(row(old["errors"], engine="pymunk", channel="B.fx") | {"channel": bad, "group": bad})
     old["peaks"].append(old["peaks"][0] | {"name": bad, "of": bad, "unit": bad})
-    found = since(old, before)
+    found = since(old, new=before)
     assert len(found) >= 5
     assert all(str(change).isprintable() for change in found)
-
-
-def test_a_pipe_is_no_baseline(tmp_path: Path) -> None:
-    """Nobody writes to it, so that reading it would never end."""
-    os.mkfifo(tmp_path / "summary.json")
-    with pytest.raises(InputError, match=r"summary.json: expected a text file, found a pipe"):
-        read(tmp_path / "summary.json", scene_files.load("four_bar"))
