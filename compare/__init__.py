@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 __all__ = ["check", "vary"]
 
 ENGINES = ("analytic", "exudyn", "pymunk")
-TRACEBACK = "LINKAGE_TRACEBACK"  # environment variable, by which a command shows where an error is
 
 
 def check(

@@ -23,7 +23,7 @@ from pathlib import Path
 from signal import SIG_IGN, SIGINT, SIGTERM, getsignal, signal
 from typing import Any, NoReturn, ParamSpec, TextIO, cast
 
-from .. import TRACEBACK
+from ..engines import TRACEBACK
 
 P = ParamSpec("P")
 

@@ -8,8 +8,7 @@ import pytest
 
 from scenes import Engine, InputError, Sampling, Scene, Settings, Status, load, shipped
 
-from .. import TRACEBACK
-from ..engines import registry
+from ..engines import TRACEBACK, registry
 from ..engines.runner import Run, run
 from ..engines.threads import one_thread
 from ..judge.measure import assess

@@ -7,7 +7,7 @@ from traceback import print_exception, walk_tb
 
 from scenes.errors import one_line
 
-from .. import TRACEBACK
+from . import TRACEBACK
 
 CALLERS = ("compare", "importlib")  # packages from which an engine is called
 

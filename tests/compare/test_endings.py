@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from compare import TRACEBACK
 from compare.cli.command import Parser, command
+from compare.engines import TRACEBACK
 from scenes import InputError
 from tests.comparisons import SLOW
 

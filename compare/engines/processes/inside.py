@@ -26,7 +26,7 @@ from typing import Any, TypeVar
 
 from scenes import Status
 
-from ... import TRACEBACK
+from .. import TRACEBACK
 from ..reasons import described
 from ..threads import one_thread
 

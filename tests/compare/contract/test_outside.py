@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from compare import TRACEBACK
 from compare.contract import asked, test_process
+from compare.engines import TRACEBACK
 from tests.comparisons import SLOW
 from tests.sites import GOOD, install, known
 

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import compare
-from compare import TRACEBACK
-from compare.engines import outside, registry
+from compare.engines import TRACEBACK, outside, registry
 from compare.engines.kept import version
 from compare.engines.settings import settings_of, tiers
 from compare.run import main
