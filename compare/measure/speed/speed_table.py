@@ -6,7 +6,7 @@ from functools import partial
 from itertools import chain
 from math import ceil, inf, nan
 from statistics import median
-from typing import NamedTuple
+from typing import Any
 
 from scenes import Sampling, Settings, Status
 
@@ -18,24 +18,10 @@ from ...judge.measure import Measurement, measure
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain
 from .row import SpeedRow
-from .timing import NO_CLOCK, Budget, Times, take_turns
+from .timing import NO_CLOCK, Budget, take_turns
 from .work_precision import contests, in_doubt
 
 SAMPLING = Sampling(samples=72)  # few, so that coarse settings can be asked for them
-
-
-class MeasuredSetting(NamedTuple):
-    """One setting of one engine, after its error run."""
-
-    role: str
-    settings: Settings
-    measurement: Measurement
-    tier: str  # its names among the engine's settings
-
-    @property
-    def run(self) -> Run:
-        """The error run."""
-        return self.measurement.run
 
 
 def speed_table(
@@ -54,23 +40,24 @@ def speed_table(
     """
     sampling = replace(SAMPLING, channels=channels)
     at = partial(measure, reference, sampling=sampling, explained=explain(reference, sampling), runs=runs)
-    error_runs = (_error_runs(at, engine, budget, progress) for engine in engines)
-    points = list(kept(chain.from_iterable(error_runs)))
-    able = (point for point in points if point.run.status is Status.ok and point.run.seconds <= budget.point_s)
-    timed = [] if budget == NO_CLOCK else list(able)
-    failed: set[int] = set()
+    points = list(kept(chain.from_iterable(_error_runs(at, engine, budget, progress) for engine in engines)))
+    able = [place for place, (run, _) in enumerate(points) if run.status is Status.ok and run.seconds <= budget.point_s]
+    able = [] if budget == NO_CLOCK else able
+    first, failed = [points[place][0] for place in able], set[int]()
 
     def again(numbers: Sequence[int]) -> list[Run]:
         """Run settings of one engine once more; those that fail now keep the times of their error run."""
-        settings = [timed[number].settings for number in numbers]
-        taken = runs.timed(timed[numbers[0]].run.engine, reference.scene, sampling, settings)
+        settings = [run.settings for run in map(first.__getitem__, numbers) if run.settings is not None]
+        taken = runs.timed(first[numbers[0]].engine, reference.scene, sampling, settings)
         failed.update(n for n, run in zip(numbers, taken, strict=True) if run.status is not Status.ok)
-        return [timed[n].run if n in failed else run for n, run in zip(numbers, taken, strict=True)]
+        return [first[n] if n in failed else run for n, run in zip(numbers, taken, strict=True)]
 
-    compared = contests([_row(point, None) for point in timed])
-    turns = take_turns([point.run for point in timed], again, budget, progress, partial(in_doubt, compared))
-    times = {id(timed[number]): turn for number, turn in enumerate(turns) if number not in failed}
-    return [_row(point, times.get(id(point))) for point in points]
+    table = [row for _, row in points]
+    compared = contests([table[place] for place in able])
+    for number, times in enumerate(take_turns(first, again, budget, progress, partial(in_doubt, compared))):
+        if times and number not in failed:
+            table[able[number]] = replace(table[able[number]], **_seconds(times), timed_runs=len(times))
+    return table
 
 
 def steps_per_cycle(settings: Settings) -> int | None:
@@ -81,8 +68,8 @@ def steps_per_cycle(settings: Settings) -> int | None:
 
 def _error_runs(
     measured: Callable[..., Measurement], engine: str, budget: Budget, progress: Callable[[str], None]
-) -> Iterator[MeasuredSetting]:
-    """Every setting's error run; once one has taken too long, the finer ones of its family are not run."""
+) -> Iterator[tuple[Run, SpeedRow]]:
+    """Every setting's error run and row; once one has taken too long, the finer ones of its family are not run."""
     too_slow: dict[str, int] = {}  # steps per cycle, by family
     offered = tiers(engine)
     for settings, role in settings_of(engine, full=budget.full).items():
@@ -91,24 +78,22 @@ def _error_runs(
         if steps > least:
             reason = f"{least} steps per cycle took longer than {budget.point_s:g} s already"
             run = Run(engine, settings, Status.timed_out, reason, registry.ENTRIES[engine].version)
-            yield MeasuredSetting(role, settings, Measurement(run, None, []), tier)
+            yield run, _row(Measurement(run, None, []), settings, role, tier)
             continue
         progress(f"measuring the error of {engine}, {settings.label}")
-        point = MeasuredSetting(role, settings, measured(engine, settings=settings), tier)
-        if settings.family and point.run.seconds > budget.point_s:
+        measurement = measured(engine, settings=settings)
+        if settings.family and measurement.run.seconds > budget.point_s:
             too_slow[settings.family] = steps
-        yield point
+        yield measurement.run, _row(measurement, settings, role, tier)
 
 
-def _row(point: MeasuredSetting, times: Times | None) -> SpeedRow:
-    run, settings = point.run, point.settings
-    clean = times if times and times.solve else Times([run.build_s], [run.solve_s], [run.wall_s])
-    worst = {figure: point.measurement.worst(figure) for figure in ("max", "rms")}
+def _row(measurement: Measurement, settings: Settings, role: str, tier: str) -> SpeedRow:
+    run, worst = measurement.run, {figure: measurement.worst(figure) for figure in ("max", "rms")}
     return SpeedRow(
         engine=run.engine,
         setting=settings.label,
-        role=point.role,
-        tier=point.tier,
+        role=role,
+        tier=tier,
         family=settings.family,
         expected_order=settings.order,
         note=settings.note,
@@ -116,14 +101,17 @@ def _row(point: MeasuredSetting, times: Times | None) -> SpeedRow:
         samples_a_turn=SAMPLING.samples,
         status=run.status.name,
         reason=run.reason,
-        build_s=min(clean.build),
-        solve_min_s=min(clean.solve),
-        solve_median_s=median(clean.solve),
-        solve_spread_s=max(clean.solve) - min(clean.solve),
-        solve_wall_s=min(clean.wall),
+        **_seconds([run]),
         read_s=run.read_s,
-        timed_runs=len(times.solve) if times else 0,
+        timed_runs=0,
         errors={f"{group}_{figure}": of[group] for group in worst["max"] for figure, of in worst.items()},
         steps_made=run.counters.get("steps", nan),
         counters=run.counters,
     )
+
+
+def _seconds(runs: Sequence[Run]) -> dict[str, Any]:
+    """The times of a row."""
+    build, solve, wall = zip(*((run.build_s, run.solve_s, run.wall_s) for run in runs), strict=True)
+    known = {"build_s": min(build), "solve_min_s": min(solve), "solve_median_s": median(solve)}
+    return known | {"solve_spread_s": max(solve) - min(solve), "solve_wall_s": min(wall)}

@@ -4,9 +4,10 @@ It counts processor time, of all threads together. On an idle machine that is th
 it; on a busy one other programs make a run wait, and the time on the wall is as much theirs as the run's.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import accumulate, groupby
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, chain, groupby
+from math import inf
 from typing import TypeAlias
 
 from ...engines.processes.stopping import kept
@@ -33,32 +34,18 @@ Again: TypeAlias = Callable[[Sequence[int]], Sequence[Run]]  # runs settings, by
 NO_CLOCK = Budget(rounds=0, seconds=0.0)  # for a speed table whose times are those of the error runs
 
 
-@dataclass
-class Times:
-    """Times of one setting, s, one entry per round."""
-
-    build: list[float] = field(default_factory=list)
-    solve: list[float] = field(default_factory=list)
-    wall: list[float] = field(default_factory=list)  # of the solve, by a clock on the wall
-
-    def add(self, run: Run) -> None:
-        """Take down one more run."""
-        for record, seconds in (
-            (self.build, run.build_s),
-            (self.solve, run.solve_s),
-            (self.wall, run.wall_s),
-        ):
-            record.append(seconds)
+class Times(list[Run]):
+    """The runs of one setting under the clock, one a round."""
 
     @property
     def spent(self) -> float:
-        """The processor time of all runs."""
-        return sum(self.build) + sum(self.solve)
+        """The processor time of all runs, s."""
+        return sum(run.build_s + run.solve_s for run in self)
 
     @property
     def known(self) -> bool:
         """Whether the fastest solve was reached again and again."""
-        fastest = sorted(self.solve)[:LEAST_ROUNDS]
+        fastest = sorted(run.solve_s for run in self)[:LEAST_ROUNDS]
         return len(fastest) == LEAST_ROUNDS and fastest[-1] <= (1 + AGREE) * fastest[0]
 
 
@@ -86,38 +73,31 @@ def take_turns(
     times, engines = [Times() for _ in first], [run.engine for run in first]
 
     def seconds(n: int) -> float:
-        return times[n].spent / len(times[n].solve) if times[n].solve else first[n].build_s + first[n].solve_s
+        return times[n].spent / len(times[n]) if times[n] else first[n].build_s + first[n].solve_s
 
     def fastest(n: int) -> float:
-        return min(times[n].solve, default=first[n].solve_s)
+        return min((run.solve_s for run in times[n]), default=first[n].solve_s)
+
+    def by_engine(numbers: Collection[int], done: int, left: Callable[[], float]) -> Iterator[Sequence[int]]:
+        for _, settings in groupby(numbers, engines.__getitem__):
+            batch, until = [*settings], left()
+            before = accumulate([0.0, *map(fastest, batch)])
+            if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < until]:
+                progress(f"timing {len(numbers)} settings, round {done + 1}")
+                yield chosen
 
     def batches() -> Iterator[Sequence[int]]:
         every = range(len(times))
         share, able = max(PATIENCE, budget.seconds) / (len(times) or 1), [*every]
         for done in range(LEAST_ROUNDS):
             able = [n for n in able if (done + 1) * seconds(n) <= share]
-            progress(f"timing {len(able)} settings, round {done + 1}")
-            yield from _by_engine(able, engines)
-        spent = sum(record.spent for record in times)
+            yield from by_engine(able, done, lambda: inf)
+        end = sum(record.spent for record in times) + budget.seconds
         for done in range(LEAST_ROUNDS, budget.rounds):
             doubtful = [n for n in in_doubt([*map(fastest, every)]) if not times[n].known]
-            for batch in _by_engine(doubtful, engines):
-                left = budget.seconds - (sum(record.spent for record in times) - spent)
-                before = accumulate([0.0, *map(fastest, batch)])
-                if chosen := [n for n, taken in zip(batch, before, strict=False) if taken < left]:
-                    progress(f"timing {len(doubtful)} settings, round {done + 1}")
-                    yield chosen
+            yield from by_engine(doubtful, done, lambda: end - sum(record.spent for record in times))
 
-    def runs() -> Iterator[tuple[int, Run]]:
-        for batch in batches():
-            yield from zip(batch, again(batch), strict=True)
-
-    for number, run in kept(runs()):
-        times[number].add(run)
+    runs = (zip(batch, again(batch), strict=True) for batch in batches())
+    for number, run in kept(chain.from_iterable(runs)):
+        times[number].append(run)
     return times
-
-
-def _by_engine(numbers: Iterable[int], engines: Sequence[str]) -> Iterator[Sequence[int]]:
-    """The places of settings in a batch for each engine."""
-    for _, batch in groupby(numbers, engines.__getitem__):
-        yield [*batch]

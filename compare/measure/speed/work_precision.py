@@ -7,10 +7,11 @@ A setting is the cheapest only where no other is as fast but for what another pr
 they are level, and what is named of them is found without a clock: the smallest error, then the fewest steps.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import isnan, nan
+from operator import attrgetter, itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,82 +91,67 @@ def solved(speed: Sequence[SpeedRow]) -> list[SpeedRow]:
     return [row for row in speed if row.solved]
 
 
-def contenders(points: Sequence[SpeedRow]) -> Iterator[tuple[str, str, list[SpeedRow]]]:
-    """Yield engine, note and settings of all that compete with each other; without a note first."""
-    for (engine, note), places in _contending(points).items():
-        yield engine, note, [points[place] for place in places]
-
-
-def _contending(points: Sequence[SpeedRow]) -> dict[tuple[str, str], list[int]]:
-    """By engine and note the places of the settings that compete with each other."""
-    places: dict[tuple[str, str], list[int]] = {}
-    for place, row in enumerate(points):
-        places.setdefault((row.engine, row.note), []).append(place)
-    return places
+def contenders(points: Iterable[SpeedRow]) -> list[tuple[str, str, list[SpeedRow]]]:
+    """Engine, note and settings of all that compete with each other."""
+    sets: dict[tuple[str, str], list[SpeedRow]] = {}
+    for row in points:
+        sets.setdefault((row.engine, row.note), []).append(row)
+    return [(*named, rows) for named, rows in sets.items()]
 
 
 # --- the cheapest setting for an error -------------------------------------------------------------------------------
 
 
-def as_fast(points: Sequence[SpeedRow], error: str, limit: float, tie: float = TIE) -> list[SpeedRow]:
+def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = TIE) -> list[SpeedRow]:
     """The settings that are level with the fastest of those whose error is at most `limit`, the best first.
 
     The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
     first of the table.
     """
-    return [points[place] for place in _as_fast(*_numbers(points, error), limit, tie)]
+    good = [(row.solve_min_s, row.error(error), row) for row in points if row.error(error) <= limit]
+    fastest = min((time for time, *_ in good), default=nan)
+    level = [
+        (time > (1 + tie) * fastest, off, 0.0 if isnan(row.steps_made) else row.steps_made, row)
+        for time, off, row in good
+        if time <= (1 + ALIKE) * fastest
+    ]
+    return [row for *_, row in sorted(level, key=itemgetter(0, 1, 2))]
 
 
-def _numbers(points: Sequence[SpeedRow], error: str) -> tuple[Samples, Samples, Samples]:
-    """The times, errors and steps of settings, shape (n,)."""
-    numbers = np.array([(row.solve_min_s, row.error(error), row.steps_made) for row in points]).reshape(-1, 3)
-    return numbers[:, 0], numbers[:, 1], np.nan_to_num(numbers[:, 2])
-
-
-def _as_fast(times: Samples, errors: Samples, steps: Samples, limit: float, tie: float) -> NDArray[np.intp]:
-    """The rows of what `as_fast` returns."""
-    good = errors <= limit
-    fastest = times[good].min(initial=np.inf)
-    level = np.flatnonzero(good & (times <= (1 + ALIKE) * fastest))
-    return level[np.lexsort((steps[level], errors[level], times[level] > (1 + tie) * fastest))]
-
-
-def front(points: Sequence[SpeedRow], error: str, tie: float = TIE) -> list[SpeedRow]:
+def front(points: Iterable[SpeedRow], error: str, tie: float = TIE) -> list[SpeedRow]:
     """Every setting without a note that is the cheapest for some error, fastest first; the Pareto front."""
     plain = [row for row in points if not row.note]
-    times, errors, steps = _numbers(plain, error)
-    best = {int(_as_fast(times, errors, steps, limit, tie)[0]) for limit in errors[~np.isnan(errors)]}
-    return [plain[place] for place in sorted(best, key=lambda place: (times[place], place))]
+    best = {id(row) for limit in plain for row in as_fast(plain, error, limit.error(error), tie)[:1]}
+    return sorted((row for row in plain if id(row) in best), key=attrgetter("solve_min_s"))
 
 
 def choices(speed: Sequence[SpeedRow]) -> list[Choice]:
     """The cheapest setting by channel group, engine and note, and level of the largest error."""
     points, chosen = solved(speed), list[Choice]()
-    sets = [(engine, note, np.array(places)) for (engine, note), places in _contending(points).items()]
-    for group in groups(speed) if points else ():
-        times, errors, steps = _numbers(points, f"{group}_max")
-        standings = {name: standing(points, f"{group}_max", limit) for name, limit in LEVELS.items()}
-        plain = np.where([not row.note for row in points], errors, np.inf)
-        for (engine, note, places), (name, limit) in product(sets, LEVELS.items()):
-            level = places[_as_fast(times[places], errors[places], steps[places], limit, TIE)]
-            if not level.size:
+    for group in groups(speed):
+        error = f"{group}_max"
+        fastest = {name: _fastest(points, error, limit) for name, limit in LEVELS.items()}
+        standings = {name: standing(points, error, limit) for name, limit in LEVELS.items()}
+        for (engine, note, rows), (name, limit) in product(contenders(points), LEVELS.items()):
+            if not (level := as_fast(rows, error, limit)):
                 chosen.append(Choice(group, name, engine, note))
                 continue
-            best, *others = (points[place].setting for place in level)
-            fastest, time = times[plain <= limit], float(times[level[0]])
-            ratio = time / float(fastest.min()) if fastest.size else nan
-            stands = standings[name].get(engine, "") if not note else ""
-            figures = time, float(errors[level[0]]), ratio, stands
-            chosen.append(Choice(group, name, engine, note, best, "; ".join(sorted(others)), *figures))
+            best, *others = level
+            alike, ratio = "; ".join(sorted(row.setting for row in others)), best.solve_min_s / fastest[name]
+            stands = "" if note else standings[name].get(engine, "")
+            figures = best.solve_min_s, best.error(error), ratio, stands
+            chosen.append(Choice(group, name, engine, note, best.setting, alike, *figures))
     return chosen
 
 
-def standing(points: Sequence[SpeedRow], error: str, limit: float) -> dict[str, str]:
+def _fastest(points: Iterable[SpeedRow], error: str, limit: float) -> float:
+    return min((row.solve_min_s for row in points if not row.note and row.error(error) <= limit), default=nan)
+
+
+def standing(points: Iterable[SpeedRow], error: str, limit: float) -> dict[str, str]:
     """By engine how its fastest setting without a note stands, among the engines besides the reference."""
-    fastest: dict[str, float] = {}
-    for row in points:
-        if not row.note and row.engine != REFERENCE and row.error(error) <= limit:
-            fastest[row.engine] = min(row.solve_min_s, fastest.get(row.engine, np.inf))
+    own = {engine: _fastest(rows, error, limit) for engine, note, rows in contenders(points) if not note}
+    fastest = {engine: time for engine, time in own.items() if engine != REFERENCE and not isnan(time)}
     near = {engine: time <= (1 + TIE) * min(fastest.values()) for engine, time in fastest.items()}
     first = "cheapest" if sum(near.values()) == 1 else "level"
     return {engine: first if is_near else "dearer" for engine, is_near in near.items()}
@@ -176,14 +162,14 @@ def contests(speed: Sequence[SpeedRow]) -> list[NDArray[np.intp]]:
 
     One for every group, level and contender, and one for all engines besides the reference.
     """
-    able = [place for place, row in enumerate(speed) if row.solved]
-    sets = [[able[place] for place in places] for places in _contending(solved(speed)).values()]
-    sets.append([place for place in able if not speed[place].note and speed[place].engine != REFERENCE])
+    places = {id(row): place for place, row in enumerate(speed)}
+    sets = [rows for *_, rows in contenders(solved(speed))]
+    sets.append([row for row in solved(speed) if not row.note and row.engine != REFERENCE])
     rivals = (
-        tuple(place for place in places if speed[place].error(f"{group}_max") <= limit)
-        for group, limit, places in product(groups(speed), LEVELS.values(), sets)
+        tuple(places[id(row)] for row in rows if row.error(f"{group}_max") <= limit)
+        for group, limit, rows in product(groups(speed), LEVELS.values(), sets)
     )
-    return [np.array(places) for places in dict.fromkeys(rivals) if len(places) > 1]
+    return [np.array(rows) for rows in dict.fromkeys(rivals) if len(rows) > 1]
 
 
 def in_doubt(contests: Sequence[NDArray[np.intp]], times: Sequence[float]) -> list[int]:
@@ -207,23 +193,15 @@ def within(engine: str, accuracy: float, speed: Sequence[SpeedRow]) -> list[Sett
     choose the same: the cost is the largest of the engine's counters, that of its innermost loop. Left out are settings
     that promise less of the drive than those that the engine offers by name.
     """
-    drive_promise = max(settings.drive_promise for settings in tiers(engine).values())
-    by_label = {
-        settings.label: settings
-        for settings in settings_of(engine, full=True)
-        if settings.drive_promise <= drive_promise
-    }
-    names = [f"{group}_max" for group in groups(speed)]
-    points = [row for row in solved(speed) if row.engine == engine and not row.note and row.setting in by_label]
-    worst = [
-        replace(
-            row,
-            solve_min_s=float(max(row.counters.values(), default=0)),
-            errors={"worst": float(np.max([*map(row.error, names)] or [nan]))},
-        )
-        for row in points
-    ]
-    return [by_label[row.setting] for row in front([row for row in worst if row.error("worst") <= accuracy], "worst")]
+    promise = max(settings.drive_promise for settings in tiers(engine).values())
+    able = {each.label: each for each in settings_of(engine, full=True) if each.drive_promise <= promise}
+    names, points = [f"{group}_max" for group in groups(speed)], list[SpeedRow]()
+    for row in solved(speed):
+        worst = float(np.max([*map(row.error, names)] or [nan]))
+        if row.engine == engine and not row.note and row.setting in able and worst <= accuracy:
+            cost = float(max(row.counters.values(), default=0))
+            points.append(replace(row, solve_min_s=cost, errors={"worst": worst}))
+    return [able[row.setting] for row in front(points, "worst")]
 
 
 # --- fits within a family --------------------------------------------------------------------------------------------
