@@ -54,17 +54,15 @@ def examine(case: Case) -> list[Row]:
     """One row an attempt of the engine; of the reference one, measured by arbitrary precision."""
     ladder = hard.ladder(case.ladder)
     rung = next(rung for rung in ladder.rungs if rung.label == case.rung)
-    try:
-        scene = rung.scene()
-    except InputError as error:
-        return [_invalid(case, error, rung.status)]
     samples = FEW if rung.turns > 1 else ORACLE_SAMPLES if case.engine == REFERENCE else SAMPLES
     sampling = Sampling(samples, rung.turns)
     try:
+        scene = rung.scene()
         reference = uncertified(scene)
         explained = explain(reference, sampling)
     except InputError as error:
-        return [_invalid(case, error, rung.status)]
+        outcome = Outcome.refused if rung.status == hard.INVALID else Outcome.false_alarm
+        return [case_row(case, hard.INVALID, str(error), "reader", outcome)]
     except Failure as failure:
         return [_nothing_to_solve(case, scene, sampling, failure, rung.status)]
     if case.engine == REFERENCE:
@@ -75,26 +73,18 @@ def examine(case: Case) -> list[Row]:
     return [_attempted(case, reference, measured, explained) for measured in made]
 
 
-def _invalid(case: Case, error: InputError, expected: str) -> Row:
-    outcome = Outcome.refused if expected == hard.INVALID else Outcome.false_alarm
-    return case_row(case, hard.INVALID, str(error), "reader", outcome)
-
-
 def _attempted(case: Case, reference: Reference, measured: Measurement, explained: Explained) -> Row:
     run = measured.run
+    promise, setting = (run.settings.promise, run.settings.label) if run.settings else (0.0, "")
+    kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
+    denied = run.status is Status.cannot_assemble and explained.decidable
+    outcome = Outcome.false_alarm if kept or denied else Outcome.refused
     if run.status is Status.ok:
         outcome = Outcome.right
     elif run.found_by == "reference":
         outcome = Outcome.silent
-    else:
-        promise = run.settings.promise if run.settings else 0.0
-        kept = bool(measured.errors) and worst_of(measured.errors, "unexplained").unexplained <= promise
-        denied = run.status is Status.cannot_assemble and explained.decidable
-        outcome = Outcome.false_alarm if kept or denied else Outcome.refused
-    setting = run.settings.label if run.settings else ""
-    attempt = {"setting": setting, "seconds": run.seconds}
-    row = case_row(case, run.status.name, run.reason, run.found_by, outcome) | attempt
-    return row | _figures(measured, reference, explained)
+    row = case_row(case, run.status.name, run.reason, run.found_by, outcome)
+    return row | {"setting": setting, "seconds": run.seconds} | _figures(measured, reference, explained)
 
 
 def _figures(measured: Measurement, reference: Reference, explained: Explained) -> Row:
@@ -112,22 +102,19 @@ def _certified(case: Case, reference: Reference, sampling: Sampling, explained: 
     """The row of the reference itself, which arbitrary precision knows better."""
     measured = measure(reference, ORACLE, sampling, explained=explained)
     run = measured.run
-    outcome, missed = Outcome.right, ""
+    outcome, missed = (Outcome.right, "") if run.status is Status.ok else (Outcome.silent, run.reason)
     if expected != Status.ok.name:
         outcome, missed = Outcome.silent, f"expected {expected}"
     elif run.status in NO_ANSWER:
-        outcome = Outcome.uncertified
-    elif run.status is not Status.ok:
-        outcome, missed = Outcome.silent, run.reason
+        outcome, missed = Outcome.uncertified, ""
     row = case_row(case, Status.ok.name, missed, "", outcome)
-    row["setting"] = f"against {registry.ENTRIES[ORACLE].distribution}"
-    return row | _figures(measured, reference, explained)
+    setting = {"setting": f"against {registry.ENTRIES[ORACLE].distribution}"}
+    return row | setting | _figures(measured, reference, explained)
 
 
 def _counted(row: Row, scene: Scene) -> Row:
     """The reference's row with the digits that it loses by group, and those that the condition allows."""
-    lost = digits_lost(scene)
-    groups = lost.set_index("group")[["lost", "allowed"]].to_dict("index")
+    groups = digits_lost(scene).set_index("group")[["lost", "allowed"]].to_dict("index")
     figures = {f"{group}_{name}": value for group, of in groups.items() for name, value in of.items()}
     over = [f"{group} loses {of['lost']:.1f} digits" for group, of in groups.items() if not of["lost"] <= of["allowed"]]
     wrong = {"outcome": str(Outcome.silent), "reason": "; ".join(over)} if over else {}
@@ -136,13 +123,13 @@ def _counted(row: Row, scene: Scene) -> Row:
 
 def _nothing_to_solve(case: Case, scene: Scene, sampling: Sampling, failure: Failure, expected: str) -> Row:
     """The row of an engine where the reference finds no motion: neither may it, nor the oracle."""
-    outcome = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
+    run = checked_run(ORACLE if case.engine == REFERENCE else case.engine, scene, sampling)
     if case.engine == REFERENCE:
-        agreed = outcome.status is not Status.ok and expected == failure.status.name
-        judged = Outcome.refused if agreed else Outcome.false_alarm
-        return case_row(case, failure.status.name, failure.reason, "engine", judged)
-    if outcome.status is not Status.ok:
-        return case_row(case, outcome.status.name, outcome.reason, outcome.found_by, Outcome.refused)
+        agreed = run.status is not Status.ok and expected == failure.status.name
+        outcome = Outcome.refused if agreed else Outcome.false_alarm
+        return case_row(case, failure.status.name, failure.reason, "engine", outcome)
+    if run.status is not Status.ok:
+        return case_row(case, run.status.name, run.reason, run.found_by, Outcome.refused)
     reason = f"ok where the reference has no motion: {failure.reason}"
     return case_row(case, failure.status.name, reason, "reference", Outcome.silent)
 

@@ -1,6 +1,6 @@
 """The hard cases: every engine on every rung of every ladder, in processes of their own, kept as they come."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -12,15 +12,9 @@ from ...engines.kept import Kept
 from ...engines.processes.inside import Ended, Limits
 from ...engines.processes.isolation import isolated
 from ...engines.processes.stopping import kept as until_stopped
-from .case import Case, Outcome, Row, case_row, examine
+from .case import Case, Outcome, case_row, examine
 
 PARTIAL = "hard.partial.jsonl"
-
-
-def cases(ladders: Iterable[str], engines: Sequence[str]) -> list[Case]:
-    """Every engine on every rung."""
-    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
-    return [Case(*rung, engine) for rung in rungs for engine in engines]
 
 
 def hard_cases(
@@ -36,7 +30,8 @@ def hard_cases(
     leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
     """
     limits = Limits()
-    wanted = cases(ladders, engines)
+    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
+    wanted = [Case(*rung, engine) for rung in rungs for engine in engines]
     kept = Kept(folder / PARTIAL, limits)
     rows = dict(kept.read())
     left = [case for case in wanted if str(case) not in rows]
@@ -45,8 +40,11 @@ def hard_cases(
         progress(f"hard cases, {len(rows)} of {len(wanted)} done")
 
     for case, result in until_stopped(isolated(examine, left, limits, poll)):
-        rows[str(case)] = [_ended(case, result)] if isinstance(result, Ended) else result
-        kept.add(str(case), rows[str(case)])
+        if isinstance(result, Ended):  # of the reference it is arbitrary precision that gave no answer
+            outcome = Outcome.uncertified if case.engine == registry.REFERENCE else Outcome.refused
+            result = [case_row(case, result.status.name, result.reason, "isolation", outcome)]
+        rows[str(case)] = result
+        kept.add(str(case), result)
     if kept.trouble:
         note(kept.trouble)
     return pd.DataFrame([row for case in wanted for row in rows.get(str(case), [])])
@@ -55,9 +53,3 @@ def hard_cases(
 def forget(folder: Path) -> None:
     """Drop what is kept: a command that came to its end starts anew the next time."""
     Kept(folder / PARTIAL, "").forget()
-
-
-def _ended(case: Case, ended: Ended) -> Row:
-    """The row of a run that gave no answer; of the reference it is arbitrary precision that gave none."""
-    outcome = Outcome.uncertified if case.engine == registry.REFERENCE else Outcome.refused
-    return case_row(case, ended.status.name, ended.reason, "isolation", outcome)

@@ -55,15 +55,11 @@ ZOOM = 32  # per round of the search
 ROUNDS = 5  # to 1e-11 of a cycle; a distance to lock is least there, and flat
 
 
-def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.DataFrame:
+def digits_lost(scene: Scene) -> pd.DataFrame:
     """One row a channel group: what the problem's condition allows, and what the reference loses.
 
     Where the speed is constant this is at equally spaced positions, at the one nearest to a lock, and close around it;
     the switches of press forces, where forces jump and have no condition, are left out.
-
-    Args:
-        scene: the linkage.
-        scale: by channel, what the comparison divides errors by, for the column `scaled`; without it there is none.
 
     Raises:
         Failure: one of the two models does not solve the scene.
@@ -75,41 +71,24 @@ def digits_lost(scene: Scene, scale: Mapping[str, float] | None = None) -> pd.Da
         nearest, to_lock = nearest_lock(scene, solve)
         request = Positions(tuple(positions(scene, nearest).tolist()))
     true = _certified(scene, request)
-    rows = _decided(scene, solve, true)
-    peaks = _peaks(scene, true)
+    decided, peaks = _decided(scene, solve, true), _peaks(scene, true)
     motion = solve(true[scene.drive_channel], true["time"])
-    errors = _largest(relative_errors(motion, true, peaks), rows)
-    scaled = _largest(relative_errors(motion, true, scale), rows) if scale is not None else {}
-    conditions = _largest(_changes(scene, request, true, peaks), rows)
-    kappa = float(Constraints(scene).condition(true).max())
+    errors = {
+        channel: np.where(decided, error, -1.0) for channel, error in relative_errors(motion, true, peaks).items()
+    }
+    changes = _changes(scene, request, true, peaks)
+    known = {"to_lock": to_lock, "kappa": float(Constraints(scene).condition(true).max())}
     table = []
     for group in SHOWN_GROUPS:
-        mine = [channel for channel in errors if GROUPS[quantity(channel)] == group]
-        if mine:
-            worst = max(mine, key=lambda channel: errors[channel][0])
-            error, row = errors[worst]
-            problem = max(1.0, *(conditions[channel][0] for channel in mine))
-            table.append(
-                {"scene": scene.name, "to_lock": to_lock, "kappa": kappa, "group": group}
-                | {"condition": problem, "allowed": log10(problem) + 1, "lost": _digits(error)}
-                | {"scaled": _digits(max(scaled[channel][0] for channel in mine)) if scaled else np.nan}
-                | {"worst": worst, "where": scene.where(float(true[scene.drive_channel][row]))}
-            )
+        if mine := [channel for channel in errors if GROUPS[quantity(channel)] == group]:
+            worst = max(mine, key=lambda channel: float(errors[channel].max()))
+            row = int(errors[worst].argmax())
+            condition = max(1.0, *(float(changes[channel][decided].max(initial=0.0)) for channel in mine))
+            figures = {"condition": condition, "allowed": log10(condition) + 1}
+            lost = log10(max(float(errors[worst][row]) / EPS, 1.0))  # none below one unit in the last place
+            where = scene.where(float(true[scene.drive_channel][row]))
+            table.append(known | {"group": group, **figures, "lost": lost, "worst": worst, "where": where})
     return pd.DataFrame(table)
-
-
-def _largest(values: Mapping[str, Samples], rows: NDArray[np.bool_]) -> dict[str, tuple[float, int]]:
-    """By channel the largest value of some rows, and its row."""
-    worst = {channel: int(np.where(rows, samples, -1.0).argmax()) for channel, samples in values.items()}
-    return {channel: (float(values[channel][row]), row) for channel, row in worst.items()}
-
-
-def _digits(error: float) -> float:
-    """How many digits an error is, none below one unit in the last place."""
-    return log10(max(error / EPS, 1.0))
-
-
-# --- where to look ----------------------------------------------------------------------------------------------------
 
 
 def nearest_lock(scene: Scene, solve: registry.Solve) -> tuple[float, float]:
@@ -143,9 +122,6 @@ def positions(scene: Scene, about: float) -> Samples:
     return all_ if scene.drive.start == least else all_[::-1]
 
 
-# --- the certified truth ----------------------------------------------------------------------------------------------
-
-
 def _certified(scene: Scene, request: Request) -> Motion:
     """Every channel as arbitrary precision has it.
 
@@ -175,28 +151,25 @@ def _peaks(scene: Scene, motion: Motion) -> dict[str, float]:
     def largest(*quantities: str) -> float:
         return max((peak[channel] for channel in peak if quantity(channel) in quantities), default=0.0)
 
-    least, most = scene.drive.extent
-    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
+    rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else float(np.ptp(scene.drive.extent)))
     length, force = largest("x"), largest("fx", "guide_force", "force")
-    natural = dict.fromkeys(("x", "y"), length) | dict.fromkeys(("vx", "vy"), length * rate)
-    natural |= dict.fromkeys(("ax", "ay"), length * rate**2) | {"angle": 1.0, "omega": rate, "alpha": rate**2}
+    natural = {"angle": 1.0, "omega": rate, "alpha": rate**2, "guide_moment": force * length, "torque": force * length}
+    natural |= dict.fromkeys(("x", "y"), length) | dict.fromkeys(("vx", "vy"), length * rate)
+    natural |= dict.fromkeys(("ax", "ay"), length * rate**2)
     natural |= dict.fromkeys(("fx", "fy", "guide_force", "force"), force)
-    natural |= dict.fromkeys(("guide_moment", "torque"), force * length)
-    for channel, value in peak.items():
-        if not value > ZERO * natural.get(quantity(channel), 0.0):
-            peak[channel] = natural.get(quantity(channel), 0.0) or 1.0
-    return peak
-
-
-# --- the problem's own condition --------------------------------------------------------------------------------------
+    sizes = {channel: natural.get(quantity(channel), 0.0) for channel in peak}
+    return {
+        channel: value if value > ZERO * sizes[channel] else sizes[channel] or 1.0 for channel, value in peak.items()
+    }
 
 
 def _changes(scene: Scene, request: Request, true: Motion, peaks: Mapping[str, float]) -> dict[str, Samples]:
     """The sum of (1) by channel, shape (n,)."""
-    total = {channel: np.zeros(true["time"].shape) for channel in peaks if channel != "time"}
     problems = [(other, request) for other in inputs_off(scene)]
-    if isinstance(request, Positions):
-        problems.append((scene, _drive_off(scene, request)))
+    if isinstance(request, Positions):  # the drive off everywhere: of 1 rad for a crank, however many turns it counts
+        step = STEP * (1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max()))
+        problems.append((scene, replace(request, positions=tuple(x + step for x in request.positions))))
+    total = {channel: np.zeros(true["time"].shape) for channel in peaks if channel != "time"}
     for problem in problems:
         for channel, change in relative_errors(_certified(*problem), true, peaks).items():
             total[channel] += change / STEP
@@ -216,9 +189,3 @@ def inputs_off(scene: Scene) -> Iterator[Scene]:
             if isinstance(one.value, tuple) and (one.at[0], one.at[-1]) != ("loads", "forces"):  # of a table
                 x, y = one.value
                 yield put(scene, {one.at: (x - STEP * y, y + STEP * x)})
-
-
-def _drive_off(scene: Scene, request: Positions) -> Positions:
-    """The request with the drive a STEP off everywhere: of 1 rad for a crank, however many turns it counts."""
-    size = 1.0 if scene.driven_slide is None else float(np.abs(scene.drive.extent).max())
-    return replace(request, positions=tuple(x + STEP * size for x in request.positions))

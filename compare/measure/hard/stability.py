@@ -12,15 +12,16 @@ has an answer to how many sweeps they need (`iterations_needed`).
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from contextlib import suppress
 from functools import partial
-from typing import TypeAlias
+from itertools import product
+from typing import Any, TypeAlias
 
 import numpy as np
 import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
-from scenes.numbers import At, put
+from scenes.numbers import put
 
 from ...engines import registry
 from ...engines.outside import check_settings, stand_in
@@ -35,8 +36,7 @@ from ...mechanics.mechanics import SHOWN_GROUPS
 from ...mechanics.reference import Reference
 
 SAMPLES = 24  # a cycle
-STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples
-FEWER_STEPS = STEPS[:-1]  # of long runs
+STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples; of long runs all but the last
 SWEEPS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 MASS_FACTORS = (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3)
 TURNS = (1, 3, 10, 30, 100)
@@ -44,18 +44,6 @@ TURNS = (1, 3, 10, 30, 100)
 Variant: TypeAlias = tuple[str, Scene]
 Cell: TypeAlias = dict[str, object]
 Progress: TypeAlias = Callable[[str], None]
-Counts: TypeAlias = Sequence[int]
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a cell is on its map: `label` is what it is called across, at `x`."""
-
-    map: str
-    engine: str
-    x: float
-    label: str
-    steps: int
 
 
 def stability_table(
@@ -72,30 +60,28 @@ def stability_table(
     able = [engine for engine in engines if registry.engine(engine).at_steps]
     if not able:
         return pd.DataFrame()
+
+    def cells() -> Iterator[Cell]:
+        reference = establish(scene, runs=runs)
+        for engine in able:
+            if registry.engine(engine).iterations_needed:
+                yield from over_sweeps(reference, engine, progress, runs=runs)
+        yield from over_variants("lock", to_lock, able, progress, runs=runs)
+        if scene.has_masses:
+            yield from over_variants("mass", heavier(scene), able, progress, runs=runs)
+        for engine in able:
+            yield from over_turns(reference, engine, progress, runs=runs)
+
     with workers([*able, registry.ORACLE], lambda: None) as runs:
-        return pd.DataFrame([*kept(_cells(scene, able, to_lock, progress, runs))])
-
-
-def _cells(
-    scene: Scene, able: Sequence[str], to_lock: Sequence[Variant], progress: Progress, runs: Runs
-) -> Iterator[Cell]:
-    reference = establish(scene, runs=runs)
-    for engine in able:
-        if registry.engine(engine).iterations_needed:
-            yield from over_sweeps(reference, engine, progress, runs=runs)
-    yield from over_variants("lock", to_lock, able, progress, runs=runs)
-    if scene.has_masses:
-        yield from over_variants("mass", heavier(scene), able, progress, runs=runs)
-    for engine in able:
-        yield from over_turns(reference, engine, progress, runs=runs)
+        return pd.DataFrame([*kept(cells())])
 
 
 def over_sweeps(
     reference: Reference,
     engine: str,
     progress: Progress,
-    sweeps: Counts = SWEEPS,
-    all_steps: Counts = STEPS,
+    sweeps: Sequence[int] = SWEEPS,
+    all_steps: Sequence[int] = STEPS,
     runs: Runs = HERE,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
@@ -104,8 +90,7 @@ def over_sweeps(
         needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
         for number in sweeps:
             progress(f"stability of {engine}: {number} sweeps, {steps} steps")
-            place = Place("sweeps", engine, number, str(number), steps)
-            cell = _crashed(place, fault) if fault else _cell(place, reference, runs, sweeps=(number,))
+            cell = _cell(("sweeps", engine, str(number), steps), reference, runs, sweeps=(number,), fault=fault)
             yield cell | {"needed": needed}
 
 
@@ -114,58 +99,47 @@ def over_variants(
     variants: Sequence[Variant],
     engines: Sequence[str],
     progress: Progress,
-    all_steps: Counts = STEPS,
+    all_steps: Sequence[int] = STEPS,
     runs: Runs = HERE,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
     for label, scene in variants:
-        reference: Reference | Scene
-        try:
+        reference: Reference | Scene = scene
+        with suppress(InputError):  # nothing to compare with; whether the engine notices is to be seen all the same
             reference = establish(scene, runs=runs)
-        except InputError:  # nothing to compare with; whether the engine notices is to be seen all the same
-            reference = scene
-        for engine in engines:
-            for steps in all_steps:
-                progress(f"stability of {engine}: {kind} {label}, {steps} steps")
-                place = Place(kind, engine, float(label), label, steps)
-                yield _cell(place, reference, runs)
+        for engine, steps in product(engines, all_steps):
+            progress(f"stability of {engine}: {kind} {label}, {steps} steps")
+            yield _cell((kind, engine, label, steps), reference, runs)
 
 
 def over_turns(
     reference: Reference,
     engine: str,
     progress: Progress,
-    turns: Counts = TURNS,
-    all_steps: Counts = FEWER_STEPS,
+    turns: Sequence[int] = TURNS,
+    all_steps: Sequence[int] = STEPS[:-1],
     runs: Runs = HERE,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
-    for number in turns if reference.scene.drive.repeats else ():
-        for steps in all_steps:
-            progress(f"stability of {engine}: drift over {number}, {steps} steps")
-            place = Place("drift", engine, number, str(number), steps)
-            yield _cell(place, reference, runs, turns=number)
+    for number, steps in product(turns if reference.scene.drive.repeats else (), all_steps):
+        progress(f"stability of {engine}: drift over {number}, {steps} steps")
+        yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
 
 
 def heavier(scene: Scene, factors: Sequence[float] = MASS_FACTORS) -> list[Variant]:
     """The scene with its heaviest body lighter and heavier, by factor."""
     heaviest = max(scene.bodies.values(), key=lambda body: body.mass or 0.0)
-    where = ("bodies", heaviest.name)
-    variants = []
-    for factor in factors:
-        heavy: dict[At, float] = {(*where, "mass"): factor * (heaviest.mass or 0.0)}
-        if heaviest.inertia is not None:
-            heavy[*where, "inertia"] = factor * heaviest.inertia
-        variants.append((f"{factor:g}", put(scene, heavy)))
-    return variants
+    own = {"mass": heaviest.mass or 0.0} | ({} if heaviest.inertia is None else {"inertia": heaviest.inertia})
+    return [
+        (f"{factor:g}", put(scene, {("bodies", heaviest.name, name): factor * of for name, of in own.items()}))
+        for factor in factors
+    ]
 
 
 def _needed(engine: str, scene: Scene, steps: int) -> tuple[float, str]:
     """How many sweeps theory asks for, not a number where the engine cannot take the scene; and what failed."""
     try:
-        module = registry.imported(engine)
-        assert module.at_steps
-        assert module.iterations_needed
+        module: Any = registry.imported(engine)
         return float(module.iterations_needed(scene, module.at_steps(steps))), ""
     except Failure:
         return np.nan, ""
@@ -176,41 +150,38 @@ def _needed(engine: str, scene: Scene, steps: int) -> tuple[float, str]:
 def _at_steps(engine: str, *numbers: int) -> Settings | str:
     """The settings for that many steps a cycle and, if given, sweeps a step; or what failed."""
     try:
-        module = registry.imported(engine)
-        assert module.at_steps
+        module: Any = registry.imported(engine)
         check_settings(settings := module.at_steps(*numbers))
     except Exception as error:
-        return described(error)
+        return f"at_steps: {described(error)}"
     return stand_in(settings) if registry.ENTRIES[engine].outside else settings
 
 
 def _cell(
-    place: Place, reference: Reference | Scene, runs: Runs, *, sweeps: tuple[int, ...] = (), turns: int = 1
+    place: tuple[str, str, str, int],  # the map, the engine, the number that it stands at across, and the steps
+    reference: Reference | Scene,
+    runs: Runs,
+    *,
+    sweeps: tuple[int, ...] = (),
+    turns: int = 1,
+    fault: str = "",
 ) -> Cell:
-    """Run one cell; with a scene for reference there are no errors."""
+    """Run one cell; with a scene for reference there are no errors, and after a fault of the engine there is no run."""
+    kind, engine, label, steps = place
     scene = reference if isinstance(reference, Scene) else reference.scene
-    settings = runs.asked(place.engine, scene, partial(_at_steps, place.engine, place.steps, *sweeps))
+    cell: Cell = {"map": kind, "engine": engine, "x": float(label), "label": label, "steps": steps, "setting": ""}
+    settings: object = fault or runs.asked(engine, scene, partial(_at_steps, engine, steps, *sweeps))
     if not isinstance(settings, Settings):
-        return _crashed(place, f"at_steps: {settings.reason if isinstance(settings, Ended) else settings}")
+        reason = f"at_steps: {settings.reason}" if isinstance(settings, Ended) else settings
+        return cell | {"status": Status.crashed.name, "reason": reason, "error": np.nan, "solve_s": np.nan}
     sampling = Sampling(SAMPLES, turns)
     if isinstance(reference, Scene):
-        measured = Measurement(checked_run(place.engine, reference, sampling, settings, runs), None, [])
+        measured = Measurement(checked_run(engine, reference, sampling, settings, runs), None, [])
     else:
-        measured = measure(reference, place.engine, sampling, settings, runs=runs)
-    worst = measured.worst()
-    errors = {group: worst[group] for group in SHOWN_GROUPS if group in worst}
+        measured = measure(reference, engine, sampling, settings, runs=runs)
+    run, worst = measured.run, measured.worst()
+    errors = {f"{group}_max": worst[group] for group in SHOWN_GROUPS if group in worst}
     last = measured.worst("last_turn_max").get("position", np.nan)
-    return asdict(place) | {
-        "setting": settings.label,
-        "status": measured.run.status.name,
-        "reason": measured.run.reason,
-        "error": last if place.map == "drift" else max(errors.values(), default=np.nan),
-        **{f"{group}_max": error for group, error in errors.items()},
-        "solve_s": measured.run.solve_s,
-    }
-
-
-def _crashed(place: Place, reason: str) -> Cell:
-    """The cell of an engine that failed before its run."""
-    figures = {"error": np.nan, "solve_s": np.nan}
-    return asdict(place) | {"setting": "", "status": Status.crashed.name, "reason": reason} | figures
+    error = last if kind == "drift" else max(errors.values(), default=np.nan)
+    cell |= {"setting": settings.label, "status": run.status.name, "reason": run.reason, "error": error}
+    return cell | errors | {"solve_s": run.solve_s}

@@ -11,7 +11,6 @@ import pytest
 from analytic.core import kinematics
 from compare.engines import registry
 from compare.measure.hard.digits import EPS, STEP, digits_lost, inputs_off, nearest_lock, positions
-from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Scene, Status, hard
 from scenes.scene import ConstantSpeed
 from tests import scene_files
@@ -120,13 +119,6 @@ def test_a_switch_of_a_press_force_has_no_condition() -> None:
     table = digits_lost(at_it)
     assert explained(table)
     assert (table["condition"] < 1e3).all()
-
-
-def test_scales_of_the_comparison_stand_beside() -> None:
-    assert lost("lock_rrp", "1e-1")["scaled"].isna().all()
-    scene = rung("lock_rrp", "1e-1")
-    table = digits_lost(scene, uncertified(scene).scale)
-    assert (np.abs(table["scaled"] - table["lost"]) < 1).all()  # strokes for coordinates, peaks for forces
 
 
 def test_what_has_no_certified_truth_is_told() -> None:
