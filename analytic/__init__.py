@@ -1,6 +1,6 @@
 """The vector-equation core: dyads in closed form, exact velocities and accelerations, kinetostatics."""
 
-from .core.decomposition import route
+from .core.decomposition import in_closed_form, route
 from .recorded.derivatives import derivative_solver, derivatives
 from .recorded.fast import fast_solver
 from .recorded.many import Machines, many_solver, solve_many
@@ -19,6 +19,7 @@ __all__ = [
     "derivative_solver",
     "derivatives",
     "fast_solver",
+    "in_closed_form",
     "inverse",
     "many_solver",
     "reduce_many",

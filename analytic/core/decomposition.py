@@ -113,9 +113,24 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     groups = decompose(scene).groups
-    closed_form = not any(isinstance(group, Group) for group in groups)
     driver = "crank" if scene.driven_slide is None else "driven slider"
-    return ("closed form: " if closed_form else "") + ", ".join([driver, *map(kind, groups)])
+    return ("closed form: " if _dyads_alone(groups) else "") + ", ".join([driver, *map(kind, groups)])
+
+
+def in_closed_form(scene: Scene) -> bool:
+    """Return whether a scene is solved without iterations, as its groups are dyads alone.
+
+    Args:
+        scene: the mechanism.
+
+    Raises:
+        Failure: as of `route`.
+    """
+    return _dyads_alone(decompose(scene).groups)
+
+
+def _dyads_alone(groups: tuple[Dyad | Group, ...]) -> bool:
+    return not any(isinstance(group, Group) for group in groups)
 
 
 def kind(group: Dyad | Group) -> str:

@@ -147,3 +147,8 @@ def derivatives(
 def route(scene: Scene) -> str:
     """Return by which way the reference solves a scene, in a few words."""
     return cast("str", import_module("analytic").route(scene))
+
+
+def in_closed_form(scene: Scene) -> bool:
+    """Return whether the reference solves a scene without iterations."""
+    return cast("bool", import_module("analytic").in_closed_form(scene))

@@ -260,7 +260,7 @@ def _why(measurement: Measurement) -> str:
 
 
 def _name(judged: Judgement) -> str:
-    return "the closed form" if registry.route(judged.scene).startswith("closed form") else "the reference"
+    return "the closed form" if registry.in_closed_form(judged.scene) else "the reference"
 
 
 def _certified(judged: Judgement) -> str:

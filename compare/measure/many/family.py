@@ -124,12 +124,7 @@ def solved_member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs,
 
 
 def _member(asked: Asked, change: MemberChanges, scene: Scene, runs: Runs, progress: Progress) -> Member:
-    """Solve, certify and cross-check one member.
-
-    Raises:
-        Failure: the reference cannot solve it.
-        InputError: there is nothing to compare, since its output stands still.
-    """
+    """Solve, certify and cross-check one member."""
     judged = judgement(solved(scene, runs=runs), asked.engines, asked.sampling, balanced, progress, runs)
     return Member(change, Status.ok.name, "", _cycle(judged), _kept(judged))
 
@@ -140,8 +135,7 @@ def balanced(engine: str) -> tuple[Sequence[Settings], str]:
 
 
 def _cycle(judged: Judgement) -> Cycle:
-    motion = judged.reference.cycle
-    drawn: dict[str, Samples] = {}
+    motion, drawn = judged.reference.cycle, dict[str, Samples]()
     for curve in curves(judged.scene, judged.reference.scale, motion):
         values = curve.values(motion)
         if curve.kind == "path":
@@ -157,16 +151,12 @@ def _kept(judged: Judgement) -> Judgement:
 
     Motions keep the names of their channels.
     """
+    nothing, measurements = np.empty(0), []
+    for m in judged.measurements:
+        names = m.run.motion and replace(m.run.motion, samples=dict.fromkeys(m.run.motion.samples, nothing))
+        measurements.append(replace(m, run=replace(m.run, motion=names), comparison=None))
     mechanics, solve = Mechanics(judged.scene), copy(judged.reference.at)
     reference = replace(judged.reference, mechanics=mechanics, at=solve, cycle=Motion({}))
-    measurements = [
-        replace(m, run=replace(m.run, motion=_names(m.run.motion)), comparison=None) for m in judged.measurements
-    ]
-    nothing = Explained(np.empty(0), {})
-    kept = replace(judged, reference=reference, explained=nothing, measurements=measurements)
+    kept = replace(judged, reference=reference, explained=Explained(nothing, {}), measurements=measurements)
     vars(kept).update({name: getattr(judged, name) for name in SHOWN})
     return kept
-
-
-def _names(motion: Motion | None) -> Motion | None:
-    return motion and replace(motion, samples=dict.fromkeys(motion.samples, np.empty(0)))

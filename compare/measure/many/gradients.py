@@ -6,7 +6,7 @@ press force comes or goes just there the place does matter, and the linear model
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 
@@ -24,12 +24,8 @@ SPEED = "drive.speed"
 QUANTITIES = {"displacement": "", "velocity": "v", "acceleration": "a"}  # of channels, by kind of curve
 
 
-class Term(NamedTuple):
-    """A part of how a number changes: by the change of a quantity at an instant, times a weight."""
-
-    curve: CycleCurve
-    time: float
-    weight: complex  # of a vector's change: the part along it
+# A part of how a number changes: by the change of a quantity at an instant, times a weight; of a vector's along that.
+Term: TypeAlias = tuple[CycleCurve, float, complex]
 
 
 def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
@@ -49,14 +45,14 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
     quantities = curves(scene, reference.scale, motion)
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
-    time = np.unique([term.time for own in terms for term in own])
+    time = np.unique([instant for own in terms for _, instant, _ in own])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
     position = scene.drive.at(time).position
     by = registry.derivatives(scene, paths, position, time, wanted)
     there = registry.reference(scene)(position, time)
     by_curve = {
         curve: _change(curve, by) + np.array([_by_guide(scene, path, curve, there) for path in paths])
-        for curve in {term.curve for own in terms for term in own}
+        for curve in {curve for own in terms for curve, *_ in own}
     }
     result = np.zeros((len(paths), len(terms)))
     for number, own in enumerate(terms):
@@ -81,26 +77,18 @@ def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequen
     """Yield the parts of a number of the linkage as drawn, which is the only one of its machines."""
     time = motion["time"]
     (curve,) = (curve for curve in quantities if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
-    if curve.kind == "path":
-        yield from _of_path(curve, motion)
+    if curve.kind == "path":  # the largest distance between two places
+        place = curve.values(motion)
+        longest = chords(place)
+        along = (longest.conj() * place).real
+        for end, sign in ((along.argmax(), 1), (along.argmin(), -1)):
+            yield curve, float(time[end]), complex(sign * longest / np.abs(longest))
     elif curve.kind == "displacement":
         way = Stroke(scene, motion, {curve.kind: curve for curve in quantities}, exact=True)
         yield from _of_stroke(number.kind, curve, way)
-    else:
-        row = -1 if number.row is None else int(number.row[0])
-        if row < 0:
-            return  # it is rounding
+    elif number.row is not None and (row := int(number.row[0])) >= 0:  # else it is rounding
         value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
-        yield Term(curve, float(time[row]), value / (number.value[0] or 1.0))
-
-
-def _of_path(curve: CycleCurve, motion: Motion) -> Iterator[Term]:
-    """Yield the parts of the largest distance between two places of a path."""
-    place, time = curve.values(motion), motion["time"]
-    longest = chords(place)
-    along = (longest.conj() * place).real
-    for row, sign in ((along.argmax(), 1), (along.argmin(), -1)):
-        yield Term(curve, float(time[row]), complex(sign * longest / np.abs(longest)))
+        yield curve, float(time[row]), value / (number.value[0] or 1.0)
 
 
 def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
@@ -108,16 +96,16 @@ def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
     closing, time = way.closing, way.motion["time"]
     closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
     if kind == STROKE:
-        yield Term(curve, closed, closing)
-        yield Term(curve, opened, -closing)
+        yield curve, closed, closing
+        yield curve, opened, -closing
     elif kind != DWELL:
-        yield Term(curve, closed if kind == CLOSED else opened, 1.0)
+        yield curve, closed if kind == CLOSED else opened, 1.0
     else:
         (step,), share, _, speeds = way.ends
         for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
-            yield Term(curve, float(instant), closing / speed)
-            yield Term(curve, closed, -closing * (1 - DWELLING) / speed)
-            yield Term(curve, opened, -closing * DWELLING / speed)
+            yield curve, float(instant), closing / speed
+            yield curve, closed, -closing * (1 - DWELLING) / speed
+            yield curve, opened, -closing * DWELLING / speed
 
 
 def _turn(way: Stroke, row: int) -> float:

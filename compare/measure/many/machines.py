@@ -1,11 +1,12 @@
-"""The designer's numbers of many machines, solved at once and reduced to these at once."""
+"""The machines that a workshop makes of one drawing: drawn from its variations, solved at once, reduced to numbers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
 
-from scenes import Motion, Status
+from scenes import Motion, Scene, Status, numbers_in
 from scenes.file.machines import machines as of_machines
 from scenes.model.motion import Samples
 
@@ -17,6 +18,7 @@ from ...judge.peaks.stroke import RowNumbers
 from ...mechanics.motion_vectors import press_forces
 from ...mechanics.reference import Reference
 
+BITS = 30  # of the draws, before they become numbers
 SAMPLES = 180  # of a cycle, before extremes are refined: enough to know which of several peaks is the highest
 
 
@@ -33,6 +35,33 @@ class SolvedMachines:
     def running(self) -> RowNumbers:
         """Which machines run, shape (k,)."""
         return _running(self.status)
+
+
+def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
+    """The numbers of some machines, by path, each of shape (count,), in the units of the file.
+
+    A machine is the same whatever others are asked for: the points are those of a scrambled Sobol sequence, which fill
+    the space of the variations more evenly than independent ones.
+
+    Args:
+        scene: with its variations.
+        seed: of the scrambling.
+        first: the number of the first machine, from 0.
+        count: of machines.
+    """
+    from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
+
+    sequence = Sobol(len(scene.variations), scramble=True, bits=BITS, rng=seed)
+    if first:
+        sequence.fast_forward(first)
+    asked = 1 << max(count - 1, 0).bit_length()  # the next power of two, by which the sequence is to be asked
+    shares = sequence.random(asked)[:count] + 2.0 ** -(BITS + 1)  # the middle of its last place: no 0
+    drawn = {}
+    nominal = numbers_in(scene.file, [variation.path for variation in scene.variations])
+    for variation, number, share in zip(scene.variations, nominal, shares.T, strict=True):
+        of_deviations = ndtri(share) if variation.distribution == "normal" else (2 * share - 1) * 3**0.5
+        drawn[variation.path] = number + variation.deviation * of_deviations
+    return drawn
 
 
 def machines(reference: Reference, changes: Mapping[str, Samples], samples: int = SAMPLES) -> SolvedMachines:

@@ -42,27 +42,17 @@ def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapp
         linear: the same by the linear model.
         gradient: by path, what a standard deviation of that number of the scene changes.
     """
-    kept = ~np.isnan(values)
-    run, nominal = values[kept], float(number.value[0])
+    kept, nominal, size = ~np.isnan(values), float(number.value[0]), float(number.size[0])
+    run = values[kept] if kept.any() else np.full(1, nan)
+    least, largest = (int(np.nanargmin(values)), int(np.nanargmax(values))) if kept.any() else (-1, -1)
+    deviation = float(run.std(ddof=1)) if run.size > 1 else nan
+    if deviation <= ROUNDING * max(abs(nominal), abs(size)):
+        deviation = 0.0
+    quantiles = {f"{q:.5g}": float(value) for q, value in zip(QUANTILES, np.quantile(run, QUANTILES), strict=True)}
+    unexplained = float(np.mean(np.square((values - linear)[kept]))) / deviation**2 if deviation > 0 else nan
     parts = np.square([*gradient.values()])
     of_all = float(parts.sum())
-    deviation = float(run.std(ddof=1)) if run.size > 1 else nan
-    if deviation <= ROUNDING * max(abs(nominal), abs(float(number.size[0]))):
-        deviation = 0.0
-    known = run.size > 0
-    quantiles = np.quantile(run, QUANTILES) if known else np.full(len(QUANTILES), nan)
-    return Spread(
-        number.name,
-        number.curve.of,
-        number.unit,
-        nominal,
-        float(number.size[0]),
-        float(run.mean()) if known else nan,
-        deviation,
-        {f"{share:.5g}": float(value) for share, value in zip(QUANTILES, quantiles, strict=True)},
-        int(np.nanargmin(values)) if known else -1,
-        int(np.nanargmax(values)) if known else -1,
-        of_all**0.5,
-        float(np.mean(np.square(run - linear[kept]))) / deviation**2 if deviation > 0 else nan,
-        {path: float(part) / of_all if of_all else 0.0 for path, part in zip(gradient, parts, strict=True)},
-    )
+    shares = {path: float(part) / of_all if of_all else 0.0 for path, part in zip(gradient, parts, strict=True)}
+    named = number.name, number.curve.of, number.unit, nominal, size
+    sampled = float(run.mean()), deviation, quantiles, least, largest
+    return Spread(*named, *sampled, of_all**0.5, unexplained, shares)

@@ -21,15 +21,14 @@ from ...judge.agreement import Judgement
 from ...judge.floor import establish
 from ...judge.judgement import judgement
 from ...mechanics.reference import Reference
-from .draws import draws
 from .family import balanced
 from .gradients import as_drawn, gradients
-from .machines import SolvedMachines, machines
+from .machines import SolvedMachines, draws, machines
 from .spread import Spread, spread
 
 BLOCK = 2048  # machines that a process is asked for at a time
 AT_ONCE = 128  # that are solved in the same arrays: these stay in the processor's cache
-LIMITS = Limits(seconds=1800.0)  # of a block: slow linkages take 0.1 s a machine
+SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
 NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
 
 
@@ -41,19 +40,9 @@ class Nominal(NamedTuple):
     gradients: Samples  # of its numbers by those that vary, shape (p, k), SI per unit of the file
 
     @property
-    def scene(self) -> Scene:
-        """The linkage."""
-        return self.reference.scene
-
-    @property
     def values(self) -> Samples:
         """Its numbers, shape (k,)."""
         return np.array([float(number.value[0]) for number in self.machine.numbers])
-
-    def linear(self, changes: Mapping[str, Samples]) -> Samples:
-        """The numbers of m machines by the linear model, shape (m, k)."""
-        drawn = zip(changes.values(), numbers_in(self.scene.file, [*changes]), strict=True)
-        return self.values + np.transpose([values - value for values, value in drawn]) @ self.gradients
 
 
 class Block(NamedTuple):
@@ -87,7 +76,7 @@ class MonteCarlo:
     @property
     def scene(self) -> Scene:
         """The linkage as drawn."""
-        return self.nominal.scene
+        return self.nominal.reference.scene
 
     @property
     def count(self) -> int:
@@ -110,10 +99,12 @@ class MonteCarlo:
     @cached_property
     def spreads(self) -> list[Spread]:
         """What becomes of each number."""
-        linear = self.nominal.linear(draws(self.scene, self.seed, 0, self.asked))
-        gradients = [*zip(self.scene.variations, self.nominal.gradients, strict=True)]
+        drawn, by = draws(self.scene, self.seed, 0, self.asked), self.nominal.gradients
+        off = [drawn[path] - value for path, value in zip(drawn, numbers_in(self.scene.file, [*drawn]), strict=True)]
+        linear = self.nominal.values + np.transpose(off) @ by
+        deviations = np.array([variation.deviation for variation in self.scene.variations])
         return [
-            spread(number, self.values[:, k], linear[:, k], {v.path: v.deviation * float(g[k]) for v, g in gradients})
+            spread(number, self.values[:, k], linear[:, k], dict(zip(drawn, deviations * by[:, k], strict=True)))
             for k, number in enumerate(self.nominal.machine.numbers)
         ]
 
@@ -155,8 +146,9 @@ def begun(
         InputError: the reference cannot solve it, or holds a larger group, whose singular poses have no derivatives.
     """
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
-        reference, way = establish(scene, runs=runs), registry.route(scene)
-        if not way.startswith("closed form"):
+        reference = establish(scene, runs=runs)
+        if not registry.in_closed_form(scene):
+            way = registry.route(scene)
             raise InputError(f"{scene.file}: bodies: expected dyads alone for --monte-carlo, found {way}")
         judged = judgement(reference, engines, sampling, balanced, progress, runs)
     progress("derivatives")
@@ -175,26 +167,19 @@ def solved(study: MonteCarlo) -> Iterator[Block]:
     if current_process().daemon:  # which may have no processes of its own
         yield from map(solve, firsts)
         return
-    limits = Limits(LIMITS.seconds, LIMITS.memory, min(_cores(), len(firsts)))
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    limits = Limits(SECONDS, workers=min(cores, len(firsts)))
     for own, outcome in isolated(solve, firsts, limits, lambda: None):
-        yield _lost(own, outcome, len(study.nominal.values)) if isinstance(outcome, Ended) else outcome
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _lost(own: range, ended: Ended, numbers: int) -> Block:
-    return Block(
-        own.start, np.full((len(own), numbers), np.nan), [(machine, ended.status.name, ended.reason) for machine in own]
-    )
+        if isinstance(outcome, Ended):
+            lost = [(machine, outcome.status.name, outcome.reason) for machine in own]
+            outcome = Block(own.start, np.full((len(own), len(study.nominal.values)), np.nan), lost)
+        yield outcome
 
 
 def _block(nominal: Nominal, seed: int, own: range) -> Block:
     """Draw and solve some machines, few at a time, and keep nothing but their numbers."""
-    changes = draws(nominal.scene, seed, own.start, len(own))
-    values = np.full((len(own), len(nominal.values)), np.nan)
-    failed = []
+    changes = draws(nominal.reference.scene, seed, own.start, len(own))
+    values, failed = np.full((len(own), len(nominal.values)), np.nan), []
     for first in range(0, len(own), AT_ONCE):
         some = machines(nominal.reference, {path: v[first : first + AT_ONCE] for path, v in changes.items()})
         if some.numbers:

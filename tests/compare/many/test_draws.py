@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.measure.many.draws import draws
+from compare.measure.many.machines import draws
 
 ROCKER, MASS = "bodies.rocker.lengths.O-P3", "bodies.toggle.mass"
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.measure.many.draws import draws
-from compare.measure.many.machines import SolvedMachines
+from compare.measure.many.machines import SolvedMachines, draws
 from scenes import Status
 from scenes.model.motion import Samples
 
