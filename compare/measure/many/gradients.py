@@ -48,7 +48,9 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
     time = np.unique([instant for own in terms for _, instant, _ in own])
     wanted = frozenset(channel for curve in quantities for channel in curve.channels)
     position = scene.drive.at(time).position
-    by = registry.derivatives(scene, paths, position, time, wanted)
+    by = {**registry.derivatives(scene, paths, position, time, wanted)}
+    if left := wanted - by.keys():  # how far larger groups are from a singular pose
+        by |= _by_differences(scene, paths, position, time, left)
     there = registry.reference(scene)(position, time)
     by_curve = {
         curve: _change(curve, by) + np.array([_by_guide(scene, path, curve, there) for path in paths])
@@ -63,6 +65,21 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
         dwells = [float(n.value[0]) if n.kind == DWELL else 0.0 for n in nominal.numbers]
         result[paths.index(SPEED)] -= np.array(dwells) / speed
     return result
+
+
+def _by_differences(
+    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
+) -> Mapping[str, Samples]:
+    """The derivatives of channels that have no exact ones, shape (p, n): differences over a standard deviation each way.
+
+    Such a channel is known to few digits, so that the step is as large as what the linear model is for.
+    """
+    size = {variation.path: variation.deviation for variation in scene.variations}
+    step = np.array([size[path] for path in paths])
+    apart = np.concatenate([np.diag(step), -np.diag(step)])
+    changes = dict(zip(paths, np.transpose(numbers_in(scene.file, paths) + apart), strict=True))
+    there = registry.many(scene, changes, channels)(position, time)
+    return {c: np.subtract(*np.split(there.samples[c], 2)) / (2 * step[:, np.newaxis]) for c in channels}
 
 
 def _change(curve: CycleCurve, by: Mapping[str, Samples]) -> Values:

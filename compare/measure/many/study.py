@@ -143,13 +143,10 @@ def begun(
     """Cross-check the linkage as drawn, and return what its machines are held against; none is solved yet.
 
     Raises:
-        InputError: the reference cannot solve it, or holds a larger group, whose singular poses have no derivatives.
+        InputError: the reference cannot solve it.
     """
     with workers([*engines, registry.ORACLE], lambda: None) as runs:
         reference = establish(scene, runs=runs)
-        if not registry.in_closed_form(scene):
-            way = registry.route(scene)
-            raise InputError(f"{scene.file}: bodies: expected dyads alone for --monte-carlo, found {way}")
         judged = judgement(reference, engines, sampling, balanced, progress, runs)
     progress("derivatives")
     paths = [variation.path for variation in scene.variations]
