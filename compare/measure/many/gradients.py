@@ -70,7 +70,7 @@ def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str
 def _by_differences(
     scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
 ) -> Mapping[str, Samples]:
-    """The derivatives of channels that have no exact ones, shape (p, n): differences over a standard deviation each way.
+    """The derivatives of channels that have no exact ones, shape (p, n): differences over twice a deviation.
 
     Such a channel is known to few digits, so that the step is as large as what the linear model is for.
     """

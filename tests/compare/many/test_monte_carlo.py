@@ -150,7 +150,7 @@ def test_the_engines_differences_are_in_si() -> None:
 
 
 def test_of_a_larger_group_too(tmp_path: Path) -> None:
-    """Its distance to a singular pose has no exact derivatives: the linear model, of differences, holds each machine."""
+    """Its distance to a singular pose has no exact derivatives: a linear model of differences holds each machine."""
     paths = "bodies.plate.lengths.B-C", "bodies.upper.lengths.C-E", "ground.points.F.0"
     file = scene_files.write(tmp_path, "class_iii", {"variations": [{"path": p, "plus_minus": 0.1} for p in paths]})
     assert run(str(file), tmp_path / "out", "--monte-carlo", "12", "--engines", "analytic") == 0
