@@ -4,7 +4,7 @@ A point of the plane is a complex number, x + iy.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import copysign, log2, sqrt
 
 import numpy as np
@@ -26,11 +26,7 @@ class ExudynBody:
 
 
 def rigid_body(scene: Scene, body: Body) -> ExudynBody:
-    """Take a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it.
-
-    Raises:
-        Failure: the lengths of one of its points do not meet.
-    """
+    """Take a body of the scene; without a mass it gets 1 kg, since a driven motion does not depend on it."""
     points = _local_points(scene, body)
     mass = 1.0 if body.mass is None else body.mass
     if body.com is None or body.inertia is None:
@@ -38,11 +34,6 @@ def rigid_body(scene: Scene, body: Body) -> ExudynBody:
     else:
         com, inertia = complex(*body.com), body.inertia
     return ExudynBody(com, {name: point - com for name, point in points.items()}, mass, inertia)
-
-
-def in_unit(body: ExudynBody, force: float) -> ExudynBody:
-    """Measure a body by another unit of force, N, and with it of mass and inertia; all else is in SI."""
-    return replace(body, mass=body.mass / force, inertia=body.inertia / force)
 
 
 def linkage_size(scene: Scene, bodies: Mapping[str, ExudynBody]) -> float:

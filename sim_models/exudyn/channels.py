@@ -20,9 +20,8 @@ def place(system: ExudynSystem, point: str, q: Array) -> NDArray[np.complex128]:
     body = system.scene.owners[point][0]
     if body == GROUND:
         return np.full(len(q), complex(*system.scene.ground[point]))
-    com, angle = _body(system, body, q)
-    at: NDArray[np.complex128] = com + system.bodies[body].points[point] * np.exp(1j * angle)
-    return at
+    com, angle = system.pose_of(body, q)
+    return np.asarray(com + system.bodies[body].points[point] * np.exp(1j * angle))
 
 
 def kinematics(
@@ -30,35 +29,29 @@ def kinematics(
 ) -> dict[str, Array]:
     """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
-    com, angle = _body(system, scene.drive.body, q)
+    com, angle = system.pose_of(scene.drive.body, q)
     every = {scene.drive_channel: angle if scene.driven_slide is None else system.displaced(scene.drive.body, com)}
     for point in scene.moving_points:
         if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
             continue
         body = scene.owners[point][0]
-        (c, phi), (dc, omega) = _body(system, body, q), _body(system, body, v)
+        (c, phi), (dc, omega) = system.pose_of(body, q), system.pose_of(body, v)
         arm = system.bodies[body].points[point] * np.exp(1j * phi)
         vectors = {"": c + arm, "v": dc + 1j * omega * arm}
         if a is not None:
-            ddc, alpha = _body(system, body, a)
+            ddc, alpha = system.pose_of(body, a)
             vectors["a"] = ddc + (1j * alpha - omega**2) * arm
         for level, vector in vectors.items():
             every |= {f"{point}.{level}x": vector.real, f"{point}.{level}y": vector.imag}
     for name in scene.turning:
         rates = {"angle": q, "omega": v} | ({} if a is None else {"alpha": a})
-        every |= {f"{name}.{rate}": _body(system, name, of)[1] for rate, of in rates.items()}
+        every |= {f"{name}.{rate}": system.pose_of(name, of)[1] for rate, of in rates.items()}
     return _wanted(every, wanted)
 
 
 def _wanted(every: Mapping[str, Array], wanted: AbstractSet[str]) -> dict[str, Array]:
     """The channels wanted, none of them a part of a larger array, which would stay in memory."""
     return {name: np.ascontiguousarray(samples) for name, samples in every.items() if name in wanted}
-
-
-def _body(system: ExudynSystem, name: str, q: Array) -> tuple[NDArray[np.complex128], Array]:
-    """A body's centre of mass and angle, or their rates from those of the coordinates, each of shape (n,)."""
-    first = 3 * list(system.bodies).index(name)
-    return q[:, first] + 1j * q[:, first + 1], q[:, first + 2]
 
 
 def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -> dict[str, Array]:

@@ -14,23 +14,6 @@ Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 SAME_JERK = 1e-9  # of the largest in the law: neighbours of one cubic, as at the ends of a not-a-knot spline
 
 
-class HeldDrive:
-    """The drive held at a position, rad or m, with a rate of one: velocities are then derivatives by the position."""
-
-    zero = 0.0  # s
-
-    def __init__(self, held: float) -> None:
-        self.held = held
-
-    def position(self, _clock: float) -> float:
-        """Where it is held, rad or m."""
-        return self.held
-
-    def rate(self, _clock: float) -> float:
-        """One."""
-        return 1.0
-
-
 class Piece(NamedTuple):
     """A drive from one instant to the next piece's: one cubic of the time, s, which is defined before and after too."""
 
@@ -40,19 +23,11 @@ class Piece(NamedTuple):
     acceleration: float
     jerk: float
 
-    def position(self, time: float) -> float:
-        """The position, rad or m."""
+    def at(self, time: float) -> tuple[float, float, float]:
+        """The position, rad or m, and its first two derivatives."""
         t = time - self.begin
-        return self.start + t * (self.speed + t * (self.acceleration / 2 + t * self.jerk / 6))
-
-    def rate(self, time: float) -> float:
-        """Its first derivative."""
-        t = time - self.begin
-        return self.speed + t * (self.acceleration + t * self.jerk / 2)
-
-    def second(self, time: float) -> float:
-        """Its second derivative."""
-        return self.acceleration + (time - self.begin) * self.jerk
+        position = self.start + t * (self.speed + t * (self.acceleration / 2 + t * self.jerk / 6))
+        return position, self.speed + t * (self.acceleration + t * self.jerk / 2), self.acceleration + t * self.jerk
 
 
 def pieces(drive: Drive, end: float) -> list[Piece]:
@@ -68,31 +43,33 @@ def pieces(drive: Drive, end: float) -> list[Piece]:
     return [Piece(*map(float, row)) for row, jump in zip(rows, jumps, strict=True) if jump]
 
 
-class RunningDrive:
-    """The drive in time, by some of its pieces; Exudyn's clock, which cannot be negative, begins at an instant of it.
+class ExudynDrive:
+    """The drive as functions of Exudyn's clock: held at a position, rad or m, until it runs through pieces.
 
-    The first piece also holds before it begins, and the last one after it ends.
+    While it is held its rate is one: velocities are then derivatives by the position.
     """
 
-    zero = 0.0  # s, of the scene's time when Exudyn's clock is zero
     position: Function  # rad or m
     rate: Function
 
+    def __init__(self, held: float = 0.0) -> None:
+        self.held, self.zero = (
+            held,
+            0.0,
+        )  # s, of the scene's time when Exudyn's clock, which cannot be negative, is zero
+        self.position, self.rate = lambda _clock: self.held, lambda _clock: 1.0
+
     def run(self, parts: Sequence[Piece], zero: float) -> None:
-        """Begin at an instant, s."""
+        """Begin at an instant, s; the first piece also holds before it begins, and the last one after it ends."""
         self.zero = zero
         if len(parts) > 1:
-            self.position = lambda clock: _at(parts, zero + clock).position(zero + clock)
-            self.rate = lambda clock: _at(parts, zero + clock).rate(zero + clock)
+            self.position, self.rate = (lambda clock, of=of: _at(parts, zero + clock)[of] for of in (0, 1))
             return
-        (part,) = parts  # Exudyn asks seven times a step
-        start, speed, half, sixth = part.position(zero), part.rate(zero), part.second(zero) / 2, part.jerk / 6
+        start, speed, acceleration = parts[0].at(zero)  # Exudyn asks seven times a step
+        half, sixth = acceleration / 2, parts[0].jerk / 6
         self.position = lambda t: start + t * (speed + t * (half + t * sixth))
         self.rate = lambda t: speed + t * (2 * half + t * 3 * sixth)
 
 
-def _at(parts: Sequence[Piece], time: float) -> Piece:
-    return parts[max(bisect_right(parts, time, key=lambda part: part.begin), 1) - 1]
-
-
-ExudynDrive: TypeAlias = HeldDrive | RunningDrive
+def _at(parts: Sequence[Piece], time: float) -> tuple[float, float, float]:
+    return parts[max(bisect_right(parts, time, key=lambda part: part.begin), 1) - 1].at(time)

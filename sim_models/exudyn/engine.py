@@ -38,8 +38,7 @@ def build(scene: Scene, settings: ExudynSettings, request: Request) -> "ExudynSi
     """
     import exudyn
 
-    from .runs.pointwise import PointwiseSimulation
-    from .runs.simulation import failure
+    from .runs.simulation import PointwiseSimulation, failure
     from .runs.stepping import TimeSteppedSimulation
 
     try:

@@ -4,14 +4,14 @@ Its solver computes every term of a step's residual and Jacobian.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import wraps
+from functools import partial, wraps
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from scenes.model.open_joint import open_joint
 
-from .drive import HeldDrive
+from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
 
 EquationTerm: TypeAlias = Callable[..., Array]
@@ -22,10 +22,10 @@ def _of_many(term: EquationTerm) -> EquationTerm:
     """Let a term of one pose take many too: all of its arguments, and then its result, with a leading axis."""
 
     @wraps(term)
-    def terms(self: "Equations", q: Array, *more: Any) -> Array:
+    def terms(self: "Equations", q: Array, *more: Any, **one: Any) -> Array:
         if q.ndim == 1:
-            return term(self, q, *more)
-        return np.array([term(self, *one) for one in zip(q, *more, strict=True)])
+            return term(self, q, *more, **one)
+        return np.array([term(self, *each) for each in zip(q, *more, strict=True)])
 
     return terms
 
@@ -39,7 +39,7 @@ def blocks(q: Array) -> Iterator[slice]:
 class Equations:
     """The terms of one system at coordinates q and velocities v, shape (3 bodies,), or many of them."""
 
-    def __init__(self, system: ExudynSystem, drive: HeldDrive) -> None:
+    def __init__(self, system: ExudynSystem, drive: ExudynDrive) -> None:
         self._system, self._mbs, self._state, self._drive = system, system.mbs, system.state, drive
         self._solver: Any = exudyn.MainSolverImplicitSecondOrder()
         self._solver.InitializeSolver(system.mbs, system.settings)
@@ -56,7 +56,7 @@ class Equations:
         self._state.SetODE2Coordinates(q)
         self._drive.held = position
         self._solver.ComputeAlgebraicEquations(self._mbs)
-        return self._constraint_rows()
+        return np.asarray(self._solver.GetSystemResidual()[self._n :])
 
     @_of_many
     def jacobian(self, q: Array) -> Array:
@@ -64,8 +64,7 @@ class Equations:
         self._state.SetODE2Coordinates(q)
         self._solver.SetSystemJacobian(self._zeros)
         self._solver.ComputeJacobianAE(self._mbs)
-        jacobian: Array = self._solver.GetSystemJacobian()[self._n :, : self._n]
-        return jacobian
+        return np.asarray(self._solver.GetSystemJacobian()[self._n :, : self._n])
 
     @_of_many
     def rates(self, q: Array, v: Array) -> Array:
@@ -73,7 +72,7 @@ class Equations:
         self._state.SetODE2Coordinates(q)
         self._state.SetODE2Coordinates_t(v)
         self._solver.ComputeAlgebraicEquations(self._mbs, velocityLevel=True)
-        return self._constraint_rows()
+        return np.asarray(self._solver.GetSystemResidual()[self._n :])
 
     @_of_many
     def forces(self, q: Array, time: float) -> Array:
@@ -84,8 +83,7 @@ class Equations:
         self._state.SetODE2Coordinates(q)
         self._state.SetTime(time)
         self._solver.ComputeODE2RHS(self._mbs)
-        forces: Array = self._solver.GetSystemResidual()[: self._n]
-        return forces
+        return np.asarray(self._solver.GetSystemResidual()[: self._n])
 
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
@@ -94,15 +92,8 @@ class Equations:
         joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
         units = np.tile([system.size, system.size, 1.0], len(system.bodies))
         for position in positions:
-
-            def gaps(at: Array, position: float = position) -> Array:
-                return self.residual(at, position)
-
+            gaps = partial(self.residual, position=position)
             joint, gap = open_joint(gaps, self.jacobian, q, units, joints, system.size)
             if gap:
                 return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
         return ""
-
-    def _constraint_rows(self) -> Array:
-        rows: Array = self._solver.GetSystemResidual()[self._n :]
-        return rows

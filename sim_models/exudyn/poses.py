@@ -8,14 +8,14 @@ Its derivatives by s give velocities and accelerations of any motion, and with t
 Arrays of one state have the shapes given; those of many have one more axis in front.
 """
 
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from scenes import Failure, ProcessorBudget, Scene, Status
 
-from .drive import HeldDrive
+from .drive import ExudynDrive
 from .equations import Equations
 from .system import Array, ExudynSystem
 
@@ -47,21 +47,19 @@ class Configuration(NamedTuple):
 
     def velocities(self, rate: ArrayLike) -> Array:
         """The velocities for a rate of the drive, shape (3 bodies,)."""
-        velocities: Array = self.tangent * np.asarray(rate)[..., np.newaxis]
-        return velocities
+        return np.asarray(self.tangent * np.asarray(rate)[..., np.newaxis])
 
     def accelerations(self, rate: ArrayLike, acceleration: ArrayLike) -> Array:
         """The accelerations for a rate and an acceleration of the drive, shape (3 bodies,)."""
         rate, acceleration = np.asarray(rate)[..., np.newaxis], np.asarray(acceleration)[..., np.newaxis]
-        accelerations: Array = self.curvature * rate**2 + self.tangent * acceleration
-        return accelerations
+        return np.asarray(self.curvature * rate**2 + self.tangent * acceleration)
 
 
 class PoseSolver:
     """The poses of a scene's system with the drive held, in units of its own or in SI; it starts without loads."""
 
     def __init__(self, scene: Scene, *, si: bool = False) -> None:
-        drive = HeldDrive(scene.drive.start)
+        drive = ExudynDrive(scene.drive.start)
         self.system = system = ExudynSystem(scene, drive, si=si)
         self.equations = Equations(system, drive)
         self.newton_iterations = self.curvatures = 0  # found so far
@@ -70,12 +68,9 @@ class PoseSolver:
         self.scale = np.tile([system.size, system.size, 1.0], len(system.bodies))
 
     def through(self, state: Configuration, positions: Array, *, curved: bool = True) -> Configuration:
-        """The states at many positions, passed one after the other from the state given.
+        """The states at many positions, passed one after the other from the state given; Failure as of `follow`.
 
         Without curvatures, those of most states are not a number, and have cost nothing.
-
-        Raises:
-            Failure: no pose continues the motion on this branch.
         """
         knots = self._knots(np.append(state.position, positions))
         followed = [state]
@@ -144,7 +139,7 @@ class PoseSolver:
         """A pose near q that meets the constraints, redundant ones too, by damped Gauss-Newton."""
         for _ in range(PATIENT_ITERATIONS):
             residual = self.equations.residual(q, position)
-            step = cast("Array", np.linalg.lstsq(self.equations.jacobian(q), -residual, rcond=None)[0])
+            step: Array = np.asarray(np.linalg.lstsq(self.equations.jacobian(q), -residual)[0], np.float64)
             length = float(self.length(step))
             if length < CONVERGED and np.abs(residual).max() < CONVERGED * self.system.size:
                 return q + step
@@ -155,7 +150,7 @@ class PoseSolver:
     def state(self, q: Array, position: Array, *, curved: bool = True) -> Configuration:
         """The state in a pose that meets the constraints."""
         jacobian = self.equations.jacobian(q)
-        inverse = _inverse(jacobian)
+        inverse: Array = np.asarray(np.linalg.inv(jacobian), np.float64)
         tangent = -inverse @ self.equations.drive_rate
         curvature = self._curvature(q, tangent, inverse) if curved else np.full_like(q, np.nan)
         return Configuration(position, q, tangent, curvature, inverse, self.branch(jacobian))
@@ -168,13 +163,11 @@ class PoseSolver:
 
     def branch(self, jacobian: Array) -> Array:
         """The sign of det C_q."""
-        sign: Array = np.linalg.slogdet(jacobian)[0]
-        return sign
+        return np.asarray(np.linalg.slogdet(jacobian)[0])
 
     def length(self, step: Array) -> Array:
         """The largest change of a coordinate, over the linkage's size, or in rad."""
-        length: Array = np.abs(step / self.scale).max(axis=-1)
-        return length
+        return np.asarray(np.abs(step / self.scale).max(axis=-1))
 
     def _curvature(self, q: Array, tangent: Array, inverse: Array) -> Array:
         """Return q'', with the change of C_q q' along q' by a symmetric difference."""
@@ -196,7 +189,7 @@ class PoseSolver:
 
     def _corrected(self, guess: Array, position: Array, reach: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Find a pose by Newton's method with the Jacobian of the guess; and whether it is within reach of that."""
-        inverse = _inverse(self.equations.jacobian(guess))
+        inverse: Array = np.asarray(np.linalg.inv(self.equations.jacobian(guess)), np.float64)
         q, closes, length = guess, np.zeros(position.shape, dtype=bool), reach
         for _ in range(ITERATIONS):
             step = _times(inverse, self.equations.residual(q, position))
@@ -208,13 +201,8 @@ class PoseSolver:
         return q, closes & (self.length(q - guess) <= reach)
 
 
-def _inverse(matrix: Array) -> Array:
-    return cast("Array", np.linalg.inv(matrix))
-
-
 def _times(matrix: Array, vector: Array) -> Array:
-    product: Array = (matrix @ vector[..., np.newaxis])[..., 0]
-    return product
+    return np.asarray((matrix @ vector[..., np.newaxis])[..., 0])
 
 
 def _interpolated(before: Configuration, after: Configuration, position: Array) -> Array:

@@ -10,8 +10,8 @@ from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
 from .bodies import sketched
+from .loads import PressSwitches, press_switches
 from .poses import Configuration, PoseSolver
-from .stroke import PressSwitches, press_switches
 from .system import Array, ExudynSystem, exudyn
 
 SCENES = 4  # whose starts are kept; one that is run has up to two
@@ -20,11 +20,7 @@ WHOLE_TURN = tau - 1e-6  # rad; the ends of a turn are rounded
 
 @lru_cache(SCENES)
 def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitches]:
-    """The state at the drive's start, and when the press loads switch; both once a scene and system of units.
-
-    Raises:
-        Failure: as `start` and `press_switches`.
-    """
+    """The state at the drive's start, and when the press loads switch; both once a scene and system of units."""
     poses = PoseSolver(scene, si=si)
     at_start = start(poses)
     return at_start, press_switches(poses, at_start)

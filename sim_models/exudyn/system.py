@@ -6,6 +6,7 @@ drive are constraints on coordinates. All hold at position level. What acts on t
 """
 
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
 from importlib import import_module
 from typing import Any, TypeAlias
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from scenes import Scene
 from scenes.scene import GROUND, Body, Slide
 
-from .bodies import force_unit, in_unit, linkage_size, rigid_body
+from .bodies import force_unit, linkage_size, rigid_body
 from .drive import ExudynDrive
 
 Array: TypeAlias = NDArray[np.float64]
@@ -41,8 +42,8 @@ class ExudynSystem:
         self.scene, self.driven_by = scene, drive
         bodies = {name: rigid_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, bodies)  # m
-        self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N
-        self.bodies = {name: in_unit(body, self.force_unit) for name, body in bodies.items()}
+        unit = self.force_unit = 1.0 if si else force_unit(scene, bodies, self.size)  # N, and with it of masses
+        self.bodies = {n: replace(b, mass=b.mass / unit, inertia=b.inertia / unit) for n, b in bodies.items()}
         self._container = exudyn.SystemContainer()  # it owns the system
         self.mbs: Any = self._container.AddSystem()
         self.state: Any = self.mbs.systemData
@@ -75,10 +76,10 @@ class ExudynSystem:
         sizes = {"bodies": len(self.bodies), "coordinates": coordinates, "constraints": constraints}
         return sizes | {"sensors": int(self.state.NumberOfSensors())}
 
-    def com(self, body: str, q: Array) -> Any:
-        """A body's centre of mass from coordinates, or its rate from theirs, of shape (..., 3 bodies)."""
-        number = 3 * list(self.bodies).index(body)
-        return q[..., number] + 1j * q[..., number + 1]
+    def pose_of(self, body: str, q: Array) -> tuple[Any, Any]:
+        """A body's centre of mass and angle, or their rates, from coordinates or their rates, shape (..., 3 bodies)."""
+        first = 3 * list(self.bodies).index(body)
+        return q[..., first] + 1j * q[..., first + 1], q[..., first + 2]
 
     def slide(self, body: str) -> Slide:
         """The guide of a body that slides."""
@@ -105,15 +106,15 @@ class ExudynSystem:
         factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
         return factors
 
-    def mass_marker(self, body: str) -> Any:
-        """A marker at a body's centre of mass."""
-        return self._marker(body, 0j)
+    def marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        """A marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
+        number, create = self._ground if body == GROUND else self.objects[body], getattr(items, f"MarkerBody{kind}")
+        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
 
     def at(self, body: str, point: str) -> Any:
         """A marker at a point of a body or of the ground."""
-        if body == GROUND:
-            return self._marker(body, complex(*self.scene.ground[point]))
-        return self._marker(body, self.bodies[body].points[point])
+        ground = body == GROUND
+        return self.marker(body, complex(*self.scene.ground[point]) if ground else self.bodies[body].points[point])
 
     def columns(self, constraint: Any) -> list[int]:
         """The indices of a constraint's multipliers among all."""
@@ -123,11 +124,6 @@ class ExudynSystem:
         body = self.bodies[name]
         node = self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D())
         return self.mbs.AddObject(items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
-
-    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
-        """A marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
-        number, create = self._ground if body == GROUND else self.objects[body], getattr(items, f"MarkerBody{kind}")
-        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
 
     def _coordinate(self, body: str, number: int) -> Any:
         """A marker on x, y or the angle of a body, or on the ground's zero."""
@@ -160,8 +156,8 @@ class ExudynSystem:
         first point P.
         """
         along = self.along(body.name)
-        first = self._marker(body.name, self.lever(body.name), "Rigid")
-        second = self._marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid")
+        first = self.marker(body.name, self.lever(body.name), "Rigid")
+        second = self.marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid")
         axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
         return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))
 

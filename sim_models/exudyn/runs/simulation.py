@@ -1,4 +1,4 @@
-"""The part that both routes share: the system at its start, and its channels."""
+"""What both routes share, the system at its start and its channels; and the pointwise route."""
 
 import numpy as np
 
@@ -40,16 +40,8 @@ class ExudynSimulation:
         levels = 4 if self.sampling.wants_forces(self.scene) else 3 if accelerations else 2
         return np.empty((levels, self.sampling.count, 3 * len(self.scene.bodies)))
 
-    @property
-    def _wants_accelerations(self) -> bool:
-        return any(quantity(channel) in ("ax", "ay", "alpha") for channel in self.sampling.wanted(self.scene))
-
     def solve(self) -> None:
-        """Find the samples, and the channels from them.
-
-        Raises:
-            Failure: the pose cannot follow the drive, a step found no solution, or the budget is spent.
-        """
+        """Find the samples, and the channels from them."""
         self.poses.budget = ProcessorBudget(SECONDS * self.sampling.turns, "the solution")
         self._q, v, *others = self._solved()
         wanted = set(self.sampling.wanted(self.scene))
@@ -59,11 +51,7 @@ class ExudynSimulation:
         self._motion = Motion({"time": self.times} | samples)
 
     def read(self) -> Motion:
-        """The channels.
-
-        Raises:
-            Failure: a spring has no direction, or the poses are of another branch; it has the motion with it.
-        """
+        """The channels, unless a spring has no direction or the poses are of another branch."""
         self._check_springs()
         self._check_branch()
         return self._motion
@@ -84,3 +72,34 @@ class ExudynSimulation:
                 where = self.scene.where(self.positions[np.argmin(length)])
                 reason = f"a spring has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)
+
+
+class PointwiseSimulation(ExudynSimulation):
+    """Poses that meet the constraints at every sample, and the rest from Exudyn's own terms there."""
+
+    def __init__(self, scene: Scene, request: Request) -> None:
+        super().__init__(scene, request)
+        self._driven = scene.drive.at(self.times)
+        accelerations = any(quantity(name) in ("ax", "ay", "alpha") for name in self.sampling.wanted(scene))
+        self._samples = self._buffer(accelerations=accelerations)
+
+    def _solved(self) -> Array:
+        """Follow the pose through the samples, cycle by cycle."""
+        state, before, curved = self._at_start, self.poses.newton_iterations, self.poses.curvatures
+        for turn in range(self.sampling.turns):
+            rows = slice(turn * self.sampling.samples, (turn + 1) * self.sampling.samples + 1)
+            position, rate, acceleration = (values[rows] for values in self._driven)
+            states = self.poses.through(state, position, curved=len(self._samples) > 2)
+            self._samples[0, rows] = states.q
+            self._samples[1, rows] = states.velocities(rate)
+            if len(self._samples) > 2:
+                self._samples[2, rows] = states.accelerations(rate, acceleration)
+            if len(self._samples) > 3:
+                self._samples[3, rows] = self.poses.multipliers(states, rate, acceleration, self.times[rows])
+            state = states.rows(-1)
+        self.counters = {
+            "poses": len(self.times),
+            "newton_iterations": self.poses.newton_iterations - before,
+            "acceleration_solves": self.poses.curvatures - curved,
+        }
+        return self._samples

@@ -6,6 +6,7 @@ the start transient has decayed by then.
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from itertools import count, pairwise
 from math import ceil
 from typing import Any, NamedTuple
@@ -14,10 +15,8 @@ import numpy as np
 
 from scenes import Failure, Request, Scene, Status
 
-from ..ablations.extras import add_extras
-from ..ablations.reduced import ReducedSystem
-from ..ablations.spatial import SpatialSystem
-from ..drive import Piece, RunningDrive, pieces
+from ..ablations import ReducedSystem, SpatialSystem, add_extras
+from ..drive import ExudynDrive, Piece, pieces
 from ..equations import blocks
 from ..loads import add_loads
 from ..poses import Configuration
@@ -49,13 +48,13 @@ class TimeSteppedSimulation(ExudynSimulation):
     def __init__(self, scene: Scene, options: TimeStepping, request: Request) -> None:
         si = isinstance(options, TextbookTimeStepping)
         super().__init__(scene, request, si=si)
-        self.options, self.drive = options, RunningDrive()
+        self.options, self.drive = options, ExudynDrive()
         self.stretches = self._stretches()
         kind = SpatialSystem if options.extra is ExudynExtra.SPATIAL else ExudynSystem
         kind = ReducedSystem if options.reduced else kind
         self.model = kind(scene, self.drive, si=si)
         add_loads(self.model, self._switches)
-        step = scene.drive.cycle / (self.stretches[0].stride * self.sampling.samples)
+        step = self._step(self.stretches[0].stride)
         add_extras(self.model, options, step, forces=self.sampling.wants_forces(scene))
         _configure(self.model, options)
         self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]
@@ -97,7 +96,7 @@ class TimeSteppedSimulation(ExudynSimulation):
 
     def _before(self, first: Configuration, part: Piece, way: Array) -> Configuration:
         """Follow the state to the last of some instants, s, that lead there."""
-        positions, poses = [part.position(time) for time in way.tolist()], self.poses
+        positions, poses = [part.at(time)[0] for time in way.tolist()], self.poses
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
@@ -158,18 +157,13 @@ class TimeSteppedSimulation(ExudynSimulation):
             if between == 0 and 0 <= sample < samples.shape[1]:
                 for row, (get, chosen) in rows:
                     row[sample] = get()[chosen]
-                return self._in_time()
+                with suppress(Failure):  # which would have to pass through Exudyn
+                    self.poses.budget.check("")
+                    return True
+                return False
             return True
 
         return record
-
-    def _in_time(self) -> bool:
-        """Tell whether the run may go on; an exception would have to pass through Exudyn."""
-        try:
-            self.poses.budget.check("")
-        except Failure:
-            return False
-        return True
 
     def _check_end(self, solver: Any) -> None:
         """Count the work, and refuse a run that ended early, which Exudyn may call a success."""
@@ -227,9 +221,8 @@ def _configure(model: ExudynSystem, options: TimeStepping) -> None:
 
 def _set_initial(model: ExudynSystem, stretch: Stretch) -> None:
     """Set the initial coordinates, velocities and accelerations."""
-    first, begin = stretch.pieces[0], stretch.begin
-    rate, acceleration = first.rate(stretch.zero), first.second(stretch.zero)
-    values, initial = model.state, exudyn.ConfigurationType.Initial
+    begin, values, initial = stretch.begin, model.state, exudyn.ConfigurationType.Initial
+    _, rate, acceleration = stretch.pieces[0].at(stretch.zero)
     values.SetODE2Coordinates(model.narrowed(begin.q), initial)
     values.SetODE2Coordinates_t(model.narrowed(begin.velocities(rate)), initial)
     values.SetODE2Coordinates_tt(model.narrowed(begin.accelerations(rate, acceleration)), initial)

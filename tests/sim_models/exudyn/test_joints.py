@@ -11,12 +11,12 @@ from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed, MotionLaw, PressForce
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
-from sim_models.exudyn.drive import RunningDrive, pieces
+from sim_models.exudyn.drive import ExudynDrive, pieces
 from sim_models.exudyn.engine import DEFAULT, EXACT
+from sim_models.exudyn.loads import press_switches
 from sim_models.exudyn.poses import PoseSolver
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from sim_models.exudyn.start import start
-from sim_models.exudyn.stroke import press_switches
 from tests import scene_files
 
 from .helpers import BOTH_ROUTES, NAMES, by_level, check, locking, referred, run
@@ -130,18 +130,18 @@ def test_press_load_switches_where_the_scene_says(direction: int, begin: float) 
 def test_pieces_are_the_law(name: str) -> None:
     drive = referred(name)[0].drive
     end = (2.5 if drive.repeats else 1.0) * drive.cycle
-    running = RunningDrive()
+    running = ExudynDrive()
     parts = pieces(drive, end)
     running.run(parts, 0.05)
     for clock in np.linspace(0, end - 0.05, 57):
         position, rate, acceleration = map(float, drive.at(clock + 0.05))
         assert running.position(clock) == pytest.approx(position, abs=1e-13)
         assert running.rate(clock) == pytest.approx(rate, abs=1e-12)
-        alone = RunningDrive()
+        alone = ExudynDrive()
         last = next(piece for piece in reversed(parts) if piece.begin <= clock + 0.05)
         alone.run([last], 0.05)
         assert (alone.position(clock), alone.rate(clock)) == pytest.approx((position, rate), abs=1e-12)
-        assert last.second(clock + 0.05) == pytest.approx(acceleration, abs=1e-10)
+        assert last.at(clock + 0.05)[2] == pytest.approx(acceleration, abs=1e-10)
 
 
 def test_pieces_end_where_the_jerk_jumps() -> None:

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 import scenes
-from sim_models.exudyn.ablations.reduced import ReducedSystem
-from sim_models.exudyn.drive import HeldDrive
+from sim_models.exudyn.ablations import ReducedSystem
+from sim_models.exudyn.drive import ExudynDrive
 from sim_models.exudyn.engine import DEFAULT
 from sim_models.exudyn.equations import Equations
 from tests import scene_files
@@ -26,7 +26,7 @@ from .helpers import run
     ],
 )
 def test_what_is_left(name: str, left: int, pivots: set[str], sliders: set[str]) -> None:
-    system = ReducedSystem(scene_files.load(name), HeldDrive(0.0))
+    system = ReducedSystem(scene_files.load(name), ExudynDrive(0.0))
     assert system.unknowns == system.counts()["coordinates"] == system.counts()["constraints"] == left
     assert (set(system.pivots), set(system.sliders)) == (pivots, sliders)
 

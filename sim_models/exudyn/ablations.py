@@ -1,21 +1,28 @@
-"""The same scene with one coordinate for every body that only turns or slides on the ground.
+"""What more than a scene needs costs: the same linkage with fewer coordinates, with bodies in space, or with extras.
 
-A body that only turns about a pin of the ground is a RotationalMass1D, one that slides on the ground a Mass1D, and its
-joint with the ground is no constraint any more. All others are as before. The reactions of those joints follow from
-the equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
+With fewer, a body that only turns about a pin of the ground is a RotationalMass1D, one that slides on the ground a
+Mass1D, and its joint with the ground is no constraint any more. All others are as before. The reactions of those joints
+follow from the equations of motion of the whole system, M a + C_q^T lambda = f, in the rows of the body.
 """
 
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Any
+from weakref import finalize
 
 import numpy as np
 
-from scenes import Scene
-from scenes.scene import GROUND
+from scenes import Failure, Scene, Status
+from scenes.scene import GROUND, Body, Slide
 
-from ..drive import ExudynDrive
-from ..equations import blocks
-from ..poses import PoseSolver
-from ..system import Array, ExudynSystem, items
+from .drive import ExudynDrive
+from .equations import blocks
+from .poses import PoseSolver
+from .settings import ExudynExtra, TextbookTimeStepping, TimeStepping
+from .system import Array, ExudynSystem, exudyn, items
 
 
 class ReducedSystem(ExudynSystem):
@@ -120,12 +127,13 @@ class ReducedSystem(ExudynSystem):
         axes = [[x.real, -x.imag, 0], [x.imag, x.real, 0], [0, 0, 1]]
         return self.mbs.AddObject(items.ObjectMass1D(mass=body.mass, referenceRotation=axes, **place))
 
-    def _marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+    def marker(self, body: str, place: complex, kind: str = "Position") -> Any:
+        """A marker at a place of a body, along the axes that it has here."""
         if body in self.pivots:
             place = place - self._pivot(body)
         elif body in self.sliders:
             place = place * self.along(body).conjugate()
-        return super()._marker(body, place, kind)
+        return super().marker(body, place, kind)
 
     def _coordinate(self, body: str, number: int) -> Any:
         return super()._coordinate(body, 0 if body in self.reduced else number)
@@ -135,3 +143,80 @@ class ReducedSystem(ExudynSystem):
         if driven in self.sliders:
             return 1.0, self._coordinate(GROUND, 0), self._coordinate(driven, 0), 1.0
         return super()._drive_markers()
+
+
+class SpatialSystem(ExudynSystem):
+    """Rigid bodies with six coordinates, each held in the plane by itself, so that no joint of a loop is redundant."""
+
+    node_size = 6
+    in_plane = (0, 1, 5)
+
+    def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
+        super().__init__(scene, drive, si=si)
+        joints, bodies = (*self.pins.values(), *self.slides.values()), range(len(self.bodies))
+        self.coordinates = np.array([6 * number + one for number in bodies for one in self.in_plane])
+        planar = [column for joint in joints for column in self.columns(joint)[:2]]
+        self.multipliers = np.array(planar + self.columns(self.drive))
+
+    def narrowed(self, q: Array) -> Array:
+        """All coordinates from x, y and angle of every body, or their rates."""
+        all_coordinates = np.zeros(self.node_size * len(self.bodies))
+        all_coordinates[self.coordinates] = q
+        return all_coordinates
+
+    def _add_body(self, name: str) -> Any:
+        body = self.bodies[name]
+        node = self.nodes[name] = self.mbs.AddNode(items.NodeRigidBodyRxyz())
+        inertia = [body.inertia, body.inertia, body.inertia, 0, 0, 0]  # but for the last axis without effect
+        return self.mbs.AddObject(items.ObjectRigidBody(mass=body.mass, inertia=inertia, nodeNumber=node))
+
+    def _add_pin(self, point: str, first: str, second: str) -> Any:
+        """Hold P2 - P1 at zero in x and y."""
+        markers = [self.at(first, point), self.at(second, point)]
+        return self.mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+
+    def _add_slot(self, body: Body, slide: Slide) -> Any:
+        raise Failure(
+            Status.unsupported, f"{body.name} slides on {slide.on}, for which there is no joint in space here"
+        )
+
+    def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
+        for name in self.bodies:
+            self._hold(name, np.eye(6)[2:5], [0.0, 0.0, 0.0])
+        return super()._add_drive(drive)
+
+
+def add_extras(system: ExudynSystem, options: TimeStepping, step: float, *, forces: bool) -> None:
+    """Add sensors, text files or a callback to a system with steps of that size, s; files are deleted with it."""
+    extra, solution = options.extra, system.settings.solution
+    folder = None
+    if extra is ExudynExtra.TEXT or isinstance(options, TextbookTimeStepping):
+        folder = Path(mkdtemp(prefix="exudyn_"))
+        finalize(system, rmtree, folder)
+        solution.file.write = True  # as it is preset, but not into the working folder
+        solution.file.name = str(folder / "coordinates.txt")
+    if extra in (ExudynExtra.SENSORS, ExudynExtra.TEXT):
+        solution.sensors.writePeriod = step
+        for number, sensor in enumerate(_sensors(system, forces=forces)):
+            file = str(folder / f"sensor{number}.txt") if folder and extra is ExudynExtra.TEXT else ""
+            system.mbs.AddSensor(sensor(fileName=file, storeInternal=not file))
+        system.mbs.Assemble()
+    if extra is ExudynExtra.CALLBACK:
+        system.mbs.SetPreStepUserFunction(lambda _mbs, _time: True)
+
+
+def _sensors(system: ExudynSystem, *, forces: bool) -> Iterator[Callable[..., Any]]:
+    """Yield a sensor for every two channels or one, as a function of where it writes."""
+    scene, kinds = system.scene, exudyn.OutputVariableType
+    motions = (kinds.Position, kinds.Velocity, kinds.Acceleration)
+    turns = (kinds.Rotation, kinds.AngularVelocity, kinds.AngularAcceleration)
+    places = [(scene.owners[point][0], point, motions) for point in scene.moving_points]
+    for body, point, measured in [*places, *((name, "", turns) for name in scene.turning)]:
+        place = system.bodies[body].points.get(point, 0j)
+        at = {"bodyNumber": system.objects[body], "localPosition": [place.real, place.imag, 0]}
+        yield from (partial(items.SensorBody, outputVariableType=kind, **at) for kind in measured)
+    if forces:
+        slots = [joint for name, joint in system.slides.items() if system.slide(name).on != GROUND]
+        for joint in (*system.pins.values(), system.drive, *system.slides.values()):
+            kind = kinds.ForceLocal if joint in slots else kinds.Force
+            yield partial(items.SensorObject, objectNumber=joint, outputVariableType=kind)
