@@ -32,11 +32,7 @@ class PymunkBody:
 
 
 def rigid(scene: Scene, body: Body) -> PymunkBody:
-    """A body of the scene, in its frame there.
-
-    Raises:
-        Failure: cannot_assemble, its lengths do not close, or the sketch shows three of its points in line.
-    """
+    """A body of the scene, in its frame there; Failure where its lengths do not close, or nothing shows how."""
     points = _points(scene, body)
     return PymunkBody(points, *_mass_properties(body, points))
 

@@ -8,20 +8,18 @@ Each pin, each guide and the drive is a constraint C(q) = 0 with the Jacobian J 
 coordinates, so det J can change its sign only in a singular configuration, where assembly branches meet.
 """
 
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Iterator
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.model.groups import DiagonalBlock, groups
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .bodies import rigid
-from .masses import Masses
+from .masses import Masses, constraint_groups
 
 PoseArray: TypeAlias = NDArray[np.float64]  # (n, bodies, 3), also of rates, accelerations, and the forces dual to them
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -34,35 +32,29 @@ class LinkageConstraints:
     """The moving bodies of a scene, in file order, and the constraints between them.
 
     `moved` has pymunk's masses, and the origins from which `members` have their points and centres of mass; their own
-    masses are the true ones.
-
-    Raises:
-        Failure: unsupported, a body that pymunk moves has no mass or no inertia; cannot_assemble, a body's lengths do
-            not close, or the sketch shows three of its points in line.
+    masses are the true ones. It raises the Failure of `rigid` and of the masses.
     """
 
     def __init__(self, scene: Scene, masses: Masses) -> None:
         self.scene = scene
         rigids = {body.name: rigid(scene, body) for body in scene.bodies.values()}
-        inertias = masses(scene, rigids)
-        self.moved = {name: inertias[name] for name in rigids}
+        self.moved = masses(scene, rigids)
         self.members = {name: body.about(self.moved[name].origin) for name, body in rigids.items()}
         self.index = {name: number for number, name in enumerate([*scene.bodies, GROUND])}
         self.driven = self.index[scene.drive.body]
 
-        pins = [((pin.first, pin.second), pin.point) for pin in scene.pins]
-        self._pinned = np.array([[self.index[body] for body in pair] for pair, _ in pins], np.intp).reshape(-1, 2)
-        arms = [[self.arm(body, point) for body in pair] for pair, point in pins]
-        self._pin_arms = np.array(arms, np.complex128).reshape(-1, 2)
-        self.slides = {body.name: body.slide for body in scene.bodies.values() if body.slide is not None}
-        self._sliders = np.array([self.index[name] for name in self.slides], dtype=np.intp)
-        self._carriers = np.array([self.index[slide.on] for slide in self.slides.values()], dtype=np.intp)
-        self._slider_arms = np.array([self.first_arm(name) for name in self.slides], dtype=np.complex128)
-        self._through = np.array([self.through(name) for name in self.slides], dtype=np.complex128)
-        self._along = np.array([complex(*slide.along) for slide in self.slides.values()], dtype=np.complex128)
-
-        ends = [arm for body in self.members.values() for arm in body.points.values()]
-        self.size = max(map(abs, [*ends, *self._through, *(complex(*point) for point in scene.ground.values())]))
+        ends = [(body, pin.point) for pin in scene.pins for body in (pin.first, pin.second)]
+        self._pinned = np.array([self.index[body] for body, _ in ends], np.intp).reshape(-1, 2)
+        self._pin_arms = np.array([self.arm(*end) for end in ends], np.complex128).reshape(-1, 2)
+        self.slides = slides = {body.name: body.slide for body in scene.bodies.values() if body.slide is not None}
+        self._sliders = np.array([self.index[name] for name in slides], np.intp)
+        self._carriers = np.array([self.index[slide.on] for slide in slides.values()], np.intp)
+        self._slider_arms = np.array([self.first_arm(name) for name in slides], np.complex128)
+        self._through = np.array([self.through(name) for name in slides], np.complex128)
+        self._along = np.array([complex(*slide.along) for slide in slides.values()], np.complex128)
+        self._groups = constraint_groups(scene)
+        arms = [arm for body in self.members.values() for arm in body.points.values()]
+        self.size = max(map(abs, [*arms, *self._through, *(complex(*point) for point in scene.ground.values())]))
 
     def arm(self, body: str, point: str) -> complex:
         """Where a point is from its body's origin, m, in the body's frame."""
@@ -146,11 +138,6 @@ class LinkageConstraints:
             signs = signs * determinant_sign(J[:, np.array(rows)[:, None], np.array(columns)])
         return signs
 
-    @cached_property
-    def _groups(self) -> Sequence[DiagonalBlock]:
-        somewhere = np.random.default_rng(0).normal(size=(1, len(self.members), 3))  # where no entry vanishes by chance
-        return groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
-
 
 def solved(J: Samples, wanted: Samples) -> PoseArray:
     """Solve J x = wanted, shape (n, bodies, 3), of J (n, 3 bodies, 3 bodies); NaN where J is singular."""
@@ -170,8 +157,7 @@ def blocks(q: PoseArray) -> Iterator[slice]:
 
 def determinant_sign(jacobian: Samples) -> Samples:
     """The sign of det J, shape (n,)."""
-    sign: Samples = np.linalg.slogdet(jacobian).sign
-    return sign
+    return np.asarray(np.linalg.slogdet(jacobian).sign)
 
 
 def with_ground(q: PoseArray) -> PoseArray:

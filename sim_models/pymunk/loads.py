@@ -1,43 +1,44 @@
 """The forces of loads and springs on the bodies, in one pose at a step of the engine or in many at the read-out.
 
+A press force acts within its slider's closing stroke, whose end is found beforehand.
+
 A pose is the places z of the bodies' origins and the turns exp(i theta) of their frames, by number of the body: complex
 numbers, or arrays of them of shape (n,). Single numbers are plain Python's, which are much faster than numpy's.
 """
 
 from cmath import exp
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from scenes import Scene
 from scenes.scene import GROUND, Force, ForceTable, PressForce
 
-from .constraints import LinkageConstraints, PlaneVector
+from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes
+from .masses import fictitious_masses
 from .space import Bodies, pair
+from .start import SCENES, DrivePlace, begun, move, rates, way
+
+HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
 
 Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
-BodyForce: TypeAlias = tuple[
-    str, PlaneVector, PlaneVector
-]  # a body or the ground, the arm from its origin, m, the force, N
+# A body or the ground, the arm from its origin, m, the force, N.
+BodyForce: TypeAlias = tuple[str, PlaneVector, PlaneVector]
 
 
 def forces(
     linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
 ) -> Iterator[BodyForce]:
     """Yield every force; of press forces, `active` has whether they act."""
-    yield from _of_loads(linkage, z, turn, active)
-    yield from _of_springs(linkage, z, turn)
-
-
-def _of_loads(
-    linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
-) -> Iterator[BodyForce]:
-    presses = iter(active)
+    presses, index = iter(active), linkage.index
     for load in linkage.scene.loads:
-        i = linkage.index[load.body]
+        i = index[load.body]
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):
             force = load.along(linkage.displacement(load.body, z[i], turn[i]))
@@ -46,10 +47,6 @@ def _of_loads(
             yield load.body, r, next(presses) * complex(*load.force)
         else:
             yield load.body, r, complex(*load.force)
-
-
-def _of_springs(linkage: LinkageConstraints, z: Planes, turn: Planes) -> Iterator[BodyForce]:
-    index = linkage.index
     for spring in linkage.scene.springs:
         (first, p), (second, q) = spring.first, spring.second
         r, s = linkage.arm(first, p) * turn[index[first]], linkage.arm(second, q) * turn[index[second]]
@@ -132,3 +129,42 @@ def _constant(linkage: LinkageConstraints, name: str, body: pymunk.Body) -> tupl
     force = sum((complex(*load.force) for load in loads), 0j)
     moment = sum((linkage.arm(name, load.at).conjugate() * complex(*load.force) for load in loads), 0j)
     return pair(force), 0j if body.moment == np.inf else moment
+
+
+@lru_cache(SCENES)
+def stroke_ends(scene: Scene) -> Sequence[float]:
+    """Where the closing strokes of the press forces end, m; once a scene, since its whole way is searched."""
+    drive = scene.drive
+    presses = [load for load in scene.loads if isinstance(load, PressForce)]
+    if not presses:
+        return []
+    linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
+    paths = [[(drive.start, q), *way(linkage, q, drive.start, end)] for end in drive.extent]
+    strokes = {(load.body, load.closing): load for load in presses}
+    ends = {s: load.closing * max(_furthest(linkage, load, path) for path in paths) for s, load in strokes.items()}
+    return [ends[load.body, load.closing] for load in presses]
+
+
+def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[DrivePlace]) -> float:
+    """The slider's largest displacement in its closing direction, m; between places it has a dead point."""
+    i, along = linkage.index[load.body], linkage.slides[load.body].along
+
+    def closing(q: PoseArray) -> float:
+        z, turn = planes(q[0, i])
+        return load.closing * float(linkage.displacement(load.body, z, turn))
+
+    def opens(q: PoseArray, forward: float) -> bool:
+        return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0
+
+    furthest = max(range(len(path)), key=lambda number: closing(path[number][1]))
+    largest = closing(path[furthest][1])
+    for (here, q), (there, after) in pairwise(path[max(furthest - 1, 0) : furthest + 2]):
+        half = (there - here) / 2
+        if opens(after, half) and not opens(q, half):
+            for _ in range(HALVINGS):
+                middle = move(linkage, q, here, here + half)
+                if not opens(middle, half):
+                    here, q = here + half, middle
+                half /= 2
+            largest = max(largest, closing(q))
+    return largest

@@ -21,7 +21,7 @@ from math import fsum, inf, isfinite, isinf
 from typing import TypeAlias
 
 from scenes import Failure, Request, Scene, Status
-from scenes.model.groups import groups
+from scenes.model.groups import DiagonalBlock, groups
 from scenes.scene import GROUND, Pin
 
 from .bodies import PymunkBody
@@ -62,23 +62,14 @@ def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masse
 
 
 def own_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Take the bodies' own inertias, the driven one's too.
-
-    Raises:
-        Failure: unsupported, pymunk cannot move or turn a body of this inertia.
-    """
-    own = {name: Inertia(body.com, body.mass, body.inertia) for name, body in rigids.items()}
-    return _movable(_turning_as_one(scene, own, rigids))
+    """Take the bodies' own inertias, the driven one's too; Failure where pymunk cannot move or turn such a body."""
+    return _movable(scene, {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items()}, rigids)
 
 
 def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
-    """Take the bodies' own inertias with ballast at pins to the ground and to the driven body, which is moved.
-
-    Raises:
-        Failure: unsupported, pymunk cannot move or turn a body of this inertia.
-    """
-    own = {name: Inertia(body.com, body.mass, body.inertia) for name, body in rigids.items()}
-    del own[scene.drive.body]
+    """Take them with ballast at pins to the ground and to the driven body, which is moved; Failure as of these."""
+    driven = scene.drive.body
+    own = {name: Inertia(b.com, b.mass, b.inertia) for name, b in rigids.items() if name != driven}
     extra = BALLAST * sum(body.mass for body in rigids.values())
     for name, pin in held(scene).items():
         body, point = rigids[name], pin.point
@@ -86,7 +77,7 @@ def ballasted_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias
         arm = body.com - body.points[point]
         moment = body.inertia + body.mass * extra / mass * abs(arm) ** 2 if mass else 0.0
         own[name] = Inertia(body.points[point] + (body.mass / mass * arm if mass else 0), mass, moment)
-    return _movable(_turning_as_one(scene, own, rigids)) | {scene.drive.body: _driven(scene, rigids)}
+    return {**_movable(scene, own, rigids), driven: _driven(scene, rigids)}
 
 
 def held(scene: Scene) -> dict[str, Pin]:
@@ -122,20 +113,22 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
     return chosen
 
 
-def assur_groups(scene: Scene) -> Iterator[tuple[str, ...]]:
-    """Yield the bodies that are determined together, by joints with each other and with those before.
-
-    Each joint takes two freedoms, each body has three. The order of the bodies in a group is that of the file.
-    """
-    bodies, driven = [*scene.bodies], scene.drive.body
-    columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(bodies)} | {GROUND: range(0)}
+def constraint_groups(scene: Scene) -> list[DiagonalBlock]:
+    """The constraints that are solved together: each joint takes two freedoms of its bodies, each body has three."""
+    columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(scene.bodies)} | {GROUND: range(0)}
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
-    for block in groups([*pattern, columns[driven]]):
-        together = {bodies[column // 3] for column in block.columns} - {driven}
-        if together:
-            yield tuple(sorted(together, key=bodies.index))
+    return groups([*pattern, columns[scene.drive.body]])
+
+
+def assur_groups(scene: Scene) -> Iterator[list[str]]:
+    """Yield the bodies that are determined together, in the order of the file, each group by those before it."""
+    bodies = [*scene.bodies]
+    for block in constraint_groups(scene):
+        together = {column // 3 for column in block.columns}
+        if named := [bodies[i] for i in sorted(together) if bodies[i] != scene.drive.body]:
+            yield named
 
 
 def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
@@ -145,8 +138,8 @@ def _driven(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia:
     return Inertia(pivots[0] if scene.driven_slide is None else body.com, inf, inf)
 
 
-def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> dict[str, Inertia]:
-    """Choose moments by which each body can be turned on its own.
+def _movable(scene: Scene, inertias: Inertias, rigids: Mapping[str, PymunkBody]) -> Inertias:
+    """Choose moments by which each body can be turned on its own; Failure where pymunk cannot move or turn one.
 
     Bodies that slides keep parallel to the ground cannot turn. Others that slides keep parallel turn as one, so only
     the sum of their moments counts for the motion and the forces; each gets the same part, since pymunk cannot turn a
@@ -161,18 +154,14 @@ def _turning_as_one(scene: Scene, inertias: Inertias, rigids: Mapping[str, Pymun
             moment = inertia.moment or inertia.mass * _size(rigids) ** 2
         else:
             moment = fsum(inertias[other].moment for other in group) / len(group)
-        movable[name] = replace(inertia, moment=moment)
-    return movable
-
-
-def _movable(inertias: dict[str, Inertia]) -> dict[str, Inertia]:
-    for name, inertia in inertias.items():  # pymunk's C core would end the whole process
+        # Else pymunk's C core would end the whole process.
         if not (inertia.mass > 0 and isfinite(inertia.mass)):
             raise Failure(Status.unsupported, f"pymunk cannot move a body of mass {inertia.mass:g} kg: '{name}'")
-        if not inertia.moment > 0:
-            sentence = f"pymunk cannot turn a body with a moment of inertia of {inertia.moment:g} kg m^2: '{name}'"
+        if not moment > 0:
+            sentence = f"pymunk cannot turn a body with a moment of inertia of {moment:g} kg m^2: '{name}'"
             raise Failure(Status.unsupported, sentence)
-    return inertias
+        movable[name] = replace(inertia, moment=moment)
+    return movable
 
 
 def _size(rigids: Mapping[str, PymunkBody]) -> float:

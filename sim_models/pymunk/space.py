@@ -18,27 +18,29 @@ Bodies: TypeAlias = dict[str, pymunk.Body]
 
 
 class Model:
-    """The space, its bodies by name and its joints by the channel of their force, a pin's without `.fx`.
-
-    Raises:
-        Failure: unsupported, a drive for which pymunk has no motor.
-    """
+    """The space, its bodies by name and its joints by the channel of their force, a pin's without `.fx`."""
 
     def __init__(
         self, linkage: LinkageConstraints, pose: PoseArray, rate: PoseArray, error_bias: float, extra: PymunkExtra
     ) -> None:
         self.space = pymunk.Space()  # its damping stays 1, no damping, and without shapes nothing collides
-        self.bodies = {name: _body(linkage, name) for name in linkage.members}
+        inertias = {name: linkage.moved[name] for name in linkage.members}
+        self.bodies = {
+            name: pymunk.Body(body_type=pymunk.Body.KINEMATIC) if own.prescribed else pymunk.Body(own.mass, own.moment)
+            for name, own in inertias.items()
+        }
         self.space.add(*self.bodies.values())
         self.place(pose, rate)
         among = self.bodies | {GROUND: self.space.static_body}
         self.joints = {**_pins(linkage, among), **_grooves(linkage, among)}
-        constraints = [*self.joints.values(), *_gears(linkage, among)]
+        keeping = [(linkage.slides[name].on, name) for name in linkage.scene.turning if name in linkage.slides]
+        gears = [pymunk.GearJoint(among[carrier], among[slider], 0, 1) for carrier, slider in keeping]  # parallel
+        constraints = [*self.joints.values(), *gears]
         for constraint in constraints:
             constraint.error_bias = error_bias
         self.space.add(*constraints)
         if extra == "motor":  # the last of all: solved before the joints, the crank lags
-            self.space.add(motor(linkage, among))
+            self.space.add(_motor(linkage, among))
         elif extra == "shapes":
             self.space.add(*(_shape(linkage, name, body) for name, body in self.bodies.items()))
         elif extra == "callback":
@@ -60,12 +62,8 @@ class Model:
         return {"steps": steps, "constraint_iterations": sweeps * counts["constraints"]} | counts
 
 
-def motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
-    """A motor that turns the crank.
-
-    Raises:
-        Failure: unsupported, a drive that is no crank's at a constant speed.
-    """
+def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
+    """A motor that turns the crank."""
     drive = linkage.scene.drive
     if not isinstance(drive, ConstantSpeed) or linkage.scene.driven_slide is not None:
         raise Failure(Status.unsupported, "pymunk has motors for cranks at a constant speed only")
@@ -75,11 +73,6 @@ def motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
 def pair(vector: complex) -> tuple[float, float]:
     """A vector as a pair of numbers, as pymunk takes it."""
     return vector.real, vector.imag
-
-
-def _body(linkage: LinkageConstraints, name: str) -> pymunk.Body:
-    moved = linkage.moved[name]
-    return pymunk.Body(body_type=pymunk.Body.KINEMATIC) if moved.prescribed else pymunk.Body(moved.mass, moved.moment)
 
 
 def _pins(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Constraint]:
@@ -110,12 +103,6 @@ def _grooves(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Co
             places = (pair(place) for place in (-reach * along, reach * along, foot))
             grooves[f"{name}.guide_force"] = pymunk.GrooveJoint(bodies[slide.on], bodies[name], *places)
     return grooves
-
-
-def _gears(linkage: LinkageConstraints, bodies: Bodies) -> list[pymunk.GearJoint]:
-    """The gears that keep the turning sliders parallel to their carriers."""
-    turning = [name for name in linkage.scene.turning if name in linkage.slides]
-    return [pymunk.GearJoint(bodies[linkage.slides[name].on], bodies[name], 0, 1) for name in turning]
 
 
 def _update_velocity(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:

@@ -5,7 +5,7 @@ in small steps, each corrected by Newton's method; no step may change the branch
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import pi, radians, remainder
 from typing import TypeAlias
 
@@ -38,11 +38,7 @@ DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad 
 
 @lru_cache(SCENES)
 def begun(scene: Scene, masses: Masses) -> Posed:
-    """The linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene.
-
-    Raises:
-        Failure: as `LinkageConstraints`, and as `start`.
-    """
+    """The linkage with those masses, and its pose at the drive's start, shape (1, bodies, 3); once a scene."""
     linkage = LinkageConstraints(scene, masses)
     return linkage, start(linkage)
 
@@ -61,11 +57,7 @@ def start(linkage: LinkageConstraints) -> PoseArray:
 
 
 def move(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> PoseArray:
-    """The pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m.
-
-    Raises:
-        Failure: cannot_assemble, with the drive's position.
-    """
+    """The pose q, shape (1, bodies, 3), carried along from one position of the drive to another, rad or m."""
     *_, (_, q) = way(linkage, q, here, there)
     return q
 
@@ -75,9 +67,6 @@ def rates(linkage: LinkageConstraints, q: PoseArray, drive_rate: float) -> PoseA
     prescribed = np.zeros(q.size)
     prescribed[-1] = drive_rate
     return np.linalg.solve(linkage.jacobian(q)[0], prescribed).reshape(q.shape)
-
-
-# --- the sketch ------------------------------------------------------------------------------------------------------
 
 
 def _sketched_position(scene: Scene) -> float:
@@ -123,19 +112,9 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
     return q
 
 
-def check_way(scene: Scene) -> None:
-    """Move the pose at the drive's start through the drive's whole range.
-
-    Raises:
-        Failure: cannot_assemble, or nearly singular not_converged, somewhere on the way, with the drive's position.
-    """
-    if obstacle := _obstacle(scene):
-        raise Failure(*obstacle)
-
-
 @lru_cache(SCENES)
-def _obstacle(scene: Scene) -> tuple[Status, str] | None:
-    """Find what is in the way, once a scene, whose settings fail one by one."""
+def obstacle(scene: Scene) -> tuple[Status, str] | None:
+    """What the pose at the drive's start meets on its way through the whole range, once a scene."""
     linkage, q = begun(scene, fictitious_masses)  # whatever the masses, the way is the same
     try:
         for end in scene.drive.extent:
@@ -154,9 +133,6 @@ def assembles(linkage: LinkageConstraints, q: PoseArray, positions: Samples) -> 
     nearest = np.abs(positions[:, None] - ends).argmin(axis=0)
     q, positions = np.concatenate([q, q[nearest]]), np.concatenate([positions, ends])
     return _newton(linkage, q, positions, np.zeros(3 * q.shape[1])) is not None
-
-
-# --- continuation ----------------------------------------------------------------------------------------------------
 
 
 def way(linkage: LinkageConstraints, q: PoseArray, here: float, there: float) -> Iterator[DrivePlace]:
@@ -208,12 +184,11 @@ def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float
     def jacobian(at: Samples) -> Samples:
         return np.asarray(linkage.jacobian(at.reshape(q.shape))[0])
 
+    def gaps(position: float, at: Samples) -> Samples:
+        return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
+
     for position in positions:
-
-        def gaps(at: Samples, position: float = position) -> Samples:
-            return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
-
-        joint, gap = open_joint(gaps, jacobian, q.ravel(), units, joints, linkage.size)
+        joint, gap = open_joint(partial(gaps, position), jacobian, q.ravel(), units, joints, linkage.size)
         if gap:
             return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
     return ""

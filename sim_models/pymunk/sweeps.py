@@ -28,9 +28,6 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     """The number of sweeps with which the steps are stable throughout the drive's range, infinite with none.
 
     It is on the safe side: where few poses are bad, errors have no time to grow there before the sweeps reduce them.
-
-    Raises:
-        Failure: `unsupported` or `cannot_assemble`, as `engine.build`.
     """
     rho = max(contractions(*begun(scene, masses_of(scene, settings, Sampling()))))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
@@ -44,11 +41,7 @@ def sweeps_needed(rho: float, correction: float) -> float:
 
 
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
-    """Yield rho at places of the drive through its whole range; `pose` is that at its start.
-
-    Raises:
-        Failure: cannot_assemble, with the drive's position.
-    """
+    """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
     drive = linkage.scene.drive
     extra: PymunkExtra = "" if linkage.moved[drive.body].prescribed else "motor"
     still = np.zeros_like(pose)

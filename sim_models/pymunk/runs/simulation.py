@@ -1,4 +1,4 @@
-"""The runs of all levels, and their extrapolation."""
+"""The runs of all levels, their extrapolation, and their checks."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -7,23 +7,28 @@ from math import ceil
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene
+from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene, Status
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 from scenes.scene import MotionLaw
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
-from ..constraints import PoseArray, planes, with_ground
-from ..loads import Active, active_presses
+from ..constraints import LinkageConstraints, PoseArray, blocks, planes, with_ground
+from ..loads import Active, active_presses, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
-from ..start import Posed, assembles, begun, check_way
-from ..stroke import stroke_ends
-from .checks import check_finite, check_impulses, check_path
+from ..start import Posed, assembles, begun, obstacle
 from .stepping import Integration
 from .textbook import TextbookRun
 
+# Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
+LARGEST_DRIFT = 1e-6
+# Of the crank's radius, or of half a slider's travel; the curvature of a step opens joints, by 0.004 at 5 deg in the
+# toggle press.
+LARGEST_GAP = 0.05
+LARGEST_MISMATCH = 1e-6  # of the largest reaction; the two sides differ by round-off
 LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 
 PymunkRun: TypeAlias = Integration | TextbookRun
@@ -65,11 +70,7 @@ class PymunkSimulation:
         }
 
     def solve(self) -> None:
-        """Step through the whole time, once for each level, and find the channels in the limit of the levels.
-
-        Raises:
-            Failure: timed_out.
-        """
+        """Step through the whole time, once for each level, and find the channels in the limit of the levels."""
         budget = ProcessorBudget(SECONDS, "")
         with np.errstate(over="ignore", invalid="ignore"):  # what overflows ends as `nonfinite` in `read`
             for run in self._runs:
@@ -83,18 +84,12 @@ class PymunkSimulation:
             self._channels = wanted_channels(self._linkage, wanted, motion, self._active(motion))
 
     def read(self) -> Motion:
-        """The channels, having checked each run.
-
-        Raises:
-            Failure: nonfinite, wrong_branch, diverged or not_converged, with the drive's position where it happened;
-                and with the motion.
-        """
+        """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""
         wanted = [name for name in self._sampling.wanted(self._scene) if name in self._channels]
         own = {name: np.ascontiguousarray(self._channels[name]) for name in wanted}  # not parts of larger arrays
-        samples = {"time": self._sampling.times(self._scene)} | own
-        motion = Motion(samples)
+        motion = Motion({"time": self._sampling.times(self._scene)} | own)
         try:
-            self.residuals = self._checked(samples)
+            self.residuals = self._checked(motion.samples)
         except Failure as failure:
             raise Failure(failure.status, failure.reason, motion) from None
         return motion
@@ -108,13 +103,15 @@ class PymunkSimulation:
         linkage, runs = self._linkage, self._runs
         try:
             residuals = [check_path(linkage, run.path, run.positions, self._branch) for run in runs]
-            check_finite(self._scene, samples)
+            finite: NDArray[np.bool_] = np.all(np.isfinite([*samples.values()]), axis=0)
+            commanded = samples[self._scene.drive_channel]
+            _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
             residuals += [self._confirmed(run) for run in runs if run.joints]
-        except Failure:
-            check_way(self._scene)
-            raise
-        if not assembles(linkage, self._q, self._sampling.commanded(self._scene)):
-            check_way(self._scene)
+        except Failure as failure:
+            raise Failure(*(obstacle(self._scene) or (failure.status, failure.reason))) from None
+        assembled = assembles(linkage, self._q, self._sampling.commanded(self._scene))
+        if not assembled and (found := obstacle(self._scene)):
+            raise Failure(*found)
         names = dict.fromkeys(chain(*residuals))
         return {name: max(of_run[name] for of_run in residuals if name in of_run) for name in names}
 
@@ -137,3 +134,57 @@ def _richardson(values: Sequence[PoseArray]) -> PoseArray:
     for factor in (4, 8, 16)[: len(values) - 1]:
         values = [(factor * fine - coarse) / (factor - 1) for coarse, fine in pairwise(values)]
     return values[0]
+
+
+# --- checks of every step of a run, not only of the samples, for failures that pymunk does not report ----------------
+
+
+def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples, start: Samples) -> dict[str, float]:
+    """The drift of the drive and the largest opening of a joint, relative.
+
+    `path` are the poses and rates after n steps, shape (n, bodies, 6), `positions` those of the drive, shape (n,).
+    It raises Failure: nonfinite; wrong_branch, the sign of det J is no longer that of the `start`; diverged.
+    """
+    scene = linkage.scene
+    known: NDArray[np.bool_] = np.all(np.isfinite(path), axis=(1, 2))
+    _require(scene, known, positions, Status.nonfinite, "a pose or velocity is not finite")
+
+    branches, drift, gap = np.empty((3, len(path)))
+    for rows in blocks(path):
+        q = path[rows, :, :3]
+        C = np.abs(linkage.gaps(q, positions[rows]))
+        C[:, 2 * len(scene.pins) + 1 : -1 : 2] *= linkage.size  # the sliders' angles count as gaps at the far end
+        branches[rows], drift[rows], gap[rows] = linkage.branch(q), C[:, -1], C[:, :-1].max(axis=1)
+    driven = linkage.members[scene.drive.body]
+    if scene.driven_slide is None:
+        gap /= max(map(abs, driven.points.values())) or linkage.size  # it may have its pivot alone
+        opening = f"a joint opens by over {LARGEST_GAP:.0%} of the crank's radius"
+    else:
+        low, high = scene.drive.extent
+        drift /= high - low
+        gap /= (high - low) / 2
+        opening = f"a joint opens by over {LARGEST_GAP:.0%} of half the drive's travel"
+
+    _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
+    if linkage.moved[scene.drive.body].prescribed:
+        drifting = f"'{scene.drive.body}' is not where the drive takes it"
+        _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
+    _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)
+    return {"drive": float(drift.max()), "joint_gap": float(gap.max())}
+
+
+def check_impulses(
+    linkage: LinkageConstraints, positions: Samples, expected: Samples, own: Samples
+) -> dict[str, float]:
+    """How far the joints' forces are from the engine's own, both of shape (n, joints), N, by the largest."""
+    mismatch = np.abs(expected - own).max(axis=1) / (expected.max() or 1.0)
+    sentence = "the reactions are not the engine's impulses"
+    _require(linkage.scene, mismatch <= LARGEST_MISMATCH, positions, Status.not_converged, sentence)
+    return {"impulses": float(mismatch.max())}
+
+
+def _require(scene: Scene, holds: NDArray[np.bool_], positions: Samples, status: Status, sentence: str) -> None:
+    """Raise a Failure that names the first position of the drive where `holds` is false; both have shape (n,)."""
+    first = int(np.argmin(holds))
+    if not holds[first]:
+        raise Failure(status, f"{sentence} at {scene.where(positions[first])}")

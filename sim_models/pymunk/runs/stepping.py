@@ -44,9 +44,6 @@ class Integration:
     Filled by `advance`: row k + 1 of `record`, shape (steps + 2, bodies, 6), holds the pose p_k and the rates v_k, so
     row 0 is one step before t = 0. Where forces act, `impulses`, shape (n, joints), N s, are the engine's own at the n
     samples, and `active`, shape (n, press forces), those that acted. `positions`, shape (steps + 1,), are the drive's.
-
-    Raises:
-        Failure: cannot_assemble, for the steps before t = 0; unsupported, the settings.
     """
 
     def __init__(
@@ -81,11 +78,7 @@ class Integration:
         return self._model.counters(steps, self._settings.iterations * (FIRST_SWEEPS - 1 + steps))
 
     def advance(self, budget: ProcessorBudget) -> None:
-        """Step from before t = 0 to the end.
-
-        Raises:
-            Failure: timed_out.
-        """
+        """Step from before t = 0 to the end."""
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
         follows_law = not isinstance(self._linkage.scene.drive, ConstantSpeed)
         joints = [*self.joints.values()]
@@ -138,11 +131,7 @@ class Integration:
 
 @lru_cache(STARTS)
 def _before(scene: Scene, masses: Masses, dt: float, wanted: int) -> tuple[int, PoseArray]:
-    """Choose the number of steps before t = 0, as wanted or fewer; and the pose there. Once a scene, masses and steps.
-
-    Raises:
-        Failure: cannot_assemble, with the drive's position.
-    """
+    """The number of steps before t = 0, as wanted or fewer, and the pose there; once a scene, masses and steps."""
     drive, (linkage, start) = scene.drive, begun(scene, masses)
     for steps in (wanted, LEAST_PRE_ROLL):
         try:

@@ -26,12 +26,7 @@ PRE_ROLL = 1 / 8  # of a cycle before t = 0, in which the cached impulses, zero 
 
 
 class TextbookRun:
-    """One run, recorded at the samples; `joints` has none whose impulses could confirm the reactions.
-
-    Raises:
-        Failure: unsupported, the manual has no joint or force for something; cannot_assemble, with the drive's
-            position.
-    """
+    """One run, recorded at the samples; `joints` has none whose impulses could confirm the reactions."""
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
         if any(not isinstance(load, Force) for load in scene.loads) or scene.springs:
@@ -61,11 +56,7 @@ class TextbookRun:
         return self._model.counters(steps, self._model.space.iterations * steps)
 
     def advance(self, budget: ProcessorBudget) -> None:
-        """Step from before t = 0 to the end.
-
-        Raises:
-            Failure: timed_out.
-        """
+        """Step from before t = 0 to the end."""
         steps = self.steps
         for k in range(1 - steps.pre_roll, steps.count + 1):
             sampled = k >= 0 and k % steps.stride == 0

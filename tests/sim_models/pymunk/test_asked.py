@@ -8,8 +8,7 @@ import pytest
 import scenes
 from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
-from sim_models.pymunk import start
-from sim_models.pymunk import stroke as pymunk_stroke
+from sim_models.pymunk import loads, start
 from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT, EXACT, FAST
 from sim_models.pymunk.runs import simulation as pymunk_simulation
@@ -46,8 +45,8 @@ def test_ends_of_strokes_are_looked_for_once_a_scene_and_only_for_press_forces(
         walked.append(linkage.scene.name)
         return start.way(linkage, *where)
 
-    monkeypatch.setattr("sim_models.pymunk.stroke.way", way)
-    pymunk_stroke.stroke_ends.cache_clear()
+    monkeypatch.setattr("sim_models.pymunk.loads.way", way)
+    loads.stroke_ends.cache_clear()
     for settings in (FAST, DEFAULT, EXACT):
         for name in ("toggle_press", "crank_press"):
             pymunk_model.build(scenes.load(name), settings, SAMPLING)

@@ -14,7 +14,7 @@ from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk.constraints import LinkageConstraints, solved
 from sim_models.pymunk.engine import DEFAULT, FAST
 from sim_models.pymunk.masses import ballasted_masses
-from sim_models.pymunk.runs.checks import check_impulses, check_path
+from sim_models.pymunk.runs.simulation import check_impulses, check_path
 from sim_models.pymunk.runs.stepping import Integration
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import start

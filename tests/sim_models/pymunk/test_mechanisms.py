@@ -10,10 +10,10 @@ from scenes.scene import MotionLaw
 from sim_models.pymunk.channels import Motions, with_rates_of_law
 from sim_models.pymunk.constraints import LinkageConstraints
 from sim_models.pymunk.engine import DEFAULT, EXACT, FAST
+from sim_models.pymunk.loads import stroke_ends
 from sim_models.pymunk.masses import fictitious_masses
 from sim_models.pymunk.settings import PymunkSettings
 from sim_models.pymunk.start import start
-from sim_models.pymunk.stroke import stroke_ends
 from tests import scene_files
 from tests.absolute_coordinates import Absolute
 from tests.agreement import errors, kind, worst

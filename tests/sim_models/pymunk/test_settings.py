@@ -113,8 +113,8 @@ def test_masses_are_chosen_for_few_sweeps(name: str) -> None:
 
 
 def test_groups_follow_from_each_other() -> None:
-    assert [*assur_groups(scenes.load("toggle_press"))] == [("rocker", "toggle"), ("rod", "slider")]
-    assert [*assur_groups(scenes.load("class_iii"))] == [("coupler", "plate", "upper", "lower")]
+    assert [*assur_groups(scenes.load("toggle_press"))] == [["rocker", "toggle"], ["rod", "slider"]]
+    assert [*assur_groups(scenes.load("class_iii"))] == [["coupler", "plate", "upper", "lower"]]
 
 
 def test_ballast_keeps_the_first_and_second_moments() -> None:

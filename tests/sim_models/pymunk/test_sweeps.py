@@ -84,7 +84,8 @@ def test_engine_s_own_sweeps_contract_as_told(name: str) -> None:
     linkage = LinkageConstraints(scene, ballasted_masses)
     pose = start(linkage)
     rate = np.random.default_rng(3).standard_normal(pose.shape)
-    for i, moved in enumerate(linkage.moved.values()):
+    for name, moved in linkage.moved.items():
+        i = linkage.index[name]
         rate[:, i] *= not moved.prescribed
         rate[:, i, 2] *= np.isfinite(moved.moment)
 
