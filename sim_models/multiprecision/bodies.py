@@ -13,11 +13,7 @@ FLAT = 1e-9  # rad; the side of a sketched triangle flatter than this is round-o
 
 
 def local_points(scene: Scene, body: Body) -> dict[str, PlaneVector]:
-    """Return the points in the body's own frame, m; those given by lengths one after the other.
-
-    Raises:
-        Failure: the sketch does not show on which side of its bases a point lies, or its lengths do not reach.
-    """
+    """Return the points in the body's own frame, m; those given by lengths one after the other."""
     if body.local is not None:
         return {point: (arb(x), arb(y)) for point, (x, y) in body.local.items()}
     assert body.lengths is not None

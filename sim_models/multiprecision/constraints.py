@@ -10,7 +10,7 @@ from flint import arb, arb_mat
 
 from scenes import Scene
 from scenes.model.groups import groups
-from scenes.scene import GROUND, Body
+from scenes.scene import GROUND, Body, Slide
 
 from .bodies import centre_of_mass, inertia, local_points
 from .drive import law_of
@@ -22,15 +22,11 @@ class LinkageEquations:
 
     The constraint rows are in the order of the scene's force channels, and a multiplier is that channel: a pin's rows
     are second - first, so λ is the force of the first body on the second; a slide's are the offset of its first point
-    along the guide's normal, and its angle from the guide; the last is the position of the drive.
+    along the guide's normal, and its angle from the guide; the last is the position of the drive. It raises Failure
+    where the lengths of a body do not close, or the sketch does not decide how.
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Set up the equations.
-
-        Raises:
-            Failure: a body's lengths do not close, or the sketch does not decide how.
-        """
         self.scene = scene
         self.law = law_of(scene.drive)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
@@ -49,7 +45,10 @@ class LinkageEquations:
         pattern = self.constraints.pattern
         self.groups = groups(pattern)
         self.transposed_groups = groups([[i for i, row in enumerate(pattern) if j in row] for j in range(len(pattern))])
-        self.points = self._points()
+        self.points = EquationRows(2 * len(scene.moving_points), len(self.index))  # x and y, as its first body has it
+        for k, point in enumerate(scene.moving_points):
+            for axis in (0, 1):
+                self.add_point(self.points, 2 * k + axis, axis_vector(axis), scene.owners[point][0], point)
         self.position = EquationRows(1, len(self.index))  # of the drive
         self._add_drive(self.position, 0)
 
@@ -66,6 +65,12 @@ class LinkageEquations:
             rows.k[row, 0] += weight[0] * x + weight[1] * y
         else:
             rows.add_point(row, weight, self.index[body], self.arms[body][point])
+
+    def add_way(self, rows: EquationRows, row: int, start: tuple[str, str], end: tuple[str, str]) -> None:
+        """Add the way from one point of a body to another of another, x to a row and y to the next."""
+        for axis in (0, 1):
+            self.add_point(rows, row + axis, axis_vector(axis), *end)
+            self.add_point(rows, row + axis, axis_vector(axis, -1), *start)
 
     def displacement(self, body: str) -> EquationRows:
         """Return one row: the displacement of a slider on the ground along its guide from `through`, m."""
@@ -93,30 +98,26 @@ class LinkageEquations:
 
     def _constraints(self) -> EquationRows:
         scene = self.scene
-        sliders = [body for body in scene.bodies.values() if body.slide is not None]
+        sliders = [(body, body.slide) for body in scene.bodies.values() if body.slide is not None]
         count = 2 * len(scene.pins) + 2 * len(sliders) + 1
-        moving = sum(body.slide is not None and body.slide.on != GROUND for body in sliders)
+        moving = sum(slide.on != GROUND for _, slide in sliders)
         rows = EquationRows(count, len(self.index), moving, self.size)
         for k, pin in enumerate(scene.pins):
-            for axis in (0, 1):
-                self.add_point(rows, 2 * k + axis, axis_vector(axis), pin.second, pin.point)
-                self.add_point(rows, 2 * k + axis, axis_vector(axis, -1), pin.first, pin.point)
-        for k, body in enumerate(sliders):
-            self._add_slide(rows, 2 * len(scene.pins) + 2 * k, body)
+            self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
+        for k, (body, slide) in enumerate(sliders, start=len(scene.pins)):
+            self._add_slide(rows, 2 * k, body, slide)
         self._add_drive(rows, count - 1)
         return rows
 
-    def _add_slide(self, rows: EquationRows, row: int, body: Body) -> None:
+    def _add_slide(self, rows: EquationRows, row: int, body: Body, slide: Slide) -> None:
         """Add the offset of a slider's first point F along the guide's normal n, and its angle from the guide.
 
         On a moving body with the frame z + e^{iθ}, the offset is n·(e^{-iθ} (F - z) - through). Since the frames are
         parallel, e^{-iθ} (F - r_b) is the arm s + i s (θ_b - θ) to within the square of that difference, which the
         other row keeps zero: what is left is linear but for the way from one centre of mass to the other.
         """
-        slide, slider = body.slide, self.index[body.name]
-        assert slide is not None
+        slider, arm = self.index[body.name], self.arms[body.name][body.points[0]]
         normal = -arb(slide.along[1]), arb(slide.along[0])
-        arm = self.arms[body.name][body.points[0]]
         rows.k[row, 0] -= _dot(normal, (arb(slide.through[0]), arb(slide.through[1])))
         rows.add_angle(row + 1, slider, arb(1))
         if slide.on == GROUND:
@@ -143,15 +144,6 @@ class LinkageEquations:
         along = arb(slider.slide.along[0]), arb(slider.slide.along[1])
         self.add_point(rows, row, along, body, slider.points[0])
         rows.k[row, 0] -= _dot(along, (arb(slider.slide.through[0]), arb(slider.slide.through[1])))
-
-    def _points(self) -> EquationRows:
-        """Return x and y of every moving point, two rows a point, as its first body carries it."""
-        points = self.scene.moving_points
-        rows = EquationRows(2 * len(points), len(self.index))
-        for k, point in enumerate(points):
-            for axis in (0, 1):
-                self.add_point(rows, 2 * k + axis, axis_vector(axis), self.scene.owners[point][0], point)
-        return rows
 
 
 def _dot(u: PlaneVector, v: PlaneVector) -> arb:

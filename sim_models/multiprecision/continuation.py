@@ -214,14 +214,14 @@ def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -
     joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
     rows, units = linkage.constraints, np.array(linkage.units)
 
-    def gaps(at: Samples, position: float) -> Samples:
+    def gaps(position: float, at: Samples) -> Samples:
         return _floats(rows.value(_balls(at)) - linkage.drive(position))
 
     def jacobian(at: Samples) -> Samples:
         return np.array(rows.jacobian(_balls(at)).tolist(), dtype=float)
 
     for position in positions:
-        joint, gap = open_joint(partial(gaps, position=position), jacobian, _floats(q), units, joints, linkage.size)
+        joint, gap = open_joint(partial(gaps, position), jacobian, _floats(q), units, joints, linkage.size)
         if gap:
             return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
     return ""

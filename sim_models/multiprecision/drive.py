@@ -100,12 +100,8 @@ def second_derivatives(h: Sequence[arb], chords: Sequence[arb], *, periodic: boo
 
         h_{i-1} M_{i-1} + 2 (h_{i-1} + h_i) M_i + h_i M_{i+1} = 6 (c_i - c_{i-1})        (1)
 
-    That leaves M_0 and M_n, in which all others are linear, for two conditions at the ends.
-
-    Args:
-        h: the steps between the knots, s, n >= 3 of them; any n with a periodic spline.
-        chords: the slopes c of the chords between them.
-        periodic: whether (1) holds across the ends too; if not, the ends are not-a-knot.
+    That leaves M_0 and M_n, in which all others are linear, for two conditions at the ends: in a periodic spline (1)
+    holds across them too; the others are not-a-knot, with three or more of the steps h, s, between the knots.
     """
     none = [arb(0)] * len(h)
     ends = _across if periodic else _not_a_knot

@@ -10,7 +10,7 @@ from scenes import Failure, Status
 from scenes.loads import Force, ForceTable, PressForce, Spring
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, PlaneVector, axis_vector
+from .rows import EquationRows, PlaneVector
 from .start import closing_sign
 
 GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat], arb_mat]  # of q and its rate, each of shape (3 bodies, 1)
@@ -82,9 +82,7 @@ def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
 def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
     """Return the pull of a spring along d from its first point to its second: -k (1 - l / |d|) d on the second."""
     rows = EquationRows(2, len(linkage.index))
-    for axis in (0, 1):
-        linkage.add_point(rows, axis, axis_vector(axis), *spring.second)
-        linkage.add_point(rows, axis, axis_vector(axis, -1), *spring.first)
+    linkage.add_way(rows, 0, spring.first, spring.second)
 
     def force(q: arb_mat, _velocity: arb_mat) -> arb_mat:
         d, pull = rows.value(q), arb(spring.stiffness)

@@ -1,21 +1,88 @@
-"""One run at arbitrary precision: follow the pose through the samples, prove each, round the channels at the end."""
+"""One run at arbitrary precision: follow the pose through the samples, prove each, round the channels at the end.
 
-from collections.abc import Mapping
+They are rounded to double precision there and nowhere before.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import ceil, tau
+from typing import NamedTuple
 
 import numpy as np
-from flint import ctx
+from flint import arb, arb_mat, ctx
 
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
+from scenes.model.motion import Samples, channels
 
 from .constraints import LinkageEquations
 from .continuation import Continuation
 from .drive import Command, commands
-from .loads import generalised_force
+from .loads import GeneralisedForce, generalised_force
+from .rows import angles, solved
 from .settings import MultiprecisionSettings
-from .solution import Solution, channels, proven_errors, solution_in
 from .start import start, stroke_ends
 
 ENOUGH = 1e-20  # largest proven error of the motion and of the forces, relative; far below a double's round-off
+
+
+class Solution(NamedTuple):
+    """Balls that hold the solution of one sample, each of shape (rows, 1)."""
+
+    q: arb_mat  # m, rad: x, y, θ of every body
+    velocity: arb_mat
+    acceleration: arb_mat
+    multipliers: arb_mat  # N, N m, in the order of the force channels
+
+
+def solution_in(
+    linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: arb, acceleration: arb
+) -> Solution:
+    """J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q in a pose, e being the drive's row."""
+    rows, groups = linkage.constraints, linkage.groups
+    J = rows.jacobian(q)
+    velocity = solved(groups, J, linkage.drive(rate))
+    total = solved(groups, J, linkage.drive(acceleration) + rows.centripetal(q, velocity))
+    inertial = arb_mat([[m * a] for m, a in zip(linkage.mass, total.entries(), strict=True)])
+    multipliers = solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity))
+    return Solution(q, velocity, total, multipliers)
+
+
+def proven_errors(linkage: LinkageEquations, solutions: Sequence[Solution]) -> dict[str, float]:
+    """Return the proven errors: of the motion, in the linkage's size, rad and the drive's pace; of the forces.
+
+    A drive's pace is its rate, in rad/s, or in driven slider's travels per second. The error of the forces is that of
+    any relative to the largest, or to what the heaviest body's inertia could take, where all are zero.
+    """
+    scene = linkage.scene
+    pace = float(linkage.law.pace / (1 if scene.driven_slide is None else linkage.law.travel))
+    levels = ([_radii(solution[level]) for solution in solutions] for level in range(3))
+    motion = [np.max(radii / np.array(linkage.units)) / pace**order for order, radii in enumerate(levels)]
+    errors = {"constraints": float(np.max(motion))}
+    if scene.has_masses:
+        force = np.max([_radii(solution.multipliers) for solution in solutions])
+        peak = max(abs(float(ball)) for solution in solutions for ball in solution.multipliers.entries())
+        heaviest = max(float(mass) for mass in linkage.mass[::3])
+        scale = max(peak, heaviest * linkage.size * pace**2)
+        errors["newton-euler"] = float(force / scale if scale > 0 else force)
+    return errors
+
+
+def _values(linkage: LinkageEquations, solution: Solution) -> list[arb]:
+    """All channels of one sample but the time, in the order of the files."""
+    scene, points, (q, velocity, acceleration, multipliers) = linkage.scene, linkage.points, solution
+    J = points.jacobian(q)
+    levels = points.value(q), J * velocity, J * acceleration - points.centripetal(q, velocity)
+    values = linkage.position.value(q).entries()
+    for k in range(len(scene.moving_points)):
+        values += [level[2 * k + axis, 0] for level in levels for axis in (0, 1)]
+    for body in scene.turning:
+        angle, *rates = (angles(level)[linkage.index[body]] for level in solution[:3])
+        turns = ceil(float(angle) / tau - 0.5)  # whole ones, that leave it in (-π, π]
+        values += [angle - 2 * arb.pi() * turns, *rates]
+    return values + (multipliers.entries() if scene.has_masses else [])
+
+
+def _radii(balls: arb_mat) -> Samples:
+    return np.array([float(ball.rad()) for ball in balls.entries()])
 
 
 class MultiprecisionSimulation:
@@ -37,11 +104,7 @@ class MultiprecisionSimulation:
             self._force = generalised_force(self._linkage, stroke_ends(self._linkage, continuation, self._start))
 
     def solve(self) -> None:
-        """Follow the pose through the samples and enclose each.
-
-        Raises:
-            Failure: the linkage is singular at some position of the drive, or the digits or the time are too few.
-        """
+        """Follow the pose through the samples and enclose each."""
         linkage, digits = self._linkage, self._settings.digits
         budget = ProcessorBudget(self._settings.seconds_for(self._request), "the motion")
         continuation = Continuation(linkage, digits, budget)
@@ -64,8 +127,8 @@ class MultiprecisionSimulation:
 
     def read(self) -> Motion:
         """Return the channels requested, in double precision."""
-        scene = self._linkage.scene
+        linkage, runs = self._linkage, zip(self._commands, self._solutions, strict=True)
         with ctx.workdps(self._settings.digits):
-            time = np.array([float(command.time) for command in self._commands])
-            samples = {"time": time} | channels(self._linkage, self._solutions)
-        return Motion({channel: samples[channel] for channel in self._request.wanted(scene)})
+            table = [[float(ball) for ball in (c.time, *_values(linkage, solution))] for c, solution in runs]
+        samples = dict(zip(channels(linkage.scene), np.array(table).T, strict=True))
+        return Motion({channel: samples[channel] for channel in self._request.wanted(linkage.scene)})

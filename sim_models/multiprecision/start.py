@@ -3,11 +3,9 @@
 A press force's stroke ends as far against the force as a cycle of the drive takes its slider.
 """
 
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from math import remainder, tau
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat
@@ -26,15 +24,9 @@ INSTANTS = 180
 HALVINGS = 24  # of the way between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
 FULL_TURN = tau - 1e-6  # rad, but for roundings
 
-Move: TypeAlias = Callable[[arb_mat, Fraction], tuple[arb_mat, bool, float]]
-
 
 def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
-    """Return the pose at the drive's start, shape (3 bodies, 1).
-
-    Raises:
-        Failure: the linkage cannot be assembled as sketched, or is singular on the way to the start.
-    """
+    """Return the pose at the drive's start, shape (3 bodies, 1); Failure as of `Continuation.follow`."""
     scene = linkage.scene
     begin, sketched = linkage.law.at(Fraction(0)).position, scene.sketch.drive
     if scene.driven_slide is None:
@@ -47,11 +39,7 @@ def start(linkage: LinkageEquations, continuation: Continuation) -> arb_mat:
 
 
 def assembled(linkage: LinkageEquations, continuation: Continuation, position: float) -> arb_mat:
-    """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1).
-
-    Raises:
-        Failure: the linkage cannot be assembled as sketched.
-    """
+    """Return the pose closed from the sketch with the drive at a position, rad or m, shape (3 bodies, 1)."""
     return continuation.follow(sketched_pose(linkage, position), linkage.drive(position))
 
 
@@ -98,14 +86,7 @@ def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_ma
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:
     """Return the slider's displacement at the end of its closing stroke, m: at a dead point, or where a run ends.
 
-    Args:
-        linkage: the equations
-        continuation: follows the pose
-        q: the pose at the drive's start, shape (3 bodies, 1)
-        load: the force that resists the stroke
-
-    Raises:
-        Failure: the linkage is singular within the cycle.
+    `q` is the pose at the drive's start, shape (3 bodies, 1), `load` the force that resists the stroke.
     """
     displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
@@ -124,7 +105,12 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
         q, closes, closed = move(q, late)
         farthest = max(farthest, closed)
         if closed_before and not closes:
-            farthest = max(farthest, _dead_point(move, q, early, late))
+            there = q  # it turns round between the two
+            for _ in range(HALVINGS):
+                middle = (early + late) / 2
+                there, before, closed = move(there, middle)
+                early, late = (middle, late) if before else (early, middle)
+            farthest = max(farthest, closed)
     return closing * farthest
 
 
@@ -134,13 +120,3 @@ def closing_sign(scene: Scene, load: PressForce) -> int:
     assert slide is not None
     push = sum((arb(f) * e for f, e in zip(load.force, slide.along, strict=True)), arb(0))
     return 1 if push < 0 else -1
-
-
-def _dead_point(move: Move, q: arb_mat, early: Fraction, late: Fraction) -> float:
-    """Return how far the slider has closed where it turns round between two instants, by bisection, m."""
-    closed = -np.inf
-    for _ in range(HALVINGS):
-        middle = (early + late) / 2
-        q, closes, closed = move(q, middle)
-        early, late = (middle, late) if closes else (early, middle)
-    return closed
