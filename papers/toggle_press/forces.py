@@ -1,30 +1,107 @@
 """Toggle press: equations (28) to (32), the kinetostatics, each as it is printed and, beside it, as it should be.
 
-The signs of the forces are taken with which most of the printed equations hold. An equation that holds with signs of
-its own alone is inconsistent with the others.
+The figure with the directions of the forces is not to hand: each printed force may be the reference's with either sign.
+Those signs are taken with which most of the printed equations hold. An equation that holds with signs of its own alone
+is inconsistent with the others.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy import cos, sin
 from numpy.typing import NDArray
 
-from scenes import load
+from compare.mechanics.bodies import inertia
+from compare.mechanics.motion_vectors import MotionVectors
+from scenes import Motion, Scene, load
+from scenes.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Difference, Equation, Verdict, judge, largest
+from ..claims import EXACT, Claim, Difference, Verdict, judge, largest
 from ..reference import solved
-from .statics import FORCES, Statics, fitted, lever_moment, signed, statics
+from ..written import equation
+from .variables import bars
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
+CHANNELS = {"RP": "P1", "RP2": "P2", "RO": "O", "RP3": "P3", "RP4": "P4", "RP5": "P5"}  # forces, and their pins
+FORCES = tuple(f"F_{name}{axis}" for name in CHANNELS for axis in "xy")
+# By body its first hinge; the printed way from there to its centre of mass; mass and inertia times acceleration.
+COMPONENTS = {
+    "crank": ("P1", "Ls", "m S̈x", "m S̈y", "J₀α"),
+    "rocker": ("O", "Ls₁", "m₁ S̈x₁", "m₁ S̈₁y", "J₁α₁"),
+    "toggle": ("P2", "", "m₂ S̈₂x", "m₂ S̈₂y", "J₂α₂"),
+    "rod": ("P4", "Ls₄", "m₄ S̈₄x", "m₄ S̈₄y", "J₄α₄"),
+    "slider": ("P5", "", "", "m₅α₅", ""),
+}
+
+
+@dataclass(frozen=True)
+class Statics:
+    """The paper's symbols, SI; forces of shape (n,) or, for m choices of their signs, (m, n)."""
+
+    symbols: Mapping[str, Any]
+
+    @property
+    def scale(self) -> Mapping[str, tuple[float, str]]:
+        """Scale and unit of each kind of equation: the largest force, and that times l1 = 300 mm."""
+        force = max(largest(self.symbols[name]) for name in FORCES)
+        return {"force": (force, "N"), "moment": (force * self.symbols["L₁"], "N m")}
+
+    def having(self, symbols: Mapping[str, Any]) -> "Statics":
+        """The same with other values of some symbols."""
+        return Statics({**self.symbols, **symbols})
+
 
 StaticsForm: TypeAlias = Callable[[Statics], Difference]
-force, moment = (partial(Equation[Statics], kind) for kind in ("force", "moment"))
+force, moment = (partial(equation, kind) for kind in ("force", "moment"))
+
+EQUATIONS = (
+    force("eq 28", "−F_RPx + F_RP2x = −m S̈x"),
+    force("eq 28.2", "F_RPy − F_RP2y = −m S̈y"),
+    moment(
+        "eq 28.3",
+        "−F_RPx Ls − F_RPy Ls cos θ + F_RP2x(L₀ − Ls cos θ) + M_d = −J₀α",
+        "−F_RPx Ls sin θ − F_RPy Ls cos θ − F_RP2x(L₀ − Ls) sin θ − F_RP2y(L₀ − Ls) cos θ − M_d = −J₀α",
+    ),
+    force("eq 29", "−F_ROx + F_RP3x = −m₁ S̈x₁"),
+    force("eq 29.2", "F_ROy − F_RP3y = −m₁ S̈₁y"),
+    moment(
+        "eq 29.3",
+        "−F_ROx Ls₁ sin θ₁ − F_ROy Ls₁ cos θ₁ + F_RP3x(L₁ − Ls₁ sin θ₁) + F_RP3y(L₁ − Ls₁ cos θ₁) = −J₁α₁",
+        "−F_ROx Ls₁ sin θ₁ − F_ROy Ls₁ cos θ₁ − F_RP3x(L₁ − Ls₁) sin θ₁ − F_RP3y(L₁ − Ls₁) cos θ₁ = −J₁α₁",
+    ),
+    force("eq 30", "−F_RP2x − F_RP3x + F_RP4x = −m₂ S̈₂x"),
+    force("eq 30.2", "F_RP2y − F_RP3y + F_RP4y = −m₂ S̈₂y", "F_RP2y + F_RP3y − F_RP4y = −m₂ S̈₂y"),
+    moment(
+        "eq 30.3",
+        "−F_RP2x Ls₂ sin(θ₂+φ) − F_RP2y Ls₂ cos(θ₂+φ) − F_RP3x Ls₂ sin(θ₃+φ) − F_RP3y Ls₂ sin(θ₃+φ)"
+        " + F_RP4x Ls₂ sin(θ₄+φ) − F_RP4y Ls₂ sin(θ₄+φ) = −J₂α₂",
+        "y₂F_RP2x + x₂F_RP2y + y₃F_RP3x + x₃F_RP3y − y₄F_RP4x − x₄F_RP4y = −J₂α₂, (xₖ, yₖ) from the mass centre to Pₖ",
+        note="Ls₂ and φ are not given; those that fit best are taken",
+    ),
+    force("eq 31", "−F_RP4x + F_RP5x = −m₄ S̈₄x"),
+    force("eq 31.2", "F_RP4y − F_RP5y = −m₄ S̈₄y"),
+    moment(
+        "eq 31.3",
+        "−F_RP4x Ls₄ sin θ₅ − F_RP4y Ls₄ cos θ₅ + F_RP5x(L₄ − Ls₄ sin θ₅) + F_RP5y(L₄ − Ls₄ cos θ₅) = −J₄α₄",
+        "−F_RP4x Ls₄ sin θ₅ − F_RP4y Ls₄ cos θ₅ − F_RP5x(L₅ − Ls₄) sin θ₅ − F_RP5y(L₅ − Ls₄) cos θ₅ = −J₄α₄",
+    ),
+    force(
+        "eq 32",
+        "−F_RP5x + Q = 0",
+        "−F_RP5x + N = 0, N of the slider on its guide",
+        note="Q is the resistance, which acts along the guide",
+    ),
+    force(
+        "eq 32.2",
+        "−F_RP5x − F = m₅α₅ + m₅g",
+        "F_RP5y − Q = −m₅αₛ",
+        note="F is taken as Q, α₅ as the slider's; gravity is left out, as the paper states",
+    ),
+)
 
 
 def claims() -> Iterator[Claim]:
@@ -32,128 +109,70 @@ def claims() -> Iterator[Claim]:
     scene = load("toggle_press")
     given = statics(scene, solved(scene, SAMPLES))
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
-    every = fitted(signed(given, signs))
+    every = _signed(given, signs)
     scale = given.scale
     off = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
     shared = int(np.argmax(sum(residuals <= EXACT for residuals in off.values())))
-    chosen = fitted(signed(given, signs[:, shared, :]))
-    reversed_ = ", ".join(f"F_{name}" for name, sign in zip(FORCES, signs[:, shared, 0], strict=False) if sign < 0)
-    for equation in EQUATIONS:
-        row = judge(equation, chosen, scale)
-        alone = float(off[equation.claim].min())
-        if row.verdict is not Verdict.HOLDS and alone <= EXACT:
+    chosen = _signed(given, signs[:, shared, :])
+    reversed_ = ", ".join(name for name, sign in zip(FORCES, signs[:, shared, 0], strict=False) if sign < 0)
+    for each in EQUATIONS:
+        row = judge(each, chosen, scale)
+        if row.verdict is not Verdict.HOLDS and float(off[each.claim].min()) <= EXACT:
             row = replace(row, verdict=Verdict.INCONSISTENT, note="holds alone, with signs that the others contradict")
-        if equation is EQUATIONS[0]:
+        if each is EQUATIONS[0]:
             row = replace(row, note=f"signs with which most equations hold: {reversed_} against the reference's")
         yield row
     yield _solved(chosen)
 
 
-# --- the equations ---------------------------------------------------------------------------------------------------
+def statics(scene: Scene, motion: Motion) -> Statics:
+    """The statics of the toggle press in a motion, with the reference's signs; Ls₂ and φ, which are not given, zero."""
+    state = MotionVectors(scene, motion)
+    place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}
+    (resistance,) = (load for load in scene.loads if isinstance(load, Force))
+    Q = np.full_like(motion["time"], resistance.force[1])
+    symbols: dict[str, Any] = {name: motion[f"{CHANNELS[name[2:-1]]}.f{name[-1]}"] for name in FORCES}
+    # The guide's force is that on the slider to the left, hence of the slider to the right.
+    symbols |= {"M_d": motion["drive.torque"], "N": motion["slider.guide_force"], "Q": Q, "F": Q}
+    for name, (first, Ls, mx, my, J) in COMPONENTS.items():
+        body = scene.bodies[name]
+        (com, _, acceleration), mass = state.com(body), body.mass or 0.0
+        symbols |= {
+            mx: mass * acceleration.real,
+            my: mass * acceleration.imag,
+            Ls: float(np.abs(com - place[first]).mean()),
+        }
+        symbols[J] = inertia(body) * state.turning(name)[2]
+    for bar, index in zip(bars(state), "₀₁₂₃₄₅", strict=True):
+        symbols |= {f"θ{index}": np.angle(bar), f"L{index}": float(np.abs(bar).mean())}
+    for point, index in zip(("P2", "P3", "P4"), "₂₃₄", strict=True):
+        arm = place[point] - state.com(scene.bodies["toggle"])[0]
+        symbols |= {f"x{index}": arm.real, f"y{index}": arm.imag}
+    weight = (scene.bodies["slider"].mass or 0.0) * 9.81
+    return Statics(symbols | {"θ": symbols["θ₀"], "m₅αₛ": symbols["m₅α₅"], "m₅g": weight})
 
 
-def _toggle(s: Statics) -> Samples:
-    F, (x2, y2), (x3, y3), (x4, y4) = s.F, s.arms["P2"], s.arms["P3"], s.arms["P4"]
-    of_rocker_and_crank = y2 * F["RP2x"] + x2 * F["RP2y"] + y3 * F["RP3x"] + x3 * F["RP3y"]
-    return np.asarray(of_rocker_and_crank - y4 * F["RP4x"] - x4 * F["RP4y"])
-
-
-def _first_pin(s: Statics, pin: str, Ls: float, t: Samples) -> Samples:
-    """The moment, about a bar's centre of mass, of what it exerts at its first end."""
-    return np.asarray(-s.F[f"{pin}x"] * Ls * sin(t) - s.F[f"{pin}y"] * Ls * cos(t))
-
-
-def _two_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
-    """The moment of what it exerts at both ends."""
-    return _first_pin(s, first, Ls, t) + _first_pin(s, second, L - Ls, t)
-
-
-def _printed_pins(s: Statics, first: str, second: str, L: float, Ls: float, t: Samples) -> Samples:
-    at_second = s.F[f"{second}x"] * (L - Ls * sin(t)) + s.F[f"{second}y"] * (L - Ls * cos(t))
-    return _first_pin(s, first, Ls, t) + at_second
-
-
-EQUATIONS = (
-    force("eq 28", "−F_RPx + F_RP2x = −m S̈x", lambda s: -s.F["RPx"] + s.F["RP2x"] + s.mx[0]),
-    force("eq 28.2", "F_RPy − F_RP2y = −m S̈y", lambda s: s.F["RPy"] - s.F["RP2y"] + s.my[0]),
-    moment(
-        "eq 28.3",
-        "−F_RPx Ls − F_RPy Ls cos θ + F_RP2x(L₀ − Ls cos θ) + M_d = −J₀α",
-        lambda s: (
-            -s.F["RPx"] * s.Ls[0]
-            - s.F["RPy"] * s.Ls[0] * cos(s.t[0])
-            + s.F["RP2x"] * (s.L[0] - s.Ls[0] * cos(s.t[0]))
-            + s.Md
-            + s.Ja[0]
-        ),
-        "−F_RPx Ls sin θ − F_RPy Ls cos θ − F_RP2x(L₀ − Ls) sin θ − F_RP2y(L₀ − Ls) cos θ − M_d = −J₀α",
-        lambda s: _two_pins(s, "RP", "RP2", s.L[0], s.Ls[0], s.t[0]) - s.Md + s.Ja[0],
-    ),
-    force("eq 29", "−F_ROx + F_RP3x = −m₁ S̈x₁", lambda s: -s.F["ROx"] + s.F["RP3x"] + s.mx[1]),
-    force("eq 29.2", "F_ROy − F_RP3y = −m₁ S̈₁y", lambda s: s.F["ROy"] - s.F["RP3y"] + s.my[1]),
-    moment(
-        "eq 29.3",
-        "−F_ROx Ls₁ sin θ₁ − F_ROy Ls₁ cos θ₁ + F_RP3x(L₁ − Ls₁ sin θ₁) + F_RP3y(L₁ − Ls₁ cos θ₁) = −J₁α₁",
-        lambda s: _printed_pins(s, "RO", "RP3", s.L[1], s.Ls[1], s.t[1]) + s.Ja[1],
-        "−F_ROx Ls₁ sin θ₁ − F_ROy Ls₁ cos θ₁ − F_RP3x(L₁ − Ls₁) sin θ₁ − F_RP3y(L₁ − Ls₁) cos θ₁ = −J₁α₁",
-        lambda s: _two_pins(s, "RO", "RP3", s.L[1], s.Ls[1], s.t[1]) + s.Ja[1],
-    ),
-    force("eq 30", "−F_RP2x − F_RP3x + F_RP4x = −m₂ S̈₂x", lambda s: -s.F["RP2x"] - s.F["RP3x"] + s.F["RP4x"] + s.mx[2]),
-    force(
-        "eq 30.2",
-        "F_RP2y − F_RP3y + F_RP4y = −m₂ S̈₂y",
-        lambda s: s.F["RP2y"] - s.F["RP3y"] + s.F["RP4y"] + s.my[2],
-        "F_RP2y + F_RP3y − F_RP4y = −m₂ S̈₂y",
-        lambda s: s.F["RP2y"] + s.F["RP3y"] - s.F["RP4y"] + s.my[2],
-    ),
-    moment(
-        "eq 30.3",
-        "−F_RP2x Ls₂ sin(θ₂+φ) − F_RP2y Ls₂ cos(θ₂+φ) − F_RP3x Ls₂ sin(θ₃+φ) − F_RP3y Ls₂ sin(θ₃+φ)"
-        " + F_RP4x Ls₂ sin(θ₄+φ) − F_RP4y Ls₂ sin(θ₄+φ) = −J₂α₂",
-        lambda s: s.lever[0] * lever_moment(s, 0.0) + s.lever[1] * lever_moment(s, np.pi / 2) + s.Ja[2],
-        "y₂F_RP2x + x₂F_RP2y + y₃F_RP3x + x₃F_RP3y − y₄F_RP4x − x₄F_RP4y = −J₂α₂, (xₖ, yₖ) from the mass centre to Pₖ",
-        lambda s: _toggle(s) + s.Ja[2],
-        note="Ls₂ and φ are not given; those that fit best are taken",
-    ),
-    force("eq 31", "−F_RP4x + F_RP5x = −m₄ S̈₄x", lambda s: -s.F["RP4x"] + s.F["RP5x"] + s.mx[3]),
-    force("eq 31.2", "F_RP4y − F_RP5y = −m₄ S̈₄y", lambda s: s.F["RP4y"] - s.F["RP5y"] + s.my[3]),
-    moment(
-        "eq 31.3",
-        "−F_RP4x Ls₄ sin θ₅ − F_RP4y Ls₄ cos θ₅ + F_RP5x(L₄ − Ls₄ sin θ₅) + F_RP5y(L₄ − Ls₄ cos θ₅) = −J₄α₄",
-        lambda s: _printed_pins(s, "RP4", "RP5", s.L[4], s.Ls[3], s.t[5]) + s.Ja[3],
-        "−F_RP4x Ls₄ sin θ₅ − F_RP4y Ls₄ cos θ₅ − F_RP5x(L₅ − Ls₄) sin θ₅ − F_RP5y(L₅ − Ls₄) cos θ₅ = −J₄α₄",
-        lambda s: _two_pins(s, "RP4", "RP5", s.L[5], s.Ls[3], s.t[5]) + s.Ja[3],
-    ),
-    force(
-        "eq 32",
-        "−F_RP5x + Q = 0",
-        lambda s: -s.F["RP5x"] + s.Q,
-        "−F_RP5x + N = 0, N of the slider on its guide",
-        lambda s: -s.F["RP5x"] + s.N,
-        note="Q is the resistance, which acts along the guide",
-    ),
-    force(
-        "eq 32.2",
-        "−F_RP5x − F = m₅α₅ + m₅g",
-        lambda s: -s.F["RP5x"] - s.Q - (s.my[4] + s.mg),
-        "F_RP5y − Q = −m₅αₛ",
-        lambda s: s.F["RP5y"] - s.Q + s.my[4],
-        note="F is taken as Q, α₅ as the slider's; gravity is left out, as the paper states",
-    ),
-)
-
-
-# --- all together ----------------------------------------------------------------------------------------------------
+def _signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
+    """With other signs of `FORCES` and of Q, the last, and the Ls₂ and φ that fit (30.3) best."""
+    values = {name: sign * s.symbols[name] for name, sign in zip((*FORCES, "Q"), signs, strict=True)}
+    s = s.having(values | {"F": values["Q"]})
+    (toggle,) = (e.printed for e in EQUATIONS if e.claim == "eq 30.3")
+    forces = [toggle(s.having({"Ls₂": 1.0, "φ": phi, "J₂α₂": 0.0})) for phi in (0.0, np.pi / 2)]
+    columns = np.stack(forces, axis=-1)
+    inertial = np.broadcast_to(-s.symbols["J₂α₂"], columns.shape[:-1])[..., None]
+    x, y = np.moveaxis((np.linalg.pinv(columns) @ inertial)[..., 0], -1, 0)[..., None]
+    return s.having({"Ls₂": np.hypot(x, y), "φ": np.arctan2(y, x)})
 
 
 def _solved(s: Statics) -> Claim:
     """The row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
-    printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "Md"))
-    corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "Md"))
-    torque = largest(s.Md)
-    off = largest(printed["Md"] - s.Md) / torque
-    worst = max(largest(corrected[name] - s.F[name]) for name in FORCES) / s.scale["force"][0]
-    worst = max(worst, largest(corrected["Md"] - s.Md) / torque)
+    printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "M_d"))
+    corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
+    true, scale = s.symbols, s.scale["force"][0]
+    torque = largest(true["M_d"])
+    off = largest(printed["M_d"] - true["M_d"]) / torque
+    worst = max(largest(corrected[name] - true[name]) for name in FORCES) / scale
+    worst = max(worst, largest(corrected["M_d"] - true["M_d"]) / torque)
     return Claim(
         "eq 28 to 32, solved",
         "14 equations for 12 pin forces and M_d",
@@ -168,12 +187,11 @@ def _solved(s: Statics) -> Claim:
 
 def _unknowns(s: Statics, forms: Sequence[StaticsForm], names: Sequence[str]) -> dict[str, Samples]:
     """The unknowns that satisfy linear equations best, each of shape (n,)."""
-    still = np.zeros_like(s.Q)
+    still = np.zeros_like(s.symbols["Q"])
 
     def at(name: str) -> NDArray[np.float64]:
         """The equations with one unknown of 1, or none, shape (n, equations)."""
-        given = {unknown: still + (unknown == name) for unknown in (*FORCES, "N", "Md")}
-        state = replace(s, N=given.pop("N"), Md=given.pop("Md"), F=given)
+        state = s.having({unknown: still + (unknown == name) for unknown in (*FORCES, "N", "M_d")})
         return np.stack([form(state) + still for form in forms], axis=-1)
 
     none = at("")

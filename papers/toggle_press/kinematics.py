@@ -14,11 +14,10 @@ from numpy import arctan as atan
 from scenes.model.motion import Samples
 
 from ..claims import Equation
+from ..written import equation
 from .variables import Variables
 
-length, area, angle, speed, acceleration = (
-    partial(Equation[Variables], kind) for kind in ("length", "area", "angle", "speed", "acceleration")
-)
+length, speed, acceleration = (partial(equation, kind) for kind in ("length", "speed", "acceleration"))
 WITH_MINUS = "with −√"
 
 
@@ -54,56 +53,42 @@ def _def(v: Variables, before_e: float) -> tuple[Samples, Samples, Samples]:
 
 
 POSITIONS = (
-    length("eq 1", "L₀ + L₂ = L₁ + x + y", lambda v: v.L[0] + v.L[2] - (v.L[1] - v.x + 1j * v.y)),
-    length("eq 2", "L₂ + L₃ = L₄", lambda v: v.L[2] + v.L[3] - v.L[4]),
-    length("eq 3", "L₁ + L₃ + L₅ = S", lambda v: v.L[1] + v.L[3] + v.L[5] - 1j * v.S),
-    length(
-        "eq 4", "l₀ e^iθ + l₂ e^iθ₂ = l₁ e^iθ₁ − x + iy", lambda v: v.exp(0) + v.exp(2) - (v.exp(1) - v.x + 1j * v.y)
+    Equation[Variables](
+        "length", "eq 1", "L₀ + L₂ = L₁ + x + y", lambda v: v.L[0] + v.L[2] - (v.L[1] - v.x + 1j * v.y)
     ),
-    length("eq 5", "Re: l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x", lambda v: v.cos(0) + v.cos(2) - (v.cos(1) - v.x)),
-    length(
-        "eq 5.2",
-        "Im: l₀ sin θ = l₁ sin θ₁ + y",
-        lambda v: v.sin(0) - (v.sin(1) + v.y),
-        "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y",
-        lambda v: v.sin(0) + v.sin(2) - (v.sin(1) + v.y),
-    ),
-    length("eq 6", "l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x", lambda v: v.cos(0) + v.cos(2) - (v.cos(1) - v.x)),
-    length("eq 6.2", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y", lambda v: v.sin(0) + v.sin(2) - (v.sin(1) + v.y)),
-    length(
-        "eq 7",
-        "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ₁ + x",
-        lambda v: v.cos(1) - v.cos(2) - (v.l[0] * cos(v.t[1]) + v.x),
-        "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ + x",
-        lambda v: v.cos(1) - v.cos(2) - (v.cos(0) + v.x),
-    ),
-    length(
-        "eq 7.2",
-        "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ₁ − y",
-        lambda v: v.sin(1) - v.sin(2) - (v.l[0] * sin(v.t[1]) - v.y),
-        "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ − y",
-        lambda v: v.sin(1) - v.sin(2) - (v.sin(0) - v.y),
-    ),
-    angle(
+    Equation[Variables]("length", "eq 2", "L₂ + L₃ = L₄", lambda v: v.L[2] + v.L[3] - v.L[4]),
+    Equation[Variables]("length", "eq 3", "L₁ + L₃ + L₅ = S", lambda v: v.L[1] + v.L[3] + v.L[5] - 1j * v.S),
+    length("eq 4", "l₀ e^iθ + l₂ e^iθ₂ = l₁ e^iθ₁ − x + iy"),
+    length("eq 5", "Re: l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x", after="Re: "),
+    length("eq 5.2", "Im: l₀ sin θ = l₁ sin θ₁ + y", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y", after="Im: "),
+    length("eq 6", "l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x"),
+    length("eq 6.2", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y"),
+    length("eq 7", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ₁ + x", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ + x"),
+    length("eq 7.2", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ₁ − y", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ − y"),
+    Equation[Variables](
+        "angle",
         "eq 8",
         "θ₁ = 2 atan((B₁ + √(A₁² + B₁² − C₁²)) / (A₁ − C₁)), A₁ = 2 l₁(l₀ cos θ + x), B₁ = 2 l₁(l₀ sin θ − y)",
         lambda v: _root(v.t[1], *_ab(v, 1), _c(v, -1), +1),
         branches={WITH_MINUS: lambda v: _root(v.t[1], *_ab(v, 1), _c(v, -1), -1)},
     ),
-    area(
+    Equation[Variables](
+        "area",
         "eq 9",
         "C₁ = l₂² − l₁² − (l₀ sin θ − y)² − (l₀ cos θ + x)²",
         lambda v: _in_half_angle(v.t[1], *_ab(v, 1), _c(v, -1)),
         note="judged by A cos θ + B sin θ + C = 0, of which (8), (10) and (14) are the roots",
     ),
-    angle(
+    Equation[Variables](
+        "angle",
         "eq 10",
         "θ₂ = 2 atan((B₂ + √(A₂² + B₂² − C₂²)) / (A₂ − C₂)), A₂ = 2 l₂(l₀ cos θ + x), B₂ = 2 l₂(l₀ sin θ − y)",
         lambda v: _root(v.t[2], *_ab(v, 2), _c(v, +1), +1),
         branches={WITH_MINUS: lambda v: _root(v.t[2], *_ab(v, 2), _c(v, +1), -1)},
         note="with C₂ as corrected in (11); with the printed one neither sign of the root holds",
     ),
-    area(
+    Equation[Variables](
+        "area",
         "eq 11",
         "C₂ = l₁² − l₂² − (l₀ sin θ − y)² − (l₀ cos θ + x)²",
         lambda v: _in_half_angle(v.t[2], *_ab(v, 2), -_c(v, +1)),
@@ -111,10 +96,11 @@ POSITIONS = (
         lambda v: _in_half_angle(v.t[2], *_ab(v, 2), _c(v, +1)),
         note="or else A₂ and B₂ have the wrong sign",
     ),
-    length("eq 12", "l₂ e^iθ₂ + l₃ e^iθ₃ = l₄ e^iθ₄", lambda v: v.exp(2) + v.exp(3) - v.exp(4)),
-    length("eq 13", "l₂ cos θ₂ + l₃ cos θ₃ = l₄ cos θ₄", lambda v: v.cos(2) + v.cos(3) - v.cos(4)),
-    length("eq 13.2", "l₂ sin θ₂ + l₃ sin θ₃ = l₄ sin θ₄", lambda v: v.sin(2) + v.sin(3) - v.sin(4)),
-    angle(
+    length("eq 12", "l₂ e^iθ₂ + l₃ e^iθ₃ = l₄ e^iθ₄"),
+    length("eq 13", "l₂ cos θ₂ + l₃ cos θ₃ = l₄ cos θ₄"),
+    length("eq 13.2", "l₂ sin θ₂ + l₃ sin θ₃ = l₄ sin θ₄"),
+    Equation[Variables](
+        "angle",
         "eq 14",
         "θ₃ = 2 atan((E₁ + √(D₁² + E₁² − F₁²)) / (D₁ − F₁)), D₁ = −2 l₂ l₃ cos θ₂, E₁ = 2 l₄ l₂ sin θ₂",
         lambda v: _root(v.t[3], *_def(v, 2 * v.l[4]), +1),
@@ -122,107 +108,51 @@ POSITIONS = (
         lambda v: _root(v.t[3], *_def(v, -2 * v.l[3]), -1),
         branches={WITH_MINUS: lambda v: _root(v.t[3], *_def(v, 2 * v.l[4]), -1)},
     ),
-    area(
+    Equation[Variables](
+        "area",
         "eq 15",
         "F₁ = l₄² − l₃² − (l₂ cos θ₂)² − (l₂ sin θ₂)²",
         lambda v: _in_half_angle(v.t[3], *_def(v, -2 * v.l[3])),
         note="with E₁ as corrected in (14)",
     ),
-    length("eq 16", "l₁ e^iθ₁ + l₃ e^iθ₃ + l₅ e^iθ₅ = iS", lambda v: v.exp(1) + v.exp(3) + v.exp(5) - 1j * v.S),
-    length("eq 17", "l₁ cos θ₁ + l₃ cos θ₃ + l₅ cos θ₅ = 0", lambda v: v.cos(1) + v.cos(3) + v.cos(5)),
-    length(
-        "eq 17.2",
-        "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = 0",
-        lambda v: v.sin(1) + v.sin(3) + v.sin(5),
-        "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = S",
-        lambda v: v.sin(1) + v.sin(3) + v.sin(5) - v.S,
-    ),
-    angle(
+    length("eq 16", "l₁ e^iθ₁ + l₃ e^iθ₃ + l₅ e^iθ₅ = iS"),
+    length("eq 17", "l₁ cos θ₁ + l₃ cos θ₃ + l₅ cos θ₅ = 0"),
+    length("eq 17.2", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = 0", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = S"),
+    Equation[Variables](
+        "angle",
         "eq 18",
         "θ₅ = arccos((−l₁ cos θ₁ − l₃ cos θ₃) / l₅)",
         lambda v: _apart(v.t[5], arccos((-v.cos(1) - v.cos(3)) / v.l[5])),
         branches={"with −arccos": lambda v: _apart(v.t[5], -arccos((-v.cos(1) - v.cos(3)) / v.l[5]))},
     ),
-    length("eq 19", "S = l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅", lambda v: v.S - (v.sin(1) + v.sin(3) + v.sin(5))),
+    length("eq 19", "S = l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅"),
 )
 
-
-# --- speeds and accelerations ----------------------------------------------------------------------------------------
-
-
-def _ws(v: Variables, bar: int) -> Samples:
-    """Return l ω sin θ of a bar."""
-    return v.l[bar] * v.w[bar] * sin(v.t[bar])
-
-
-def _wc(v: Variables, bar: int) -> Samples:
-    """Return l ω cos θ of a bar."""
-    return v.l[bar] * v.w[bar] * cos(v.t[bar])
-
-
-def _up(v: Variables, bar: int, sign: int = -1, power: int = 1) -> Samples:
-    """Return l α cos θ − l ω² sin θ, the acceleration along y of a bar's end past its start; or a misprint of it."""
-    return v.l[bar] * v.a[bar] ** power * cos(v.t[bar]) + sign * v.l[bar] * v.w[bar] ** 2 * sin(v.t[bar])
-
-
-def _across(v: Variables, bar: int) -> Samples:
-    """Return l α sin θ + l ω² cos θ: less that acceleration along x."""
-    return v.l[bar] * v.a[bar] * sin(v.t[bar]) + v.l[bar] * v.w[bar] ** 2 * cos(v.t[bar])
-
-
 RATES = (
-    speed("eq 20", "−l₀ω sin θ − l₂ω₂ sin θ₂ = −l₁ω₁ sin θ₁", lambda v: -_ws(v, 0) - _ws(v, 2) + _ws(v, 1)),
-    speed(
-        "eq 20.2",
-        "l₀ω cos θ − l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁",
-        lambda v: _wc(v, 0) - _wc(v, 2) - _wc(v, 1),
-        "l₀ω cos θ + l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁",
-        lambda v: _wc(v, 0) + _wc(v, 2) - _wc(v, 1),
-    ),
-    speed("eq 21", "−l₂ω₂ sin θ₂ − l₃ω₃ sin θ₃ = −l₄ω₄ sin θ₄", lambda v: -_ws(v, 2) - _ws(v, 3) + _ws(v, 4)),
-    speed("eq 21.2", "l₂ω₂ cos θ₂ + l₃ω₃ cos θ₃ = l₄ω₄ cos θ₄", lambda v: _wc(v, 2) + _wc(v, 3) - _wc(v, 4)),
-    speed("eq 22", "−l₁ω₁ sin θ₁ − l₃ω₃ sin θ₃ − l₅ω₅ sin θ₅ = 0", lambda v: -_ws(v, 1) - _ws(v, 3) - _ws(v, 5)),
-    speed("eq 22.2", "l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅ = v", lambda v: _wc(v, 1) + _wc(v, 3) + _wc(v, 5) - v.v),
-    speed("eq 23", "v = l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅", lambda v: v.v - (_wc(v, 1) + _wc(v, 3) + _wc(v, 5))),
-    acceleration(
-        "eq 24",
-        "l₀α sin θ + l₀ω² cos θ + l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ = l₁α₁ sin θ₁ + l₁ω₁² cos θ₁",
-        lambda v: _across(v, 0) + _across(v, 2) - _across(v, 1),
-    ),
+    speed("eq 20", "−l₀ω sin θ − l₂ω₂ sin θ₂ = −l₁ω₁ sin θ₁"),
+    speed("eq 20.2", "l₀ω cos θ − l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁", "l₀ω cos θ + l₂ω₂ cos θ₂ = l₁ω₁ cos θ₁"),
+    speed("eq 21", "−l₂ω₂ sin θ₂ − l₃ω₃ sin θ₃ = −l₄ω₄ sin θ₄"),
+    speed("eq 21.2", "l₂ω₂ cos θ₂ + l₃ω₃ cos θ₃ = l₄ω₄ cos θ₄"),
+    speed("eq 22", "−l₁ω₁ sin θ₁ − l₃ω₃ sin θ₃ − l₅ω₅ sin θ₅ = 0"),
+    speed("eq 22.2", "l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅ = v"),
+    speed("eq 23", "v = l₁ω₁ cos θ₁ + l₃ω₃ cos θ₃ + l₅ω₅ cos θ₅"),
+    acceleration("eq 24", "l₀α sin θ + l₀ω² cos θ + l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ = l₁α₁ sin θ₁ + l₁ω₁² cos θ₁"),
     acceleration(
         "eq 24.2",
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ + l₁ω₁² sin θ₁",
-        lambda v: _up(v, 0) + _up(v, 2) - _up(v, 1, sign=+1),
         "l₀α cos θ − l₀ω² sin θ + l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁",
-        lambda v: _up(v, 0) + _up(v, 2) - _up(v, 1),
     ),
-    acceleration(
-        "eq 25",
-        "l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ = l₄α₄ sin θ₄ + l₄ω₄² cos θ₄",
-        lambda v: _across(v, 2) + _across(v, 3) - _across(v, 4),
-    ),
-    acceleration(
-        "eq 25.2",
-        "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ = l₄α₄ cos θ₄ − l₄ω₄² sin θ₄",
-        lambda v: _up(v, 2) + _up(v, 3) - _up(v, 4),
-    ),
-    acceleration(
-        "eq 26",
-        "l₁α₁ sin θ₁ + l₁ω₁² cos θ₁ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ + l₅α₅ sin θ₅ + l₅ω₅² cos θ₅ = 0",
-        lambda v: _across(v, 1) + _across(v, 3) + _across(v, 5),
-    ),
+    acceleration("eq 25", "l₂α₂ sin θ₂ + l₂ω₂² cos θ₂ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ = l₄α₄ sin θ₄ + l₄ω₄² cos θ₄"),
+    acceleration("eq 25.2", "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ = l₄α₄ cos θ₄ − l₄ω₄² sin θ₄"),
+    acceleration("eq 26", "l₁α₁ sin θ₁ + l₁ω₁² cos θ₁ + l₃α₃ sin θ₃ + l₃ω₃² cos θ₃ + l₅α₅ sin θ₅ + l₅ω₅² cos θ₅ = 0"),
     acceleration(
         "eq 26.2",
         "l₂α₂ cos θ₂ − l₂ω₂² sin θ₂ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: _up(v, 2) + _up(v, 3) + _up(v, 5) - v.a_s,
         "l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅ = αₛ",
-        lambda v: _up(v, 1) + _up(v, 3) + _up(v, 5) - v.a_s,
     ),
     acceleration(
         "eq 27",
         "αₛ = l₁α₁² cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (_up(v, 1, power=2) + _up(v, 3) + _up(v, 5)),
         "αₛ = l₁α₁ cos θ₁ − l₁ω₁² sin θ₁ + l₃α₃ cos θ₃ − l₃ω₃² sin θ₃ + l₅α₅ cos θ₅ − l₅ω₅² sin θ₅",
-        lambda v: v.a_s - (_up(v, 1) + _up(v, 3) + _up(v, 5)),
     ),
 )

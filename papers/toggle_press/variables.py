@@ -7,6 +7,7 @@ the toggle's sides P2-P3, P3-P4 and P2-P4, 5 the rod P4-P5; (x, -y) is P1. Vecto
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import tau
+from typing import Any
 
 import numpy as np
 from numpy import cos, sin
@@ -59,9 +60,13 @@ class Variables:
         """Return l sin θ of a bar."""
         return self.l[bar] * sin(self.t[bar])
 
-    def exp(self, bar: int) -> Vectors:
-        """Return l e^iθ of a bar."""
-        return np.asarray(self.l[bar] * np.exp(1j * self.t[bar]))
+    @property
+    def symbols(self) -> Mapping[str, Any]:
+        """The values of the symbols of the printed equations."""
+        others = {"x": self.x, "y": self.y, "S": self.S, "v": self.v, "αₛ": self.a_s}
+        for symbol, of in (("l", self.l), ("θ", self.t), ("ω", self.w), ("α", self.a)):
+            others |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
+        return others | {"l₀": others["l"]}
 
     @property
     def scale(self) -> Mapping[str, tuple[float, str]]:
