@@ -8,16 +8,10 @@ from multiprocessing import get_context
 from compare.engines.processes import inside, isolation
 from compare.engines.processes.inside import Ended, Limits
 from compare.engines.processes.isolation import Worker
-from tests.deaths import DEATHS, children
+from tests.deaths import children, do
 
 vars(inside)["LINUX"] = vars(isolation)["LINUX"] = False
 isolation.CONTEXT = get_context("spawn")
-
-
-def do(what: str) -> str:
-    if what in DEATHS:
-        DEATHS[what][0]()
-    return what.upper()
 
 
 def main() -> None:

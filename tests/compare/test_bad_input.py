@@ -1,5 +1,6 @@
 """The command line: bad arguments and bad scenes end in one line and leave nothing behind."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -71,6 +72,8 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--accuracy", "fasst"], ["--accuracy", "found 'fasst'; did you mean 'fast'?"]),
         (["--accuracy", "-1e-3"], ["--accuracy"]),
         (["--channels", "P5.y,P5.z"], ["--channels", "toggle_press", "P5.z", "did you mean 'P5.y'"]),
+        (["--channels", "P5.*,slidr.*"], ["toggle_press has no channel 'slidr.*'; one of O.fx"]),
+        (["--channels", "time"], ["toggle_press has no channel 'time'; one of O.fx"]),
         (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
     ],
 )
@@ -92,15 +95,10 @@ def test_a_linkage_that_cannot_close(tmp_path: Path, capsys: pytest.CaptureFixtu
     """The rocker is too short to reach the toggle's pin all the way round."""
     file = scene_files.write(tmp_path, "toggle_press", {"bodies.rocker.lengths.O-P3": 30})
     line = refused([str(file), "--out", str(tmp_path / "out")], capsys)
-    for part in (
-        "toggle_press.toml",
-        "bodies",
-        "cannot_assemble",
-        "rocker and toggle in line at P3",
-        "crank angle",
-        "turns only",
-    ):
-        assert part in line
+    words = (
+        r"toggle_press.toml: bodies: cannot_assemble: .* crank angle .* turns only .*rocker and toggle in line at P3"
+    )
+    assert re.search(words, line)
     assert not (tmp_path / "out").exists()
 
 

@@ -25,7 +25,7 @@ from compare.mechanics.round_off import explain
 from compare.report.figures.curves import Panel, panels
 from compare.report.output import files as output
 from compare.report.tables import study as tables
-from scenes import InputError, Motion, Request, Sampling, Settings, Status
+from scenes import Motion, Request, Sampling, Settings, Status
 from scenes.model.motion import channels, header
 from tests import scene_files
 from tests.comparisons import SAMPLING, Studies, all_checks, commanded, of_scene, studied
@@ -43,15 +43,6 @@ def test_channels_asked_for(patterns: list[str], asked: set[str]) -> None:
     scene = scenes.load("toggle_press")
     assert matching(scene, patterns) == asked
     assert set(Sampling(channels=matching(scene, patterns)).wanted(scene)) == asked | {"time", "crank_angle"}
-
-
-@pytest.mark.parametrize(
-    ("pattern", "nearest"), [("P5.z", "did you mean 'P5."), ("slidr.*", "one of O.fx"), ("time", "one of O.fx")]
-)
-def test_channels_that_are_not(pattern: str, nearest: str) -> None:
-    with pytest.raises(InputError, match="toggle_press has no channel") as caught:
-        matching(scenes.load("toggle_press"), ["P5.*", pattern])
-    assert nearest in str(caught.value)
 
 
 @pytest.mark.parametrize(("text", "value"), [("fast", "fast"), ("exact", "exact"), ("1e-4", 1e-4), ("0.001", 1e-3)])

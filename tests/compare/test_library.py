@@ -20,11 +20,9 @@ def judgement(request: pytest.FixtureRequest) -> Judgement:
 
 
 def test_every_tolerance_is_met(judgement: Judgement) -> None:
+    """Every engine is ok, or unsupported for a reason."""
     assert judgement.ok
     assert all(gate.error <= gate.tolerance for gate in judgement.held)
-
-
-def test_every_engine_is_ok_or_says_why_not(judgement: Judgement) -> None:
     assert set(judgement.verdicts) == set(registry.DEFAULT_ENGINES)
     for status, reason in judgement.verdicts.values():
         assert status == "ok" or (status == "unsupported" and reason)

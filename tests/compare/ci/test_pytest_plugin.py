@@ -16,20 +16,31 @@ import pytest
 from compare.judge.gates import Gate, Miss
 from linkage_crosscheck.pytest_plugin import ChannelGroup
 from tests import scene_files
+from tests.sites import install
 
 ROOT = Path(__file__).parents[3]
 GATES = {"tolerances": {"pymunk": {"position": 1e-15, "velocity": 1.0}}}
 OFF = "pymunk position: "  # of its gate
+OWN_NAMES = """import sys, compare, scenes
+def test_own():
+    assert compare.own and scenes.own
+    assert not {'numpy', 'pandas', 'pydantic', 'analytic'} & sys.modules.keys()
+def test_fixture(linkage_check):
+    linkage_check('four_bar')
+"""
+CHECKS = """def test_fixture(linkage_check):
+    result = linkage_check('others/slider_crank.toml', engines=('analytic',))
+    assert result.ok and list(result.motions) == ['analytic']
+def test_missing(linkage_check):
+    linkage_check('missing.toml')
+"""
 
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """Return the folder of a project, beside one where the plug-in is installed."""
     points = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]["pytest11"]
-    (info := tmp_path / "site" / "plugged-1.dist-info").mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 1\n", encoding="utf-8")
-    lines = "".join(f"{name} = {module}\n" for name, module in points.items())
-    (info / "entry_points.txt").write_text(f"[pytest11]\n{lines}", encoding="utf-8")
+    install(tmp_path / "site", "plugged", points, group="pytest11")
     (folder := tmp_path / "project").mkdir()
     (folder / "pyproject.toml").touch()
     return folder
@@ -57,15 +68,7 @@ def ended(printed: str, how: str) -> set[str]:
 def test_a_project_with_modules_of_the_same_names_is_undisturbed(project: Path) -> None:
     for name in ("analytic", "compare", "scenes", "sim_models"):
         (project / f"{name}.py").write_text("own = True\n", encoding="utf-8")
-    (project / "test_own.py").write_text(
-        "import sys\nimport compare, scenes\n"
-        "def test_own() -> None:\n"
-        "    assert compare.own and scenes.own\n"
-        "    assert not {'numpy', 'pandas', 'pydantic', 'analytic'} & sys.modules.keys()\n"
-        "def test_fixture(linkage_check) -> None:\n"
-        "    linkage_check('four_bar')\n",
-        encoding="utf-8",
-    )
+    (project / "test_own.py").write_text(OWN_NAMES, encoding="utf-8")
     scene_files.write(project, "slider_crank")
     result = run(project)
     assert ended(result.stdout, "PASSED") == {"test_own.py::test_own"}, result.stdout
@@ -75,9 +78,8 @@ def test_a_project_with_modules_of_the_same_names_is_undisturbed(project: Path) 
 
 def test_a_scene_is_a_test_an_engine_and_group(project: Path) -> None:
     scene_files.write(project, "slider_crank", GATES)
-    (project / "broken.toml").write_text(
-        scene_files.text("slider_crank").replace('"crank"', '"crnk"'), encoding="utf-8"
-    )
+    broken = scene_files.text("slider_crank").replace('"crank"', '"crnk"')
+    (project / "broken.toml").write_text(broken, encoding="utf-8")
     more = ("-k", "not torque", "--continue-on-collection-errors", "--junitxml", "junit.xml")
     result = run(project, "slider_crank.toml", "broken.toml", *more)
     groups = ("position", "velocity", "acceleration", "reaction", "drive")
@@ -139,20 +141,12 @@ def test_a_tolerance_that_is_not_held_is_skipped() -> None:
 
 @pytest.mark.slow
 def test_in_parallel_by_pattern_and_name(project: Path) -> None:
-    (project / "pyproject.toml").write_text(
-        "[tool.pytest.ini_options]\nlinkage_scenes = 'machines/*.toml pyproject.toml'\n", encoding="utf-8"
-    )
+    patterns = "[tool.pytest.ini_options]\nlinkage_scenes = 'machines/*.toml pyproject.toml'\n"
+    (project / "pyproject.toml").write_text(patterns, encoding="utf-8")
     for folder in ("machines", "others"):
         (project / folder).mkdir()
         scene_files.write(project / folder, "slider_crank", GATES)
-    (project / "test_own.py").write_text(
-        "def test_fixture(linkage_check) -> None:\n"
-        "    result = linkage_check('others/slider_crank.toml', engines=('analytic',))\n"
-        "    assert result.ok and list(result.motions) == ['analytic']\n"
-        "def test_missing(linkage_check) -> None:\n"
-        "    linkage_check('missing.toml')\n",
-        encoding="utf-8",
-    )
+    (project / "test_own.py").write_text(CHECKS, encoding="utf-8")
     result = run(project, "-n", "2", "--dist", "loadfile", "--strict-markers")
     failed = {"machines/slider_crank.toml::pymunk[position]", "test_own.py::test_missing"}
     assert ended(result.stdout, "FAILED") == failed, result.stdout
@@ -166,17 +160,12 @@ def test_in_parallel_by_pattern_and_name(project: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_bad_option_is_named(project: Path) -> None:
-    scene_files.write(project, "slider_crank")
+def test_a_bad_option_and_what_cannot_be_solved_are_named_in_a_line(project: Path) -> None:
+    scene_files.write(project, "slider_crank", {"bodies.rod.lengths.A-B": 0.5})
     result = run(project, "slider_crank.toml", "--linkage-samples=3")
     assert "expected a whole number from 8 to 100000, found '3'\n" in result.stdout
     assert "usage" not in result.stdout
     assert result.returncode == 2
-
-
-@pytest.mark.slow
-def test_what_cannot_be_solved_fails_every_test_in_a_line(project: Path) -> None:
-    scene_files.write(project, "slider_crank", {"bodies.rod.lengths.A-B": 0.5})
     result = run(project, "slider_crank.toml")
     assert not ended(result.stdout, "PASSED")
     assert len(ended(result.stdout, "FAILED")) == 13

@@ -52,7 +52,5 @@ def test_a_check_from_its_first_run_to_its_last_canary(monkeypatch: pytest.Monke
     assert compare.check("four_bar", ("analytic", "exudyn"), samples=24).ok
     assert seen == [{1}]
 
-
-def test_a_number_that_the_user_gave_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(VARIABLE, "2")
+    monkeypatch.setenv(VARIABLE, "2")  # a number that the user gave stays
     assert HERE.asked("analytic", load("four_bar"), threads) == {2}
