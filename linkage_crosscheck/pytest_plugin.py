@@ -88,11 +88,7 @@ class SceneFile(pytest.File):
     options: "Namespace"
 
     def collect(self) -> Iterator["ChannelGroup"]:
-        """Yield a test for each engine and channel group, then that of the comparison.
-
-        Raises:
-            CollectError: the scene or the options are bad input; the text is one line.
-        """
+        """Yield a test for each engine and channel group, then that of the comparison; bad input is named in a line."""
         _check_names()
         from compare.judge.errors import shown_groups
         from scenes import InputError, load

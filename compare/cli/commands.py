@@ -28,23 +28,19 @@ def do(name: str, words: Sequence[str]) -> None:
     results = [word for word in words if "=" in word]
     match name, [word for word in words if word not in results], results:
         case "list", _, _:
-            _list()
+            width = max(map(len, (*shipped(), *registry.ENTRIES)))
+            for scene in shipped():
+                print(f"scene   {scene:{width}}  {load(scene).title}")
+            for engine, entry in registry.ENTRIES.items():
+                print(f"engine  {engine:{width}}  {entry.purpose} ({entry.missing or entry.version})")
         case "version", _, _:
             print(CONSOLE, version(CONSOLE))
         case "new", [path], []:
             print("wrote", " and ".join(map(str, write_starter(Path(path)))))
-        case "map", ([] | [_]) as scene, [result]:
+        case "map", ([] | [_]) as given, [result]:
             from ..results.proposal import proposed  # late: slow to import
 
-            print(proposed(load((scene or ["toggle_press"])[0]), result), end="")
+            print(proposed(load((given or ["toggle_press"])[0]), result), end="")
         case _:
             (usage,) = (usage for usage in COMMANDS if usage.split()[0] == name)
             raise InputError(f"arguments: expected {called()} {usage}, found '{' '.join((name, *words))}'")
-
-
-def _list() -> None:
-    width = max(map(len, (*shipped(), *registry.ENTRIES)))
-    for name in shipped():
-        print(f"scene   {name:{width}}  {load(name).title}")
-    for name, entry in registry.ENTRIES.items():
-        print(f"engine  {name:{width}}  {entry.purpose} ({entry.missing or entry.version})")

@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 from hashlib import sha256
-from typing import Any, NamedTuple
+from types import SimpleNamespace as Seen
 
 import pytest
 
@@ -40,14 +40,6 @@ Path(answer).write_text(json.dumps(known), encoding="utf-8")
 """
 
 
-class Seen(NamedTuple):
-    """What there was to see."""
-
-    answer: dict[str, Any]
-    printed: str
-    left: list[str]
-
-
 def digest(motion: Motion | None) -> str:
     """A text that tells a motion from another in any bit."""
     samples = {} if motion is None else motion.samples
@@ -64,7 +56,8 @@ def seen(name: str, solved: Scene, tmp_path_factory: pytest.TempPathFactory) -> 
     command = [sys.executable, "-c", CODE, name, solved.name, str(answer)]
     done = subprocess.run(command, cwd=folder, env={**os.environ, **own}, capture_output=True, text=True, check=False)
     known = json.loads(answer.read_text(encoding="utf-8")) if answer.exists() else {}
-    return Seen(known, done.stdout + done.stderr, sorted(str(left.relative_to(folder)) for left in folder.rglob("*")))
+    left = sorted(str(left.relative_to(folder)) for left in folder.rglob("*"))
+    return Seen(answer=known, printed=done.stdout + done.stderr, left=left)
 
 
 def test_nothing_is_imported_at_registration(seen: Seen) -> None:

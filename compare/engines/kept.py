@@ -10,7 +10,7 @@ them without it. Reading runs no code.
 
 import json
 from base64 import b64decode, b64encode
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -92,17 +92,12 @@ def version() -> str:
     digest = sha256(json.dumps(versions, sort_keys=True).encode())
     outside = (entry.package for entry in registry.ENTRIES.values() if entry.outside and not entry.missing)
     for package in (*PACKAGES, *outside):
-        for path in _sources(package):
+        spec = find_spec(package)  # of a package, or of a module, that is not imported for it
+        places = [Path(place) for place in (spec and (spec.submodule_search_locations or [spec.origin or ""])) or ()]
+        files = (path for place in places for path in (place.rglob("*") if place.is_dir() else [place]))
+        for path in sorted(path for path in files if path.suffix in (".py", ".toml")):
             digest.update(path.read_bytes())
     return digest.hexdigest()
-
-
-def _sources(package: str) -> Iterable[Path]:
-    """Return the files of a package, or of a module, that is not imported for it."""
-    spec = find_spec(package)
-    places = [Path(place) for place in (spec and (spec.submodule_search_locations or [spec.origin or ""])) or ()]
-    files = (path for place in places for path in (place.rglob("*") if place.is_dir() else [place]))
-    return sorted(path for path in files if path.suffix in (".py", ".toml"))
 
 
 def encoded(value: Any) -> Any:

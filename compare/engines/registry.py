@@ -87,11 +87,6 @@ def check_names(names: Iterable[str]) -> None:
             raise InputError(f"--engines: no engine '{name}'{nearest(name, ENTRIES)}")
 
 
-def gives_everything(name: str) -> bool:
-    """Return whether an engine gives every channel; a result of another program gives those of its file."""
-    return name in ENTRIES and ENTRIES[name].everything
-
-
 def engine(name: str) -> Engine[Any]:
     """An engine's offer: its module, or of one from outside its settings, without its code."""
     entry = ENTRIES[name]

@@ -251,11 +251,6 @@ def test_a_baseline_that_is_not_there(name: str, why: str, tmp_path: Path) -> No
         read(tmp_path / name, scene_files.load("four_bar"))
 
 
-def test_a_baseline_is_of_one_linkage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--vary", "bodies.rod.mass=1:2:2", "--baseline", "old.json"]) == 2
-    assert "--baseline: expected it without --vary" in capsys.readouterr().err
-
-
 def test_what_a_baseline_has_is_one_line(before: Json) -> None:
     """No text of another file ends a line: the next would be a command of the workflow."""
     old, bad = deepcopy(before), "x\n::error::\x1b[2J"

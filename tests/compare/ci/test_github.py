@@ -146,8 +146,3 @@ def test_members_of_a_family_are_annotated(
     assert summary.count("\n### ") == summary.count("\n- missed: ") == 2
     assert main([*command, "--vary", "bodies.rod.lengths.A-B=0.1:0.2:2"]) == 1
     assert "every tolerance, since no member runs" in capsys.readouterr().out.splitlines()[-1]
-
-
-def test_annotations_are_of_a_check(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["--format", "github"]) == 2
-    assert "arguments: --format: expected it with --check" in capsys.readouterr().err
