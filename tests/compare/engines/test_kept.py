@@ -89,7 +89,7 @@ IN_THE_WAY: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "a pipe": (os.mkfifo, "not a file"),
     "a device": (lambda file: file.symlink_to("/dev/zero"), "not a file"),
     "a loop": (lambda file: file.symlink_to(file), "Too many levels"),
-    "a file for its folder": (lambda file: (file.parent.rmdir(), file.parent.touch()), "exists|Not a directory"),
+    "a file for its folder": (lambda file: [do(file.parent) for do in (Path.rmdir, Path.touch)], "exists|Not a dir"),
 }
 
 
