@@ -24,7 +24,7 @@ def scene_of(value: object) -> Scene:
 
 def check_changes(value: object) -> None:
     """Raise InputError for changes that are not by path."""
-    if not (isinstance(value, Mapping) and all(isinstance(path, str) for path in value)):
+    if not isinstance(value, Mapping) or not all(isinstance(path, str) for path in value):
         refuse("changes", "values by path, as {'bodies.rod.mass': 2}", value)
 
 

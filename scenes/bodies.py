@@ -68,13 +68,10 @@ class Body:
 
     @cached_property
     def _bases(self) -> Mapping[str, tuple[str, ...]]:
-        order = {point: number for number, point in enumerate(self.points)}
-        pairs = sorted(sorted(map(order.__getitem__, pair)) for pair in self.lengths or ())
         bases: dict[str, tuple[str, ...]] = {}
-        for earlier, *later in pairs:
-            for number in later:
-                point = self.points[number]
-                bases[point] = (*bases.get(point, ()), self.points[earlier])
+        for pair in sorted(sorted(map(self.points.index, pair)) for pair in self.lengths or ()):
+            earlier, *later = (self.points[number] for number in pair)
+            bases |= {point: (*bases.get(point, ()), earlier) for point in later}
         return bases
 
 
@@ -105,11 +102,7 @@ class BodyTable(FileTable):
     slides: SlideTable | None = Field(None, description="The guide on which it slides, if any.")
 
     def body(self, name: str) -> Body:
-        """The body of this name, its numbers as they are.
-
-        Raises:
-            InputError: the keys do not go together, or a length is given twice.
-        """
+        """The body of this name, its numbers as they are; InputError where the keys do not go together."""
         if (self.points is None) == (self.lengths is None):
             raise InputError(f"bodies.{name}: expected either 'points' or 'lengths'")
         if (self.com is None) != (self.inertia is None):
@@ -122,14 +115,6 @@ class BodyTable(FileTable):
         names = tuple(local or dict.fromkeys(point for pair in self.lengths or () for point in pair.split("-")))
         if lengths and (on_line := on_one_line(names, lengths)):
             local, lengths = on_line, None  # which no triangles give: it is a matter of the last places
-        return Body(
-            name=name,
-            points=names,
-            local=None if local is None else MappingProxyType(local),
-            lengths=None if lengths is None else MappingProxyType(lengths),
-            corners=corners(names, local, lengths),
-            mass=self.mass,
-            com=self.com,
-            inertia=self.inertia,
-            slide=None if self.slides is None else Slide(self.slides.on, self.slides.through, self.slides.along),
-        )
+        given = local and MappingProxyType(local), lengths and MappingProxyType(lengths), corners(names, local, lengths)
+        slide = None if self.slides is None else Slide(self.slides.on, self.slides.through, self.slides.along)
+        return Body(name, names, *given, self.mass, self.com, self.inertia, slide)

@@ -29,10 +29,7 @@ CLOSED = 1e-12  # of two lengths: what their sum is off a third one by rounding,
 def corners(points: Sequence[str], local: Places | None, lengths: Lengths | None) -> tuple[str, ...]:
     """The points that span a uniform body: all, or of three and more on one line the outermost two.
 
-    Args:
-        points: of the body, in the order of the file.
-        local: where they are in its frame; or
-        lengths: of pairs of them, which are on one line here where there are three points at most.
+    By lengths, without places, no more than three points are on one line here.
     """
     if len(points) < 3 or (local is None and len(points) > 3):
         return tuple(points)
@@ -57,14 +54,9 @@ def heights(
 
 
 def on_one_line(points: Sequence[str], lengths: Lengths) -> dict[str, tuple[float, float]]:
-    """Where points are whose lengths close on one line alone: on x, which goes from the first to the second.
+    """Where points are, m, whose lengths close on one line alone: on x, which goes from the first to the second.
 
-    Args:
-        points: of the body, in the order of the file.
-        lengths: of pairs; of each point after the second those to two before it.
-
-    Returns:
-        By point, m; nothing where there are not three points or more, all of them on the line.
+    Each point after the second has lengths to two before it. Nothing where there are not three points, all on the line.
     """
     if not 2 < len(points) <= POINTS:
         return {}

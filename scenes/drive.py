@@ -72,10 +72,8 @@ class ConstantSpeed:
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
-        time = np.asarray(time, np.float64)
-        return Driven(
-            self.start + self.speed * time, np.asarray(self.speed) + np.zeros(time.shape), np.zeros(time.shape)
-        )
+        time, still = np.asarray(time, np.float64), np.zeros(np.shape(time))
+        return Driven(self.start + self.speed * time, np.asarray(self.speed) + still, still)
 
 
 @dataclass(frozen=True)
@@ -177,20 +175,15 @@ class DriveTable(FileTable):
     periodic: bool | None = Field(None, description="Whether the law goes on for ever.")
 
     def drive(self) -> Drive:
-        """The drive, its numbers as they are.
-
-        Raises:
-            InputError: the keys do not go together.
-        """
+        """The drive, its numbers as they are; InputError where the keys do not go together."""
         if (self.law is None) == (self.speed is None):
             raise InputError("drive: expected either 'speed' or 'law'")
-        if self.law is not None:
-            for key in ("start", "end"):
-                if getattr(self, key) is not None:
-                    raise InputError(f"drive.{key}: expected none with a 'law'")
-            times, positions = zip(*self.law, strict=True)
-            return MotionLaw(self.body, times, positions, periodic=bool(self.periodic))
-        if self.periodic is not None:
-            raise InputError("drive.periodic: expected a 'law' with it")
-        assert self.speed is not None
-        return ConstantSpeed(self.body, self.speed, self.start or 0.0, self.end)
+        if self.speed is not None:
+            if self.periodic is not None:
+                raise InputError("drive.periodic: expected a 'law' with it")
+            return ConstantSpeed(self.body, self.speed, self.start or 0.0, self.end)
+        for key, given in (("start", self.start), ("end", self.end)):
+            if given is not None:
+                raise InputError(f"drive.{key}: expected none with a 'law'")
+        times, positions = zip(*self.law or (), strict=True)
+        return MotionLaw(self.body, times, positions, bool(self.periodic))

@@ -24,14 +24,9 @@ def at_place(place: str) -> Iterator[None]:
 
 
 def one_line(text: str, most: int = 300) -> str:
-    """A text as one line for a terminal, a page or a file, whoever wrote it.
+    """A text as one line of `most` characters for a terminal, a page or a file, whoever wrote it.
 
-    Args:
-        text: any text; it may hold lines, control characters, turned writing directions and halves of surrogate pairs.
-        most: the largest number of characters of the line.
-
-    Returns:
-        The words with single spaces between them, what cannot be printed as its escape, and '…' where it was cut.
+    Its words have single spaces between them, what cannot be printed is its escape, and '…' is where it was cut.
     """
     line = " ".join(text.split(maxsplit=most))
     line = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line[: most + 1])

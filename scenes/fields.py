@@ -13,8 +13,6 @@ from pydantic import AllowInfNan, BaseModel, ConfigDict, Strict, StringConstrain
 
 from . import limits
 
-# --- names -----------------------------------------------------------------------------------------------------------
-
 NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
 ENGINE = r"[A-Za-z0-9][A-Za-z0-9_.-]{0,39}"  # it is part of file names, and of lists with commas
 _PAIR, _POINT = (rf"{NAME[:-1]}{between}{NAME[1:]}" for between in ("-", r"\."))
@@ -38,9 +36,6 @@ class FileTable(BaseModel):
 
     # A file's tables are built together when the first one is read, not each by itself on import.
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, defer_build=True)
-
-
-# --- numbers ---------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

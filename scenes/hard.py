@@ -70,11 +70,7 @@ class Rung:
     changes: Mapping[str, Value]  # by path
 
     def scene(self) -> Scene:
-        """Read the scene with this rung's value in it.
-
-        Raises:
-            InputError: there is no such scene, as there is none where `status` is `INVALID`.
-        """
+        """Read the scene with this rung's value in it; InputError where there is none, as of `INVALID`."""
         return load(self.scene_file, self.changes)
 
 
@@ -93,10 +89,7 @@ def catalogue(*, long: bool = False) -> tuple[str, ...]:
 
 
 def ladder(name_or_path: str | Path) -> Ladder:
-    """Read a ladder.
-
-    Args:
-        name_or_path: the name of a shipped ladder, or a .toml file.
+    """Read a ladder by the name of a shipped one, or from a .toml file.
 
     Raises:
         InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
@@ -129,16 +122,12 @@ def _rungs(file: LadderFile, path: Path) -> Iterator[Rung]:
                 raise InputError(f"no such step{nearest(label, file.steps)}")
             if status not in known:
                 raise InputError(f"'{status}' is no status{nearest(status, known)}")
+    counts = file.paths == [TURNS]
     for label, value in file.steps.items():
-        counts = file.paths == [TURNS]
         changes = {} if counts else dict.fromkeys(file.paths, value)
         with at_place(f"steps.{label}"):
-            turns = _turns(value) if counts else 1
+            if counts and (isinstance(value, str) or value < 1 or value != int(value)):
+                raise InputError(f"expected a whole number of turns, found {as_text(value)}")
             change(deepcopy(tables), changes)
+        turns = int(value) if counts else 1
         yield Rung(label, value, turns, file.status.get(label, Status.ok.name), scene_file, changes)
-
-
-def _turns(value: Value) -> int:
-    if isinstance(value, str) or value < 1 or value != int(value):
-        raise InputError(f"expected a whole number of turns, found {as_text(value)}")
-    return int(value)

@@ -118,19 +118,17 @@ class LoadTable(FileTable):
         """
         if (self.force is None) == (self.table is None):
             raise InputError(f"{place}: expected either 'force' or 'table'")
-        slide = bodies[self.body].slide if self.body in bodies else None
         if self.body not in bodies or (self.force is not None and self.last is None):
             return Force(self.body, self.at, self.force or (0.0, 0.0))
+        slide = bodies[self.body].slide
         if slide is None or slide.on != GROUND:
             key = "table" if self.last is None else "last"
             raise InputError(f"{place}.{key}: expected a body that slides on the ground, found '{self.body}'")
-        if self.table is not None:
-            if self.last is not None:
-                raise InputError(f"{place}.last: expected a 'force' with it, not a 'table'")
-            return ForceTable(self.body, self.at, *zip(*self.table, strict=True))
-        assert self.force is not None
-        assert self.last is not None
-        return PressForce(self.body, self.at, self.force, self.last, closing_sense(self.force, slide))
+        if self.force is not None and self.last is not None:
+            return PressForce(self.body, self.at, self.force, self.last, closing_sense(self.force, slide))
+        if self.last is not None:
+            raise InputError(f"{place}.last: expected a 'force' with it, not a 'table'")
+        return ForceTable(self.body, self.at, *zip(*self.table or (), strict=True))
 
 
 class SpringTable(FileTable):

@@ -34,14 +34,9 @@ class Declared(NamedTuple):
 def walk(whole: Any, path: str = "", at: At = (), quantity: Quantity | None = None) -> Iterator[Number]:
     """Yield all numbers of a scene, or of a part of one, in the order of its fields.
 
-    Args:
-        whole: the scene or the part.
-        path: of the part in the file; a `*` in it is where the next key belongs, at the end unless there is one.
-        at: where in the scene it is.
-        quantity: of what it holds, if it is no table.
+    A `*` in the path of the part in the file is where the next key belongs: at the end unless there is one. `at` is its
+    place in the scene, and `quantity` that of what it holds, if it is no table.
     """
-    if whole is None:
-        return
     if is_dataclass(whole):
         kind: type = type(whole)
         for field in declared(kind):
@@ -52,7 +47,7 @@ def walk(whole: Any, path: str = "", at: At = (), quantity: Quantity | None = No
             name = "-".join(sorted(key)) if isinstance(key, frozenset) else str(key)
             inner = path.replace("*", name, 1) if "*" in path else f"{path}.{name}"
             yield from walk(value, inner, (*at, key), quantity)
-    elif quantity is not None:
+    elif quantity is not None and whole is not None:
         yield Number(path, at, quantity, whole)
 
 

@@ -13,41 +13,27 @@ from typing import Any, Literal
 
 import numpy as np
 
-from .bodies import GROUND, Body, Slide
-from .drive import ConstantSpeed, Drive, MotionLaw
-from .fields import Gravity, Place, Position, Vector
-from .loads import Force, ForceTable, Load, PressForce, Spring, closing_sense
+from .bodies import GROUND as GROUND
+from .bodies import Body as Body
+from .bodies import Slide as Slide
+from .drive import ConstantSpeed as ConstantSpeed
+from .drive import Drive as Drive
+from .drive import MotionLaw as MotionLaw
+from .fields import Gravity, Place, Position
+from .fields import Vector as Vector
+from .loads import Force as Force
+from .loads import ForceTable as ForceTable
+from .loads import Load as Load
+from .loads import PressForce as PressForce
+from .loads import Spring as Spring
+from .loads import closing_sense
 from .numbers import Number, put, walk
-
-__all__ = [
-    "GROUND",
-    "Body",
-    "ConstantSpeed",
-    "Drive",
-    "Force",
-    "ForceTable",
-    "Load",
-    "MotionLaw",
-    "Pin",
-    "PressForce",
-    "Scene",
-    "Sketch",
-    "Slide",
-    "Spring",
-    "Variation",
-    "Vector",
-]
 
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
 def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Mapping[str, tuple[str, float]]:
-    """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none.
-
-    Args:
-        units: of length, mass, force, angle and speed.
-        slides: whether a slider is driven.
-    """
+    """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none."""
     (length, m), (mass, kg), (force, newton) = (units[name] for name in ("length", "mass", "force"))
     return {
         **units,

@@ -19,17 +19,7 @@ from compare.study import Study
 from scenes import Motion, Scene
 
 from . import scene_files
-from .comparisons import (
-    SAMPLING,
-    Outcome,
-    Plug,
-    References,
-    Stub,
-    Studies,
-    commanded,
-    only_few_settings,
-    studied,
-)
+from .comparisons import SAMPLING, Outcome, Plug, References, Stub, Studies, commanded, only_few_settings, studied
 
 set_hypothesis_home_dir(Path(gettempdir()) / "hypothesis")
 settings.register_profile("no leftovers", database=None)

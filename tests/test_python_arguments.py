@@ -123,10 +123,7 @@ def test_a_masked_array_of_an_engine(plug: Plug, reference: Any) -> None:
         (lambda: scenes.load(None), "scene: expected the name of a shipped one, or the path of a file, found None"),
         (lambda: scenes.load("four_bar", 3), "changes: expected values by path, as {'bodies.rod.mass': 2}, found 3"),
         (lambda: analytic.solve_many(PRESS, ROD, [0.5]), "changes: expected values by path"),
-        (
-            lambda: analytic.derivatives(PRESS, ROD[0], [0.5]),
-            "numbers: expected several names, as ['bodies.rod.mass']",
-        ),
+        (lambda: analytic.derivatives(PRESS, ROD[0], [0.5]), "numbers: expected several names, as ['bodies.rod.mass']"),
         (lambda: analytic.derivatives(PRESS, ["bodies.rod.mas"], [0.5]), "did you mean 'bodies.rod.mass'?"),
         (lambda: analytic.reduce_many(PRESS, MANY, [0.5], [analytic.Extremes("P5.z", 2)]), "did you mean 'P5."),
         (lambda: analytic.reduce_many(PRESS, MANY, [0.5], analytic.Extremes("P5.y")), "reductions: expected several"),

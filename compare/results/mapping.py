@@ -8,14 +8,13 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from scenes import InputError, Scene
-from scenes.errors import at_place, nearest, one_line
+from scenes.errors import at_place, one_line
 from scenes.fields import FileTable, Number, Pair, Positive
 from scenes.file.format import validated
 from scenes.file.reader import tables_of
 from scenes.file.toml import read_toml
 from scenes.file.units import factor
 from scenes.limits import SOURCE
-from scenes.model.motion import UNITS, quantity
 
 Text = Annotated[str, Field(max_length=SOURCE)]
 BASE = {"length": "m", "angle": "rad", "force": "N", "time": "s"}
@@ -63,11 +62,7 @@ class MappingFile(FileTable):
 
 
 def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
-    """Return how a result is read, and where that is written; without either all is as in this project's own files.
-
-    Raises:
-        InputError: the mapping cannot be read, or holds what no mapping has, or there are two.
-    """
+    """Return how a result is read, and where that is written; without either all is as in this project's own files."""
     beside = f"{file.parent / file.stem}.toml"
     in_scene = tables_of(scene.file).get("results", {}).get(name)
     there = isfile(beside)  # noqa: PTH113 - Path raises for odd names
@@ -81,11 +76,7 @@ def mapping_of(scene: Scene, name: str, file: Path) -> tuple[MappingFile, str]:
 
 
 def factors(units: UnitsTable) -> Mapping[str, float]:
-    """Return by SI unit of channels what to multiply numbers by that are in the units of a mapping.
-
-    Raises:
-        InputError: one of them is no unit.
-    """
+    """Return by SI unit of channels what to multiply numbers by that are in the units of a mapping."""
     m, rad, newton, s = (factor(getattr(units, name), si, name, f"units.{name}") for name, si in BASE.items())
     return {
         **{"m": m, "rad": rad, "s": s, "N": newton, "N*m": newton * m},
@@ -93,22 +84,8 @@ def factors(units: UnitsTable) -> Mapping[str, float]:
     }
 
 
-def own_factor(channel: str, unit: str) -> float:
-    """Return the factor to SI of a column that names its unit.
-
-    Raises:
-        InputError: it is no unit of the channel's quantity.
-    """
-    si = UNITS[quantity(channel)]
-    return factor(unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
-
-
 def named_columns(columns: tuple[str, ...], known: tuple[str, ...]) -> dict[str, str | ColumnTable]:
-    """Return the columns that are named as channels are in this project's files: `P5.y [mm]`, or `P5.y`.
-
-    Raises:
-        InputError: there is none, or a channel has two.
-    """
+    """Return the columns that are named as channels are in this project's files: `P5.y [mm]`, or `P5.y`."""
     by_channel: dict[str, str | ColumnTable] = {}
     for column in columns:
         channel, _, unit = column.partition(" [")
@@ -120,10 +97,3 @@ def named_columns(columns: tuple[str, ...], known: tuple[str, ...]) -> dict[str,
         shown = f", found {one_line(', '.join(columns), 100)}"
         raise InputError(f"expected a mapping beside it, or columns named as channels, {known[0]} and so on{shown}")
     return by_channel
-
-
-def check_channels(names: Mapping[str, object], known: tuple[str, ...]) -> None:
-    """Raise InputError for the first name that is no channel of the scene."""
-    for name in names:
-        if name not in known:
-            raise InputError(f"columns.{one_line(name, 60)}: no such channel of the scene{nearest(name, known)}")

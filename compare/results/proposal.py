@@ -6,8 +6,9 @@ unit and sign, q its zero.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from itertools import product
 from math import pi, remainder
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,18 +30,12 @@ FINEST = 11  # halvings of a cycle: by a third of a degree of a crank, instants 
 LEAST, MOST = 0.05, 1000.0  # cycles of the drive that a table is of: of next to none every channel is a line
 FITS = 1e-2  # of a column: what a channel leaves of it at most
 SAME = 1e-6  # of a column's square: what a vector leaves whose frame is looked for
-FRAME = (
-    0.5  # the price of a frame that is turned or mirrored, as of a sign: columns may just as well be in another order
-)
+FRAME = 0.5  # the price of a turned or mirrored frame, as of a sign: columns may just as well be in another order
 SAME_UNIT = 2e-3  # relative: of a unit, a frame's angle
 
 
 def proposed(scene: Scene, text: str) -> str:
-    """Return a mapping for a table, as TOML with a remark on how sure each line is.
-
-    Args:
-        scene: the linkage.
-        text: NAME=FILE.csv.
+    """Return a mapping for a table, NAME=FILE.csv, as TOML with a remark on how sure each line is.
 
     Raises:
         InputError: it cannot be read, or no column rises as a time or the crank's angle does.
@@ -59,12 +54,11 @@ def proposed(scene: Scene, text: str) -> str:
     time = axis.time + lag
     true = solve(scene.drive.at(time).position, time).samples
     turn = _turn(true, columns[rest])
-    frames = [(turn + k * pi / 2, mirrored) for mirrored in (False, True) for k in range(4)]
     own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
-    ways = [
-        (*_paired(seen(Frame(turn if mirrored else -turn, mirrored=mirrored), own), columns[rest]), (turn, mirrored))
-        for turn, mirrored in frames
-    ]
+    ways = []
+    for mirrored, angle in product((False, True), turn + pi / 2 * np.arange(4)):
+        theirs = seen(Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
+        ways.append((*_paired(theirs, columns[rest]), (float(angle), mirrored)))
     pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
     return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
 
@@ -126,10 +120,11 @@ def _nearest(
             true = solve(scene.drive.at(axis.time + lag).position, axis.time + lag).samples
         except Failure:
             return np.ones(len(names))
-        own = [c for c in channels(scene)[2:] if c[-1] != "y"]
-        bases = [np.array([true[f"{c[:-1]}{q}"] for q in ("xy" if c[-1] == "x" else c[-1])]) for c in own]
-        bases = [np.unwrap(base) if quantity(c) == "angle" else base for c, base in zip(own, bases, strict=True)]
-        return np.asarray(np.min([_left(base, columns) for base in bases], axis=0) + NOISE**2)
+        leaves = []
+        for c in (c for c in channels(scene)[2:] if c[-1] != "y"):
+            base = np.array([true[f"{c[:-1]}{q}"] for q in ("xy" if c[-1] == "x" else c[-1])])
+            leaves.append(_left(np.unwrap(base) if quantity(c) == "angle" else base, columns))
+        return np.asarray(np.min(leaves, axis=0) + NOISE**2)
 
     def mean(of: _Instants) -> float:
         return float(np.log10(np.delete(of.left, names.index(of.axis.column))).mean())
@@ -171,8 +166,7 @@ def _nearest(
     return best.axis, lag, not any(one.as_good_as(best) and apart(one, best) for one in tried)
 
 
-@dataclass(frozen=True)
-class _Instants:
+class _Instants(NamedTuple):
     """Instants of the rows, and what the channels leave of the columns there."""
 
     axis: Axis
@@ -217,12 +211,11 @@ def _paired(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> tuple[
     fits = _pairs(seen, columns)
     costs = np.array([[_cost(pair) for pair in row] for row in fits])
     rows, chosen = linear_sum_assignment(costs)
-    pairs = [fits[k][c] for k, c in zip(rows, chosen, strict=True)]
-    seconds = {
-        int(k): min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
-        for k, c in zip(rows, chosen, strict=True)
-    }
-    return [pair for pair in pairs if pair.left <= FITS], seconds, float(costs[rows, chosen].sum())
+    pairs, seconds = [], {}
+    for k, c in zip(rows.tolist(), chosen, strict=True):
+        pairs += [fits[k][c]] * (fits[k][c].left <= FITS)
+        seconds[k] = min((p.left for n, p in enumerate(fits[k]) if n != c and p.unit), default=1.0)
+    return pairs, seconds, float(costs[rows, chosen].sum())
 
 
 def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[list[Pair]]:
@@ -236,10 +229,8 @@ def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[li
     whole = (c**2).sum(axis=1)[:, np.newaxis]
     left = np.sqrt(np.clip(1 - p**2 * squares / np.where(whole > 0, whole, np.inf), 0.0, 1.0))
     hair = np.maximum(TOLD_APART * left, NOISE) * np.abs(columns).max(axis=1, keepdims=True)
-    return [
-        [_pair(channel, k, *(float(of[k, n]) for of in (p, left, zeros, hair))) for n, channel in enumerate(seen)]
-        for k in range(len(columns))
-    ]
+    fits = np.stack([p, left, zeros, hair], axis=2).tolist()
+    return [[_pair(c, k, *fit) for c, fit in zip(seen, row, strict=True)] for k, row in enumerate(fits)]
 
 
 def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
@@ -252,10 +243,5 @@ def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: f
 
 def _cost(pair: Pair) -> float:
     """Return the price of a pair: what it leaves, in powers of ten, an unknown unit, an opposite sign, a zero."""
-    free = quantity(pair.channel) in ("x", "y", "angle")
-    return (
-        float(np.log10(pair.left + NOISE))
-        + 4 * (not pair.unit)
-        + 0.5 * (pair.sign < 0)
-        + 0.5 * (bool(pair.zero) and not free)
-    )
+    odd_zero = bool(pair.zero) and quantity(pair.channel) not in ("x", "y", "angle")
+    return float(np.log10(pair.left + NOISE)) + 4 * (not pair.unit) + 0.5 * (pair.sign < 0) + 0.5 * odd_zero

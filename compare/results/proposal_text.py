@@ -1,8 +1,8 @@
 """A proposed mapping as TOML, and the units that it may name."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from json import dumps
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows n
 TOLD_APART = 10  # times as much is left by readings that a column tells apart
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(NamedTuple):
     """A column that may be the time, or the crank's angle, in a unit."""
 
     channel: str
@@ -27,8 +26,7 @@ class Axis:
     time: Samples  # s, but for a lag
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(NamedTuple):
     """A column and the channel that it may be."""
 
     channel: str
@@ -51,15 +49,8 @@ def as_toml(
 ) -> Iterator[str]:
     """Yield the lines of a mapping, each with a remark on how sure it is.
 
-    Args:
-        scene: the linkage.
-        axis: what the rows are by.
-        lag: at which the table begins, s.
-        names: of the columns.
-        pairs: of columns and channels.
-        seconds: by column what the next best channel leaves of it.
-        frame: the angle of the table's, rad, and whether it is mirrored.
-        alone: whether the rows can be of no other instants.
+    The rows are by `axis`, the table begins at the lag, s, and the rows can be of no other instants if `alone`; by
+    column `seconds` has what the next best channel leaves of it; its frame is turned, rad, and mirrored or not.
     """
     turn, mirrored = frame
     yield "# Proposed from the columns alone; every line is to be confirmed."
@@ -77,7 +68,11 @@ def as_toml(
     else:  # which the frame turns too
         zero = (turn - lag * float(scene.drive.at(0.0).rate)) / OF_ANGLES[axis.unit]
         yield _line(axis.channel, axis.column, axis.unit, -1 if mirrored else 1, zero, "rad")
-    sure = {pair.channel for pair in pairs if alone and _fits_alone(pair, seconds[pair.column])}
+    sure = {  # in a known unit, and far better than by the next best channel
+        pair.channel
+        for pair in pairs
+        if alone and pair.unit and pair.left <= SURE and TOLD_APART * max(pair.left, NOISE) <= seconds[pair.column]
+    }
     for pair in sorted(pairs, key=lambda pair: channels(scene).index(pair.channel)):
         kind, left, second = quantity(pair.channel), pair.left, seconds[pair.column]
         free = origin and kind in ("x", "y")
@@ -90,11 +85,6 @@ def as_toml(
     left_over = {*range(len(names))} - {pair.column for pair in pairs}
     if left_over:
         yield f"# Fits no channel: {', '.join(names[k] for k in sorted(left_over))}"
-
-
-def _fits_alone(pair: Pair, second: float) -> bool:
-    """Return whether a column fits a channel in a known unit, and far better than the next best one."""
-    return pair.left <= SURE and bool(pair.unit) and TOLD_APART * max(pair.left, NOISE) <= second
 
 
 def _line(channel: str, column: str, unit: str, sign: int, zero: float, si: str) -> str:

@@ -12,13 +12,14 @@ import numpy as np
 from scenes import InputError, Instants, Motion, Scene, Settings, Status, limits
 from scenes.errors import at_place, nearest, one_line
 from scenes.fields import NAME
+from scenes.file.units import factor
 from scenes.model.motion import UNITS, Samples, channels, force_channels, quantity
 from scenes.scene import ConstantSpeed
 
 from ..engines import registry
 from ..engines.runner import Run
 from .frame import Frame, seen, vectors
-from .mapping import ColumnTable, MappingFile, check_channels, factors, mapping_of, named_columns, own_factor
+from .mapping import ColumnTable, MappingFile, factors, mapping_of, named_columns
 from .table import Table, read_table
 
 Columns: TypeAlias = dict[str, Samples]  # by channel, shape (n,)
@@ -51,11 +52,7 @@ class Result:
     notes: tuple[str, ...]  # what a reader must know
 
     def asked_for(self, asked: frozenset[str] | None) -> "Result":
-        """Return the result with those of its channels alone that are asked for.
-
-        Raises:
-            InputError: it has none of them.
-        """
+        """Return the result with those of its channels alone that are asked for; InputError where it has none."""
         given = self.request.channels or frozenset()
         if asked is None or self.run.motion is None:
             return self
@@ -64,18 +61,12 @@ class Result:
             raise InputError(f"arguments: --channels: expected one that {self.run.engine} gives: {given_are}")
         samples = {c: v for c, v in self.run.motion.samples.items() if c not in given or c in asked}
         return replace(
-            self,
-            request=replace(self.request, channels=given & asked),
-            run=replace(self.run, motion=Motion(samples)),
+            self, request=replace(self.request, channels=given & asked), run=replace(self.run, motion=Motion(samples))
         )
 
 
 def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset[str] | None) -> list[Result]:
-    """Read the results that arguments name, see `read_result`, in the channels that are asked for; None for all.
-
-    Raises:
-        InputError: one cannot be read, or has none of the channels, two have one name, or there are several scenes.
-    """
+    """Read the results that arguments name, see `read_result`, in the channels that are asked for; None for all."""
     if len(scenes) > 1:
         raise InputError(f"arguments: --result: expected one scene, which it is of, found {len(scenes)}")
     names = [name_and_file(text)[0] for text in texts]
@@ -104,15 +95,11 @@ def read_result(scene: Scene, text: str) -> Result:
         table = read_table(file, mapping.separator, mapping.decimal)
         if not mapping.columns:
             mapping = mapping.model_copy(update={"columns": named_columns(table.columns, channels(scene))})
-        return mapped(scene, name, file, table, mapping, where)
+        return _mapped(scene, name, file, table, mapping, where)
 
 
 def name_and_file(text: str) -> tuple[str, Path]:
-    """Return the name and the file of an argument NAME=FILE.csv.
-
-    Raises:
-        InputError: it is none such, or the name is an engine's.
-    """
+    """Return the name, which is no engine's, and the file of an argument NAME=FILE.csv."""
     name, equals, file = text.partition("=")
     if not (equals and file and re.fullmatch(NAME, name) and len(name) <= limits.NAME):
         shown = one_line(text, 60)
@@ -122,14 +109,12 @@ def name_and_file(text: str) -> tuple[str, Path]:
     return name, Path(file)
 
 
-def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFile, where: str) -> Result:
-    """Return a table as a result, read by a mapping.
-
-    Raises:
-        InputError: they do not fit the scene or each other.
-    """
+def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFile, where: str) -> Result:
+    """Return a table as a result, read by a mapping."""
     known = channels(scene)
-    check_channels(mapping.columns, known)
+    for other in mapping.columns:
+        if other not in known:
+            raise InputError(f"columns.{one_line(other, 60)}: no such channel of the scene{nearest(other, known)}")
     rows = len(table.texts[0])
     if rows * len(mapping.columns) > limits.VALUES:
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
@@ -139,23 +124,24 @@ def mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingFi
     if mapping.backwards:
         columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
         halves = {c: values[::-1] for c, values in halves.items()}
-    with_drive = scene.drive_channel in columns
+    by = scene.drive_channel
+    with_drive = by in columns
     _on_time(scene, columns, halves, backwards=mapping.backwards)
     given = [channel for channel in known if channel in columns]
-    own = frozenset(given) - {"time", scene.drive_channel}
+    own = frozenset(given) - {"time", by}
     if not own:
-        raise InputError(f"columns: expected one channel more than the time and {scene.drive_channel} at least")
+        raise InputError(f"columns: expected one channel more than the time and {by} at least")
     drive = scene.drive.at(columns["time"]).position
     cycles = (columns["time"][-1] - columns["time"][0]) / scene.drive.cycle
     over = f"row{'s' * (rows != 1)}, over {cycles:.2g} cycles of the drive, from {scene.where(float(drive[0]))} on"
     notes = [f"{name} has {rows} {over}"]
     if len(own) < len(known) - 2:
         notes.append(f"{name} gives {len(own)} of {len(known) - 2} channels; it was not asked for the others")
-    if scene.drive_channel in columns:
-        columns[scene.drive_channel] = _nearest_turn(scene, columns[scene.drive_channel], drive)
+    if by in columns and scene.driven_slide is None:  # counted on from turn to turn, whatever turn each row is in
+        columns[by] += 2 * np.pi * np.round((drive - columns[by]) / (2 * np.pi))
     if not with_drive:
-        notes.append(f"{name} gives no {scene.drive_channel}; it is taken as commanded")
-    motion = Motion({c: columns.get(c, drive) for c in known if c in columns or c == scene.drive_channel})
+        notes.append(f"{name} gives no {by}; it is taken as commanded")
+    motion = Motion({c: columns.get(c, drive) for c in known if c in columns or c == by})
     origin = Provenance(
         file.name,
         promise=mapping.promise,
@@ -178,7 +164,9 @@ def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     for channel, given in mapping.columns.items():
         column = ColumnTable.model_validate({"column": given}) if isinstance(given, str) else given
         values, half = table.numbers(column.column)
-        by = units[UNITS[quantity(channel)]] if column.unit is None else own_factor(channel, column.unit)
+        by = units[si := UNITS[quantity(channel)]]
+        if column.unit is not None:
+            by = factor(column.unit, si, f"{channel}, as {si} is", f"columns.{channel}.unit")
         columns[channel], halves[channel] = column.sign * by * (values - column.zero), by * half
     return columns, halves
 
@@ -239,10 +227,3 @@ def _on_time(scene: Scene, columns: Columns, halves: Columns, *, backwards: bool
         raise InputError(f"time: expected instants {runs}, found {first:g} s to {last:g} s; its 'zero' shifts them")
     if len(steps) > 1 and np.ptp(steps) <= EQUAL * 2 * halves["time"].max():
         halves["time"] = np.zeros(len(steps) + 1)  # equal steps as written are not rounded
-
-
-def _nearest_turn(scene: Scene, position: Samples, commanded: Samples) -> Samples:
-    """Return a crank's angle counted on from turn to turn, whatever turn each row is written in."""
-    if scene.driven_slide is not None:
-        return position
-    return position + 2 * np.pi * np.round((commanded - position) / (2 * np.pi))

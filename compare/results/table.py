@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from hashlib import sha256
 from io import StringIO
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -32,11 +31,7 @@ class Table:
     texts: Sequence[Sequence[str]]  # by column
 
     def numbers(self, column: str) -> tuple[Samples, Samples]:
-        """Return a column, and half of the last decimal of each of its numbers, both of shape (n,).
-
-        Raises:
-            InputError: there is no such column, there are several, or not all of it are numbers.
-        """
+        """Return a column of numbers, and half of the last decimal of each, both of shape (n,); or InputError."""
         shown = one_line(column, 60)
         if self.columns.count(column) != 1:
             if column in self.columns:
@@ -47,67 +42,36 @@ class Table:
             if not (NUMBER.fullmatch(text) and abs(_float(text)) <= LARGEST):
                 cell = f"'{one_line(text, 30)}'" if text else "nothing"
                 raise InputError(f"row {row + 2}, column '{shown}': expected a number up to {LARGEST:g}, found {cell}")
-        own = [_digits(text) for text in texts]
-        form = _form(own) if len(set(texts)) > 1 else self._form
-        return np.array([_float(text) for text in texts]), _halves(own, form)
-
-    @property
-    def _form(self) -> "Form":
-        """How the numbers of the file are written, for columns of one number, whose own digits show nothing."""
-        texts = [column[row] for column in self.texts for row in (0, -1) if NUMBER.fullmatch(column[row])]
-        return _form([_digits(text) for text in texts])
+        likes = texts  # of a column of one number, whose own digits show nothing, all that are in the file
+        if len(set(texts)) == 1:
+            likes = [each[row] for each in self.texts for row in (0, -1) if NUMBER.fullmatch(each[row])]
+        decimals, digits, _ = map(np.array, zip(*map(_written, likes), strict=True))
+        last = np.full(len(texts), -float(decimals.max()))
+        if (digits == digits.max()).sum() > (decimals == decimals.max()).sum():  # more are to the full in their digits
+            last = np.array([_written(text)[2] for text in texts]) - digits.max() + 1
+        return np.array([_float(text) for text in texts]), 0.5 * 10.0**last
 
 
 def _float(text: str) -> float:
     return float(text.replace("d", "e").replace("D", "e"))
 
 
-class Digits(NamedTuple):
-    """How a number is written."""
+def _written(text: str) -> tuple[int, int, float]:
+    """Return a number's decimals, its digits but for zeros in front, and the power of ten of the first; -inf of zero.
 
-    decimals: int  # negative where the power of ten is larger
-    digits: int  # but for zeros in front
-    power: float  # of ten, of the first digit; of zero without end
-
-
-class Form(NamedTuple):
-    """How a column is written: all at so many decimals, or all at so many digits; zeros at the end may be left out."""
-
-    decimals: int
-    digits: int | None  # None where decimals count
-
-
-def _digits(text: str) -> Digits:
+    The decimals are negative where the power of ten is larger.
+    """
     number = NUMBER.fullmatch(text)
     assert number
     whole, part, power = number[1] or "", number[2] or "", int(number[3] or 0)
     digits = (whole + part).lstrip("0")
-    first = len(digits) - len(part) - 1 + power
-    return Digits(len(part) - power, len(digits), first if digits else -np.inf)
-
-
-def _form(numbers: Sequence[Digits]) -> Form:
-    """Return the form that more of the numbers have to the full."""
-    decimals, digits, _ = np.array(numbers).T
-    by_digits = (digits == digits.max()).sum() > (decimals == decimals.max()).sum()
-    return Form(int(decimals.max()), int(digits.max()) if by_digits else None)
-
-
-def _halves(numbers: Sequence[Digits], form: Form) -> Samples:
-    """Return half of the last decimal of each number, shape (n,)."""
-    power = np.array([number.power for number in numbers])
-    last = np.full(power.shape, -1.0 * form.decimals) if form.digits is None else power - form.digits + 1
-    half: Samples = 0.5 * 10.0**last
-    return half
+    return len(part) - power, len(digits), len(digits) - len(part) - 1 + power if digits else -np.inf
 
 
 def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
-    """Return the table in a file: a line of column names, then a line a row.
+    """Return the table in a file, text in UTF-8: a line of column names, then a line a row.
 
-    Args:
-        path: of the file, text in UTF-8.
-        separator: between columns; None where the names show it.
-        decimal: point or comma; None where the numbers show it.
+    Where separator and decimal mark are None, the names and the numbers show them.
 
     Raises:
         InputError: it cannot be read, or is no table, or not known to be one of this kind.
@@ -142,11 +106,11 @@ def _separator(head: str) -> str:
     separators = [separator for separator in SEPARATORS if separator in re.sub(r'"[^"]*"', "", head)]
     if len(separators) == 1:
         return separators[0]
-    expected = "expected either commas, semicolons or tabs between the column names"
-    if not separators:
-        raise InputError(f"{expected}, found none in the first line, '{one_line(head, 40)}'")
     names = " and ".join(SEPARATORS[each] for each in separators)
-    raise InputError(f"{expected}, found {names}; 'separator' in the mapping sets it")
+    instead = (
+        f"{names}; 'separator' in the mapping sets it" if names else f"none in the first line, '{one_line(head, 40)}'"
+    )
+    raise InputError(f"expected either commas, semicolons or tabs between the column names, found {instead}")
 
 
 def _decimal(texts: Sequence[Sequence[str]], separator: str) -> str:

@@ -13,11 +13,7 @@ VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "gravity")  # w
 
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
-    """The numbers at these paths, in the units of the file.
-
-    Raises:
-        InputError: there is no number at one of them, or two of them lead to the same one.
-    """
+    """The numbers at these paths, in the units of the file; InputError where one has none, or leads to an earlier's."""
     places = [_place(tables, path, 0.0) for path in paths]
     for number, (path, (table, key)) in enumerate(zip(paths, places, strict=True)):
         if any(table is other and key == other_key for other, other_key in places[:number]):
@@ -26,22 +22,14 @@ def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
 
 
 def change(tables: Mapping[str, Any], changes: Mapping[str, Value]) -> None:
-    """Put other numbers and texts at some paths, in place; each has to be of the kind that it replaces.
-
-    Raises:
-        InputError: there is no number, or no text, at one of the paths.
-    """
+    """Put other numbers and texts at some paths, in place; InputError where one is not of the kind that it replaces."""
     for path, value in changes.items():
         table, key = _place(tables, path, value)
         table[key] = value
 
 
 def check_variations(tables: Mapping[str, Any], scene: Scene) -> None:
-    """Check that each variation is of a number of the linkage, and none of the same as another.
-
-    Raises:
-        InputError: `variations.<its number>.path: <what was expected>`, for the first that is not.
-    """
+    """Raise InputError for the first variation that is of no number of the linkage, or of the same as another."""
     seen: set[str] = set()
     for number, path in enumerate(variation.path for variation in scene.variations):
         with at_place(f"variations.{number}.path"):
@@ -73,10 +61,9 @@ def _place(tables: Mapping[str, Any], path: str, like: Value) -> tuple[Any, str 
             raise InputError(f"{path}: the path goes on after a number or a text, at '{part}'")
         table, key = value, _key(value, part, path)
         value = table[key]
-    fits = isinstance(value, str) if isinstance(like, str) else isinstance(value, int | float)
-    if isinstance(value, bool) or not fits:
+    kind, kinds = ("text", str) if isinstance(like, str) else ("number", int | float)
+    if isinstance(value, bool) or not isinstance(value, kinds):
         inside = _keys(value) if isinstance(value, dict | list) else ()
-        kind = "text" if isinstance(like, str) else "number"
         raise InputError(f"{path}: expected the path of a {kind}{nearest('', inside)}")
     return table, key
 

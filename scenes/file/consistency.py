@@ -15,11 +15,7 @@ from .demands import unmet_by_numbers, unmet_together
 
 
 def check(scene: Scene, *, output_slides: bool) -> None:
-    """Check that a scene's tables fit together.
-
-    Raises:
-        InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
-    """
+    """Raise InputError, `<path in the file>: <what was expected>`, for the first thing that does not fit together."""
     for problem in _problems(scene, output_slides):
         raise InputError(problem)
 
@@ -34,8 +30,7 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
     for body in scene.bodies.values():
         yield from _of_body(body)
     yield from _of_masses(scene)
-    yield from _of_law(scene, scene.drive) if isinstance(scene.drive, MotionLaw) else _of_ends(scene)
-    yield from _of_turns(scene)
+    yield from _of_drive(scene)
     yield from (demand.refusal() for demand in unmet_together(scene))
     yield from _of_joints(scene)
     yield from _of_loads_and_springs(scene)
@@ -104,20 +99,19 @@ def _of_masses(scene: Scene) -> Iterator[str]:
         yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 
 
-def _of_ends(scene: Scene) -> Iterator[str]:
-    end = getattr(scene.drive, "end", None)
-    if end is None and scene.driven_slide is not None:
-        yield "drive.end: missing; a slider that is driven has to stop somewhere"
-    if end == scene.drive.start:
-        yield f"drive.end: expected another position than 'start', {scene.position(scene.drive.start)}"
-
-
-def _of_turns(scene: Scene) -> Iterator[str]:
-    least, most = scene.drive.extent
-    turns = (most - least) / (2 * pi)
-    if scene.driven_slide is None and not turns <= TURNS:
-        law = isinstance(scene.drive, MotionLaw)
-        key, instead = ("law", "") if law else ("end", "; without 'end' a crank turns for ever")
+def _of_drive(scene: Scene) -> Iterator[str]:
+    drive, slides, instead = scene.drive, scene.driven_slide is not None, ""
+    if isinstance(drive, MotionLaw):
+        yield from _of_law(scene, drive)
+    else:
+        instead = "; without 'end' a crank turns for ever"
+        if drive.end is None and slides:
+            yield "drive.end: missing; a slider that is driven has to stop somewhere"
+        if drive.end == drive.start:
+            yield f"drive.end: expected another position than 'start', {scene.position(drive.start)}"
+    turns = (drive.extent[1] - drive.extent[0]) / (2 * pi)
+    if not slides and not turns <= TURNS:
+        key = "end" if instead else "law"
         yield f"drive.{key}: expected {TURNS} turns at most from end to end, found {turns:g}{instead}"
 
 
@@ -134,17 +128,12 @@ def _of_law(scene: Scene, law: MotionLaw) -> Iterator[str]:
     off = gain if slides else remainder(gain, 2 * pi)
     largest = max(abs(position - law.positions[0]) for position in law.positions)
     if law.periodic and not abs(off) <= 1e-9 * largest:  # what a unit's conversion leaves
-        whole = "" if slides else ", or whole turns from it"
-        yield (
-            f"drive.law: periodic: expected the last position to be the first{whole}; it is off by"
-            f" {scene.amount('position', off, 3)}"
-        )
+        first = f"the last position to be the first{'' if slides else ', or whole turns from it'}"
+        yield f"drive.law: periodic: expected {first}; it is off by {scene.amount('position', off, 3)}"
     if not law.beyond <= 1:
         leaves = f"it drives from {scene.between(law.extent)}, the table from {scene.between(law.table)}"
-        yield (
-            f"drive.law: the spline leaves the table by more than its range: {leaves}; expected more rows where the"
-            " motion changes"
-        )
+        instead = "expected more rows where the motion changes"
+        yield f"drive.law: the spline leaves the table by more than its range: {leaves}; {instead}"
 
 
 def _of_joints(scene: Scene) -> Iterator[str]:

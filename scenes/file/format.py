@@ -12,12 +12,8 @@ from ..errors import InputError, nearest, one_line, path_in_file
 from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive
 from ..loads import LoadTable, SpringTable
 
-
-def _no_truth(value: object) -> object:
-    return value if not isinstance(value, bool) else str(value)
-
-
-Format = Annotated[Literal[1], BeforeValidator(_no_truth)]  # to Python, True is 1
+# To Python, True is 1.
+Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
 
 
 class Units(FileTable):
@@ -107,15 +103,9 @@ class SceneFile(FileTable):
 
 File = TypeVar("File", bound=FileTable)
 
-# --- one line for the first thing that is wrong ----------------------------------------------------------------------
-
 
 def validated(file: type[File], tables: object) -> File:
-    """What the tables of a file hold.
-
-    Raises:
-        InputError: `<path in the file>: <what was expected>`, for the first thing that does not fit.
-    """
+    """What the tables of a file hold; InputError, `<path in it>: <what was expected>`, where they do not fit."""
     try:
         return file.model_validate(tables)
     except ValidationError as error:

@@ -27,9 +27,8 @@ def numbers_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> dict[str, Samp
         changes: by path in its file (`bodies.rod.mass`), in the file's units, the numbers of m machines, shape (m,).
 
     Raises:
-        InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch; or two paths
-            lead to the same one.
-        InputError: the numbers are not as many for each path.
+        InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch; two paths
+            lead to the same one; or the numbers are not as many for each path.
     """
     check_changes(changes)
     scene = scene_of(scene)
@@ -42,11 +41,7 @@ def numbers_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> dict[str, Samp
 
 
 def at_path(scene: Scene, path: str) -> str:
-    """The one form of a path, in which a length has no direction.
-
-    Raises:
-        InputError: there is no number that machines may differ by.
-    """
+    """The one form of a path, in which a length has no direction; InputError where machines may not differ there."""
     with at_place(scene.file):
         return one_form(scene, path)
 

@@ -78,24 +78,18 @@ def file_of(name_or_path: str | Path) -> str | Path:
 
 
 def tables_of(name_or_path: str | Path) -> dict[str, Any]:
-    """The tables of a scene file, unchecked.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
+    """The tables of a scene file, unchecked; InputError where it cannot be read."""
     return read_toml(file_of(name_or_path), shipped(), "scene")
-
-
-# --- tables into a scene ---------------------------------------------------------------------------------------------
 
 
 def _scene(table: SceneFile, file: str) -> Scene:
     if table.drive.body not in table.bodies:
         raise InputError(f"drive.body: no body '{table.drive.body}'{nearest(table.drive.body, table.bodies)}")
     guide = table.bodies[table.drive.body].slides
-    slider_driven = guide is not None and guide.on == GROUND
-    units = si_units(table.units, table.drive.body, slides=slider_driven)
+    slides = guide is not None and guide.on == GROUND
+    units = si_units(table.units, table.drive.body, slides=slides)
     bodies = {name: body.body(name) for name, body in table.bodies.items()}
+    held = {engine: _tolerances(f"tolerances.{engine}", of, slides=slides) for engine, of in table.tolerances.items()}
     as_written = Scene(
         name=table.name,
         title=one_line(table.title or table.name, TITLE),
@@ -107,47 +101,33 @@ def _scene(table: SceneFile, file: str) -> Scene:
         loads=tuple(load.load(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
         springs=tuple(spring.spring() for spring in table.springs),
         gravity=table.gravity,
-        sketch=Sketch(
-            _sketched_drive(table, slider_driven=slider_driven), MappingProxyType(table.sketch.model_extra or {})
-        ),
+        sketch=Sketch(_sketched_drive(table, slides=slides), MappingProxyType(table.sketch.model_extra or {})),
         output=table.output.slider or table.output.point or "",
-        tolerances=MappingProxyType(
-            {
-                engine: MappingProxyType(_tolerances(f"tolerances.{engine}", groups, slider_driven=slider_driven))
-                for engine, groups in table.tolerances.items()
-            }
-        ),
+        tolerances=MappingProxyType(held),
         units=MappingProxyType(units),
         variations=tuple(Variation(v.path, v.plus_minus, v.distribution) for v in table.variations),
     )
-    scene = in_si(as_written)
+    sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
+    in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
+    scene: Scene = put(as_written, in_si)
     check(scene, output_slides=table.output.slider is not None)
     return scene
 
 
-def in_si(as_written: Scene) -> Scene:
-    """The scene of which these are the numbers in the units of its file."""
-    sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
-    scene: Scene = put(
-        as_written, {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
-    )
-    return scene
-
-
-def _sketched_drive(table: SceneFile, *, slider_driven: bool) -> float:
-    right, wrong = ("displacement", "angle") if slider_driven else ("angle", "displacement")
-    driven = f"drive.body, '{table.drive.body}', {'slides' if slider_driven else 'does not slide'} on the ground"
+def _sketched_drive(table: SceneFile, *, slides: bool) -> float:
+    right, wrong = ("displacement", "angle") if slides else ("angle", "displacement")
+    driven = f"drive.body, '{table.drive.body}', {'slides' if slides else 'does not slide'} on the ground"
     if getattr(table.sketch, wrong) is not None:
         raise InputError(f"sketch.{wrong}: expected '{right}', since {driven}; or another body there")
-    if slider_driven and table.sketch.displacement is None:
+    if slides and table.sketch.displacement is None:
         raise InputError(f"sketch.displacement: missing; the sketch is at one place of what is driven: {driven}")
     return getattr(table.sketch, right) or 0.0
 
 
-def _tolerances(place: str, table: TolerancesTable, *, slider_driven: bool) -> dict[str, float]:
+def _tolerances(place: str, table: TolerancesTable, *, slides: bool) -> Mapping[str, float]:
     groups: dict[str, float] = table.model_dump(exclude_none=True)
-    if slider_driven and "torque" in groups:
+    if slides and "torque" in groups:
         groups.setdefault("force", groups.pop("torque"))  # by which the first files name it
-    elif not slider_driven and "force" in groups:
+    elif not slides and "force" in groups:
         raise InputError(f"{place}.force: expected 'torque', since the drive moves a crank")
-    return groups
+    return MappingProxyType(groups)

@@ -16,10 +16,7 @@ SCHEMA = "scene.schema.json"
 
 
 def write_starter(path: Path) -> list[Path]:
-    """Write a commented scene, and the schema beside it where there is none.
-
-    Args:
-        path: the scene's name, and the folder to write to; the file gets the ending .toml.
+    """Write a commented scene, its file named by the path and .toml, and the schema beside it where there is none.
 
     Returns:
         Both files.
@@ -42,29 +39,22 @@ def write_starter(path: Path) -> list[Path]:
         schema: json.dumps(SceneFile.model_json_schema(), indent=1) + "\n",
     }
     try:
-        if _holds(schema, texts[schema]):
-            del texts[schema]
-        _write_new(texts)
+        with ExitStack() as undo:
+            for file, text in texts.items():
+                if file == schema and _holds(file, text):
+                    continue
+                with file.open("x", encoding="utf-8") as stream:
+                    undo.callback(file.unlink)
+                    stream.write(text)
+            undo.pop_all()
     except FileExistsError as error:
         if error.filename == str(scene):
             raise InputError(f"{place}: the file exists; expected a new name") from None
         raise InputError(f"{place}: another {SCHEMA} is beside it; expected none, or the one of this version") from None
-    except OSError as error:
-        raise InputError(f"{place}: cannot be written ({error.strerror})") from None
-    except ValueError as error:  # a zero in the path
-        raise InputError(f"{place}: cannot be written ({error})") from None
+    except (OSError, ValueError) as error:  # the latter of a zero in the path
+        raise InputError(f"{place}: cannot be written ({getattr(error, 'strerror', error)})") from None
     return [scene, schema]
 
 
 def _holds(file: Path, text: str) -> bool:
     return file.is_file() and file.stat().st_size == len(text.encode()) and file.read_text(encoding="utf-8") == text
-
-
-def _write_new(texts: dict[Path, str]) -> None:
-    """Write files that are not there yet: all, or none where one cannot be written."""
-    with ExitStack() as undo:
-        for file, text in texts.items():
-            with file.open("x", encoding="utf-8") as stream:
-                undo.callback(file.unlink)
-                stream.write(text)
-        undo.pop_all()

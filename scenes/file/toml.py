@@ -43,11 +43,7 @@ SUMMARY_BYTES = 100_000_000  # of a summary.json: one of a hundred bodies has a 
 
 
 def read_text(path: Path, most: int) -> str:
-    """What a text file holds.
-
-    Args:
-        path: of the file.
-        most: bytes that are read.
+    """What a text file of so many bytes at most holds.
 
     Raises:
         FileNotFoundError: there is none.
@@ -66,10 +62,8 @@ def read_text(path: Path, most: int) -> str:
         raise
     except UnicodeDecodeError as error:
         raise InputError(f"expected a text file in UTF-8, and byte {error.start} is none") from None
-    except OSError as error:
-        raise InputError(f"cannot be read ({error.strerror})") from None
-    except ValueError as error:  # a zero in the path
-        raise InputError(f"cannot be read ({error})") from None
+    except (OSError, ValueError) as error:  # the latter of a zero in the path
+        raise InputError(f"cannot be read ({getattr(error, 'strerror', error)})") from None
 
 
 def _check_values(value: object, place: tuple[object, ...]) -> None:

@@ -31,12 +31,7 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta,
 
 
 def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
-    """The unit of each quantity, and what to multiply its number by to have it in SI.
-
-    Args:
-        units: as the file has them.
-        driven: the name of the driven body.
-        slides: whether that slides on the ground, so that its speed is no rate of turning.
+    """The unit of each quantity, and what to multiply its number by to have it in SI, of a drive that slides or turns.
 
     Raises:
         InputError: a text is no unit of its quantity; the message has its place in the file and the nearest unit.
@@ -57,14 +52,7 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
 
 
 def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:
-    """How many of the SI unit a unit is.
-
-    Args:
-        unit: a product of powers of unit names.
-        si: the SI unit, in which pint has it: `m/s`.
-        name: of the quantity, for the message.
-        place: where the unit is in its file.
-        usual: units to suggest the nearest of.
+    """How many of the SI unit a unit of the named quantity is, at a place of its file; the message names the nearest.
 
     Raises:
         InputError: the text is no unit of the quantity; the message has its place in the file and the nearest unit.

@@ -68,11 +68,7 @@ class Settings:
 
 
 def equal_steps(request: Request) -> Sampling:
-    """A request that is one of equal steps of the time, all that an integration in time can answer.
-
-    Raises:
-        Failure: `unsupported`, the request is for positions of the drive.
-    """
+    """A request of equal steps of the time, all that an integration in time can answer; or Failure, `unsupported`."""
     if not isinstance(request, Sampling):
         raise Failure(Status.unsupported, "it steps through the time, and was asked for positions of the drive")
     return request
@@ -84,17 +80,13 @@ class Simulation(Protocol):
     def solve(self) -> None:
         """Do all the work that it takes to get the channels from a built model; this alone is timed as the solve.
 
-        Raises:
-            Failure: the engine gave up, or does not believe its own result.
+        It raises `Failure` where the engine gave up, or does not believe its own result, as `read` does.
         """
 
     def read(self) -> Motion:
         """Hand over the channels asked for, after the engine's own checks; it computes nothing that they need.
 
         Each is of shape (n,), float64, SI, in the sign rules of `motion.py`; or unsupported, with a reason.
-
-        Raises:
-            Failure: as of `solve`.
         """
 
     @property
@@ -117,10 +109,7 @@ class Module(Protocol[S]):
     def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
         """Prepare a run; nothing is solved yet but the pose that it starts from.
 
-        Args:
-            scene: the mechanism.
-            settings: one of the engine's own.
-            request: the n instants, s, or positions of the drive, rad or m, and the channels wanted there.
+        The request is for n instants, s, or positions of the drive, rad or m, and the channels wanted there.
 
         Raises:
             Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
@@ -152,22 +141,13 @@ class Engine(Module[S], Protocol[S]):
         """
 
     def version(self) -> str:
-        """The names and versions of what does the work.
-
-        Raises:
-            ImportError: it is not installed.
-        """
+        """The names and versions of what does the work; ImportError where it is not installed."""
 
 
 def completed(module: Any, version: str) -> Engine[Any]:
-    """An engine with all names of the protocol.
+    """An engine with all names of the protocol; TypeError where its module lacks one of `Module`.
 
-    Args:
-        module: it has those of `Module`, and any others of `Engine`; what it leaves out is taken from its `DEFAULT`.
-        version: of an engine that gives none.
-
-    Raises:
-        TypeError: it has no settings, or no `build`.
+    What it leaves out of `Engine` is taken from its `DEFAULT`, or the `version` here.
     """
     default = getattr(module, "DEFAULT", None)
     if not (isinstance(default, Settings) and hasattr(module, "build")):

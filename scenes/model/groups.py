@@ -23,13 +23,10 @@ class DiagonalBlock(NamedTuple):
 
 
 def groups(pattern: Pattern) -> list[DiagonalBlock]:
-    """The diagonal blocks in their order; one for all where there is none.
+    """The diagonal blocks of a square matrix in their order; one for all where there is none.
 
     Every unknown is matched to an equation that has it. It needs the other unknowns of that equation, and those that
     they need; unknowns that need each other are one block.
-
-    Args:
-        pattern: of a square matrix.
     """
     count = len(pattern)
     equation = _matched(pattern)
@@ -42,12 +39,12 @@ def groups(pattern: Pattern) -> list[DiagonalBlock]:
         needs = np.minimum(needs @ needs, 1)
     first = np.argmax(needs * needs.T, axis=1)  # of the unknowns that need each other
     order = sorted(range(count), key=lambda unknown: (needs[unknown].sum(), first[unknown]))
-    blocks = ([*members] for _, members in groupby(order, key=lambda unknown: first[unknown]))
-    return [_group(pattern, [equation[unknown] for unknown in members], members) for members in blocks]
-
-
-def _group(pattern: Pattern, rows: Sequence[int], columns: Sequence[int]) -> DiagonalBlock:
-    return DiagonalBlock(rows, columns, sorted({column for row in rows for column in pattern[row]}.difference(columns)))
+    blocks = []
+    for columns in ([*members] for _, members in groupby(order, key=lambda unknown: first[unknown])):
+        rows = [equation[unknown] for unknown in columns]
+        left = {column for row in rows for column in pattern[row]}.difference(columns)
+        blocks.append(DiagonalBlock(rows, columns, sorted(left)))
+    return blocks
 
 
 def _matched(pattern: Pattern) -> Mapping[int, int]:

@@ -39,11 +39,9 @@ def open_joint(
         return np.asarray(scale * gaps(x * units))
 
     def slope(x: Samples) -> Samples:
-        return np.asarray(scale[:, np.newaxis] * jacobian(x * units) * units)
+        return np.asarray((scale * (jacobian(x * units) * units).T).T)
 
-    x = least_squares(
-        lambda x: weights * relative(x), q / units, lambda x: weights[:, np.newaxis] * slope(x), method="lm"
-    ).x
+    x = least_squares(lambda x: weights * relative(x), q / units, lambda x: (weights * slope(x).T).T, method="lm").x
     worst = max(reversed([*joints]), key=lambda joint: float(f"{np.linalg.norm(relative(x)[joints[joint]]):.2g}"))
     rows = joints[worst]
     others = np.delete(np.arange(len(x)), rows)

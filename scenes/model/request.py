@@ -45,17 +45,16 @@ class Sampling(_Channels):
         """The number of samples, n."""
         return self.samples * self.turns + 1
 
-    def cycles(self) -> Samples:
-        """How many cycles have passed at each sample, shape (n,)."""
+    def _cycles(self) -> Samples:
         return np.arange(self.count, dtype=np.float64) / self.samples
 
     def times(self, scene: Scene) -> Samples:
         """The instants, shape (n,), s."""
-        return self.cycles() * scene.drive.cycle
+        return self._cycles() * scene.drive.cycle
 
     def commanded(self, scene: Scene) -> Samples:
         """The positions that the drive commands at those instants, shape (n,), rad or m."""
-        return scene.drive.after(self.cycles())
+        return scene.drive.after(self._cycles())
 
 
 @dataclass(frozen=True)
@@ -73,11 +72,7 @@ class Positions(_Channels):
         return len(self.positions)
 
     def times(self, scene: Scene) -> Samples:
-        """The instants, shape (n,), s.
-
-        Raises:
-            InputError: the drive follows a motion law.
-        """
+        """The instants, shape (n,), s; InputError where the drive follows a motion law."""
         if not isinstance(scene.drive, ConstantSpeed):
             raise InputError("positions alone are of a drive at constant speed")
         return (self.commanded(scene) - scene.drive.start) / scene.drive.speed
