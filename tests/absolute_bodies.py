@@ -1,6 +1,7 @@
 """Bodies of a scene for the second opinion of `absolute_coordinates`: points, masses, where a sketch has them."""
 
 from collections.abc import Mapping
+from itertools import permutations
 from math import hypot, sqrt
 from typing import TypeAlias
 
@@ -66,11 +67,8 @@ def _sketched_angle(scene: Scene, local: Mapping[str, Points], name: str) -> flo
     if scene.drive.body in group:
         return scene.sketch.drive
     for points in (local[other] for other in (name, *sorted(group))):
-        shown = [point for point in points if point in drawn]
-        if len(shown) > 1:
-            p, q = max(
-                ((p, q) for p in shown for q in shown), key=lambda ends: hypot(*(points[ends[1]] - points[ends[0]]))
-            )
+        if len(shown := [point for point in points if point in drawn]) > 1:
+            p, q = max(permutations(shown, 2), key=lambda ends: hypot(*(points[ends[1]] - points[ends[0]])))
             seen, own = np.subtract(drawn[q], drawn[p]), points[q] - points[p]
             return float(np.arctan2(seen[1], seen[0]) - np.arctan2(own[1], own[0]))
     raise AssertionError(f"nothing shows the angle of {name}")

@@ -53,16 +53,13 @@ class Absolute:
     @cached_property
     def forms(self) -> Floats:
         """Return H of every equation, shape (4 bodies, N, N); the drive's is the last."""
-        zero = np.zeros((2, self.size))
-        forms = []
+        one, forms = np.eye(self.size)[-1], []
         for name in self.scene.bodies:
             u = self.vector(name, (1.0, 0.0))
-            one = zero.copy()
-            one[0, -1] = 1
-            forms.append(u.T @ u - one.T @ one)
+            forms.append(u.T @ u - np.outer(one, one))
         for pin in self.scene.pins:
             gap = self.point(pin.first, pin.point) - self.point(pin.second, pin.point)
-            forms += [self.linear(gap[0]), self.linear(gap[1])]
+            forms += [np.outer(row, one) for row in gap]
         for slider, body in self.scene.bodies.items():
             if body.slide is not None:
                 on = body.slide.on
@@ -99,19 +96,13 @@ class Absolute:
     def point(self, body: str, point: str) -> Floats:
         return self.place(body, self.scene.ground[point] if body == GROUND else self.local[body][point])
 
-    def linear(self, row: Floats) -> Floats:
-        form = np.zeros((self.size, self.size))
-        form[:, -1] = row
-        return form
-
     def drive(self, position: float) -> tuple[Floats, float]:
         """Return the row and the value of the drive's equation, row . Q = value; its rates are the drive's own."""
         name = self.scene.drive.body
-        slide = self.scene.bodies[name].slide
-        if slide is None:  # the part of the x axis square to where it is to be
-            square: Floats = np.array([-np.sin(position), np.cos(position)]) @ self.vector(name, (1.0, 0.0))
-            return square, 0.0
-        return self.displacement(name), position
+        if self.scene.driven_slide is not None:
+            return self.displacement(name), position
+        square: Floats = np.array([-np.sin(position), np.cos(position)]) @ self.vector(name, (1.0, 0.0))
+        return square, 0.0  # the part of the x axis square to where it is to be
 
     def residual(self, Q: Floats, position: float) -> Floats:
         row, value = self.drive(position)

@@ -74,9 +74,6 @@ def worst(found: Channels) -> dict[str, float]:
     return largest
 
 
-# --- exact motions ----------------------------------------------------------------------------------------------------
-
-
 def instants(scene: Scene) -> Samples:
     return np.linspace(0, scene.drive.cycle, 49)
 

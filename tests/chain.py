@@ -9,26 +9,14 @@ def chain(dyads: int, name: str) -> str:
     ground, bodies, sketch = ["O = [0, 0]"], ['[bodies.crank]\nlengths = { "O-T0" = 1 }\nmass = 1'], ["T0 = [1, 0]"]
     for n in range(1, dyads + 1):
         pivot += 4
-        tip = _meet(foot, pivot, 4.0, 2.5)
+        d = abs(pivot - foot)
+        x = (d**2 + 4.0**2 - 2.5**2) / (2 * d)
+        tip = foot + complex(x, sqrt(4.0**2 - x**2)) * (pivot - foot) / d  # the upper meeting point of both bars
         ground.append(f"C{n} = [{pivot.real}, 0]")
         bodies.append(f'[bodies.coupler{n}]\nlengths = {{ "T{n - 1}-B{n}" = 4 }}\nmass = 1')
         bodies.append(f"[bodies.rocker{n}]\npoints = {{ C{n} = [0, 0], T{n} = [1.25, 0], B{n} = [2.5, 0] }}\nmass = 1")
         foot = (pivot + tip) / 2
         sketch += [f"B{n} = [{tip.real}, {tip.imag}]", f"T{n} = [{foot.real}, {foot.imag}]"]
         bodies[-1] += "\ncom = [1.25, 0]\ninertia = 1"
-    parts = [
-        f'format = 1\nname = "{name}"\n[ground.points]',
-        *ground,
-        *bodies,
-        '[drive]\nbody = "crank"\nspeed = 1\n[sketch]',
-        *sketch,
-        f'[output]\npoint = "B{dyads}"\n',
-    ]
-    return "\n".join(parts)
-
-
-def _meet(A: complex, B: complex, a: float, b: float) -> complex:
-    """Return the upper one of the points that are a from A and b from B."""
-    d = abs(B - A)
-    x = (d**2 + a**2 - b**2) / (2 * d)
-    return A + complex(x, sqrt(a**2 - x**2)) * (B - A) / d
+    head, drive = f'format = 1\nname = "{name}"\n[ground.points]', '[drive]\nbody = "crank"\nspeed = 1\n[sketch]'
+    return "\n".join([head, *ground, *bodies, drive, *sketch, f'[output]\npoint = "B{dyads}"\n'])

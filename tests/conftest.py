@@ -31,9 +31,6 @@ def toggle_press() -> Scene:
     return scenes.load("toggle_press")
 
 
-# --- the comparison -----------------------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="session")
 def reference() -> Reference:
     return establish(scenes.load("toggle_press"))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from math import cos, pi, radians, sin, sqrt
+from typing import TypeAlias
 
 import numpy as np
 from hypothesis import strategies as st
@@ -69,9 +70,6 @@ class Drawing:
         return name
 
 
-# --- the linkage ------------------------------------------------------------------------------------------------------
-
-
 def _foot(draw: st.DrawFn, drawing: Drawing) -> str:
     """Return where a dyad hangs: at a pin that there is, or at a new point of a body."""
     body = draw(st.sampled_from(list(drawing.points)))
@@ -121,9 +119,6 @@ def _sliding(draw: st.DrawFn, drawing: Drawing, body: str, on: str, P: str) -> N
     drawing.add(body, [P], drawing.u[on])
     if draw(st.booleans()):
         drawing.carried(body, P, 0.1 + draw(vectors(1)))
-
-
-# --- dyads ------------------------------------------------------------------------------------------------------------
 
 
 def _rrr(draw: st.DrawFn, drawing: Drawing, A: str, n: str) -> None:
@@ -214,16 +209,8 @@ def _crossing(G1: Path, t1: Path, G2: Path, t2: Path) -> Path:
     return crossing
 
 
-_DYADS: Mapping[str, Callable[[st.DrawFn, Drawing, str, str], None]] = {
-    "RRR": _rrr,
-    "RRP": _rrp,
-    "RPR": _rpr,
-    "PRP": _prp,
-    "RPP": _rpp,
-}
-
-
-# --- all together -----------------------------------------------------------------------------------------------------
+Draw: TypeAlias = Callable[[st.DrawFn, Drawing, str, str], None]
+_DYADS: Mapping[str, Draw] = {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "PRP": _prp, "RPP": _rpp}
 
 
 @st.composite

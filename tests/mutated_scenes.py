@@ -48,7 +48,6 @@ def _changed(random: Random, changes: Sequence[Change]) -> str:
 
 
 def _place(random: Random, text: str, pattern: re.Pattern[str]) -> tuple[int, int]:
-    """Where one match of a pattern starts and ends."""
     return random.choice([match.span() for match in pattern.finditer(text)] or [(0, 0)])
 
 

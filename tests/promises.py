@@ -110,9 +110,6 @@ def features(scene: Scene) -> Iterator[str]:
         yield "massless"
 
 
-# --- what accuracies share --------------------------------------------------------------------------------------------
-
-
 @contextmanager
 def _shared() -> Iterator[None]:
     """Let the judgements of one scene share its reference, what round-off explains, the speed table and equal runs."""

@@ -84,19 +84,9 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def environment_with(wheel: Path, folder: Path) -> Path:
     """Return where packages are in a new environment with a wheel, which sees the other packages of this one."""
     venv.create(folder, symlinks=True)
-    pip: list[str | Path] = [
-        sys.executable,
-        "-m",
-        "pip",
-        "--python",
-        folder,
-        "install",
-        "--compile",
-        "--no-deps",
-        "--no-index",
-    ]
-    run([*pip, wheel], folder)
-    site = site_of(folder)
+    pip = f"{sys.executable} -m pip --python {folder} install --compile --no-deps --no-index {wheel}"
+    run(pip.split(), folder)
+    site = Path(sysconfig.get_path("purelib", "venv", {"base": str(folder)}))
     (site / "others.pth").write_text(str(Path(np.__file__).parents[1]), encoding="utf-8")
     return site
 
@@ -106,10 +96,6 @@ def beside_hostile_files(tmp_path: Path) -> Path:
     for name in PACKAGES:
         (tmp_path / f"{name}.py").write_text("raise SystemExit('imported by mistake')", encoding="utf-8")
     return tmp_path
-
-
-def site_of(environment: Path) -> Path:
-    return Path(sysconfig.get_path("purelib", "venv", {"base": str(environment)}))
 
 
 def files_of(environment: Path) -> dict[Path, float]:
@@ -145,15 +131,8 @@ def test_an_install_of_the_checkout_keeps_its_types(checkout: Path, tmp_path: Pa
     lines += ["reveal_type(analytic.solve(scene, [0.5]))", "reveal_type(compare.check(scene).ok)"]
     (own / "mine.py").write_text("\n".join(lines), encoding="utf-8")
     python = tmp_path / "environment" / "bin" / "python"
-    mypy: list[str | Path] = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--follow-imports=silent",
-        "--cache-dir",
-        tmp_path / "cache",
-    ]
-    told = run([*mypy, "--python-executable", python, "mine.py"], own)
+    mypy = f"{sys.executable} -m mypy --follow-imports=silent --cache-dir {tmp_path / 'cache'}"
+    told = run([*mypy.split(), "--python-executable", python, "mine.py"], own)
     revealed = [line.split('"')[1] for line in told.splitlines() if "Revealed" in line]
     assert revealed == ["scenes.scene.Scene", "scenes.model.motion.Motion", "bool"]
     assert "Success" in told

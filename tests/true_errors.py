@@ -68,8 +68,6 @@ class Truth:
     def _cycle(self) -> Channels:
         return by_core(self.scene, Sampling(SAMPLES).times(self.scene))
 
-    # --- press forces at their switches ---
-
     @property
     def _presses(self) -> list[PressForce]:
         return [load for load in self.scene.loads if isinstance(load, PressForce)]
@@ -103,8 +101,6 @@ class Truth:
         along, through = load.closing * complex(*body.slide.along).conjugate(), complex(*body.slide.through)
         z, v, a = (_vector(motion, f"{body.points[0]}.{of}") for of in ("", "v", "a"))
         return ((z - through) * along).real, (v * along).real, (a * along).real
-
-    # --- errors ---
 
     @cached_property
     def _travels(self) -> dict[str, float]:

@@ -25,17 +25,13 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
     if count > POINTS:
         yield f"bodies: expected {POINTS} points at most, of all bodies and the ground, found {count}"
     yield from _of_slides(scene)
-    yield from _of_driven_body(scene)
     yield from (demand.refusal() for demand in unmet_by_numbers(scene))
-    for body in scene.bodies.values():
-        yield from _of_body(body)
-    yield from _of_masses(scene)
+    yield from _of_bodies(scene)
     yield from _of_drive(scene)
     yield from (demand.refusal() for demand in unmet_together(scene))
     yield from _of_joints(scene)
     yield from _of_loads_and_springs(scene)
-    yield from _of_sketch(scene)
-    yield from _of_output(scene, output_slides)
+    yield from _of_sketch_and_output(scene, output_slides)
 
 
 def _of_slides(scene: Scene) -> Iterator[str]:
@@ -50,31 +46,31 @@ def _of_slides(scene: Scene) -> Iterator[str]:
         ring = error.args[1][::-1]  # from each to what it slides on
         expected = "expected slides to lead to the ground, or to a body that does not slide"
         yield f"bodies.{ring[0]}.slides.on: {expected}, found {' on '.join(ring)}"
+    driven = scene.drive.body
+    pivots = [point for point in scene.bodies[driven].points if point in scene.ground]
+    if driven not in on and len(pivots) != 1:
+        yield f"drive.body: '{driven}' has {len(pivots)} points on the ground; expected one, to turn about"
+    if on.get(driven, GROUND) != GROUND:
+        yield f"drive.body: '{driven}' slides on '{on[driven]}'; expected a body that slides on the ground"
 
 
-def _of_driven_body(scene: Scene) -> Iterator[str]:
-    name = scene.drive.body
-    slide = scene.bodies[name].slide
-    pivots = [point for point in scene.bodies[name].points if point in scene.ground]
-    if slide is None and len(pivots) != 1:
-        yield f"drive.body: '{name}' has {len(pivots)} points on the ground; expected one, to turn about"
-    if slide is not None and slide.on != GROUND:
-        yield f"drive.body: '{name}' slides on '{slide.on}'; expected a body that slides on the ground"
-
-
-def _of_body(body: Body) -> Iterator[str]:
-    place = f"bodies.{body.name}"
-    if body.name in (GROUND, "drive"):
-        yield f"{place}: the name '{body.name}' is taken; choose another"
-    if body.lengths is not None:
-        yield from _of_lengths(body, body.lengths)
-    at: dict[Vector, str] = {}
-    for point, xy in (body.local or {}).items():
-        if at.setdefault(xy, point) != point:
-            yield f"{place}.points: {at[xy]} and {point} are the same point"
-    if body.mass is not None and body.com is None and len(body.corners) > 3:
-        more = "more than three points that are not on one line"
-        yield f"{place}: expected 'com' and 'inertia', since it has a mass and {more}"
+def _of_bodies(scene: Scene) -> Iterator[str]:
+    for name, body in scene.bodies.items():
+        if name in (GROUND, "drive"):
+            yield f"bodies.{name}: the name '{name}' is taken; choose another"
+        if body.lengths is not None:
+            yield from _of_lengths(body, body.lengths)
+        at: dict[Vector, str] = {}
+        for point, xy in (body.local or {}).items():
+            if at.setdefault(xy, point) != point:
+                yield f"bodies.{name}.points: {at[xy]} and {point} are the same point"
+        if body.mass is not None and body.com is None and len(body.corners) > 3:
+            more = "more than three points that are not on one line"
+            yield f"bodies.{name}: expected 'com' and 'inertia', since it has a mass and {more}"
+    missing = [body.name for body in scene.bodies.values() if body.mass is None]
+    if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
+        why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
+        yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 
 
 def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str]:
@@ -90,13 +86,6 @@ def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str
             given = ", ".join(f"'{base}-{point}'" for base in bases) or "none"
             instead = "; give the points as 'points' in the body's own frame instead" if len(bases) > 2 else ""
             yield f"{place}: {point}: expected its lengths to two of the points before it, found {given}{instead}"
-
-
-def _of_masses(scene: Scene) -> Iterator[str]:
-    missing = [other.name for other in scene.bodies.values() if other.mass is None]
-    if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
-        why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
-        yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 
 
 def _of_drive(scene: Scene) -> Iterator[str]:
@@ -143,13 +132,11 @@ def _of_joints(scene: Scene) -> Iterator[str]:
     for one, other in (*((pin.first, pin.second) for pin in scene.pins), *slides):
         joined[one].add(other)
         joined[other].add(one)
-    reached, ahead = {GROUND}, [GROUND]
-    while ahead:
-        new = joined[ahead.pop()] - reached
-        reached |= new
-        ahead += new
+    ahead = [GROUND]
+    for name in ahead:
+        ahead += joined.pop(name, ())
     for body in scene.bodies.values():
-        if body.name not in reached:
+        if body.name in joined:
             chain = f"no chain of pins or slides leads from {', '.join(body.points)} to the ground"
             yield f"bodies.{body.name}: hangs on nothing: {chain}"
     b, p, s = len(scene.bodies), len(scene.pins), len(slides)
@@ -183,7 +170,7 @@ def _of_attack(
         yield f"{place_at}: '{body}' has no point '{point}'{nearest(point, points)}"
 
 
-def _of_sketch(scene: Scene) -> Iterator[str]:
+def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
     moving = dict.fromkeys(scene.moving_points)
     for point in scene.sketch.points:
         if point not in moving:
@@ -199,11 +186,8 @@ def _of_sketch(scene: Scene) -> Iterator[str]:
         if scene.drive.body not in group and not shown:
             turned = f"nothing shows how {' and '.join(sorted(group))} are turned"
             yield f"sketch: {turned}; expected the positions of two points of one of them"
-
-
-def _of_output(scene: Scene, output_slides: bool) -> Iterator[str]:
     key = "slider" if output_slides else "point"
-    if scene.output not in scene.moving_points:
-        yield f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, scene.moving_points)}"
+    if scene.output not in moving:
+        yield f"output.{key}: no moving point '{scene.output}'{nearest(scene.output, moving)}"
     if output_slides and scene.guided(scene.output) is None:
         yield f"output.slider: '{scene.output}' is on no body that slides on the ground; expected 'point' instead"

@@ -62,10 +62,12 @@ def _together(scene: Scene) -> Iterator[Demand]:
             text = "the triangle cannot close, expected its longest side to be shorter than the other two together"
             sides = f"found {{:.6g}} {length} against {{:.6g}} {length}"
             yield Demand(f"{place}.lengths: {text}, {sides}", c < a + b, (c / m, (a + b) / m))
-        for height in _heights(body):
-            where = f"points that are {'' if len(body.corners) == 2 else 'not '}on one line, as drawn"
-            text = f"{place}: expected {where}, or 'com' and 'inertia', found {{:g}}"
-            yield Demand(text, (height <= LINE) == (len(body.corners) == 2), (height,))
+        uniform = body.mass is not None and body.com is None and len(body.points) > 2
+        for height in heights(body.corners, body.points, body.local, body.lengths) if uniform else ():
+            if np.ndim(height):  # of many machines: whether their points are on one line, as those of the drawing
+                where = f"points that are {'' if len(body.corners) == 2 else 'not '}on one line, as drawn"
+                text = f"{place}: expected {where}, or 'com' and 'inertia', found {{:g}}"
+                yield Demand(text, (height <= LINE) == (len(body.corners) == 2), (height,))
     yield from _of_drive(scene)
     for number, load in enumerate(scene.loads):
         place = f"loads.{number}"
@@ -87,13 +89,6 @@ def _of_drive(scene: Scene) -> Iterator[Demand]:
             ends = f"{{:.12g}} {unit}, found {{:.12g}} {unit}"
             text = f"drive.end: expected a position {way} 'start', {ends}; or make speed {sign}"
             yield Demand(text, np.logical_or(other, drive.cycle > 0), numbers)
-
-
-def _heights(body: Body) -> Iterator[Any]:
-    """Yield of many machines what tells whether the points of a uniform body are on one line."""
-    if body.mass is not None and body.com is None and len(body.points) > 2:
-        heights_of = heights(body.corners, body.points, body.local, body.lengths)
-        yield from (height for height in heights_of if np.ndim(height))
 
 
 def _triangles(body: Body) -> Iterator[Any]:

@@ -10,7 +10,7 @@ Any stage may raise `Failure`. A module needs `DEFAULT` and `build` alone, a sim
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
 from types import SimpleNamespace
 from typing import Annotated, Any, Protocol, TypeVar, cast
@@ -54,17 +54,14 @@ class Settings:
     """Base of every engine's settings; each field is annotated with its meaning for a reader."""
 
     label: Annotated[str, "its name in tables and figures; no two settings of an engine share one"]
+    _: KW_ONLY
     promise: Annotated[float, "largest relative error of an ok run in any channel; it changes nothing in the run"] = (
-        field(default=0.1, kw_only=True, compare=False)
+        field(default=0.1, compare=False)
     )
-    drive_promise: Annotated[float, "the same for the drive's position, of 1 rad or of the slider's travel"] = field(
-        default=1e-9, kw_only=True
-    )
-    family: Annotated[str, "settings that differ in their steps per cycle alone"] = field(default="", kw_only=True)
-    order: Annotated[float | None, "order of convergence that theory expects within the family"] = field(
-        default=None, kw_only=True
-    )
-    note: Annotated[str, "what to know before believing the result"] = field(default="", kw_only=True)
+    drive_promise: Annotated[float, "the same for the drive's position, of 1 rad or of the slider's travel"] = 1e-9
+    family: Annotated[str, "settings that differ in their steps per cycle alone"] = ""
+    order: Annotated[float | None, "order of convergence that theory expects within the family"] = None
+    note: Annotated[str, "what to know before believing the result"] = ""
 
 
 def equal_steps(request: Request) -> Sampling:

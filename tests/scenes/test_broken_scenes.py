@@ -33,18 +33,8 @@ BROKEN_IN_PART = {
 WHOLE = {name: tomllib.loads(scene_files.text(name)) for name in (*BROKEN_EVERYWHERE, *BROKEN_IN_PART)}
 LATER = ("toggle_press", "busy")  # the others have most of what these have, and take less
 INSTEAD: dict[str, Any] = {
-    "gone": None,
-    "NaN": nan,
-    "infinite": inf,
-    "zero": 0,
-    "huge": 1e300,
-    "tiny": 1e-300,
-    "negated": None,
-    "text": "rod",
-    "truth": True,
-    "list": [],
-    "table": {},
-    "nested": [[[1, 2], 3], 4],
+    **{"gone": None, "NaN": nan, "infinite": inf, "zero": 0, "huge": 1e300, "tiny": 1e-300, "negated": None},
+    **{"text": "rod", "truth": True, "list": [], "table": {}, "nested": [[[1, 2], 3], 4]},
 }
 PATIENCE = 20.0  # s of the processor, for one scene and all engines; a sound one takes a tenth of a second
 

@@ -20,6 +20,7 @@ TURNS_ENOUGH = 100  # of the core's samples, which do not know of each other; mo
 DECADES = [f"1e-{k}" for k in range(1, 10)]
 PLAIN_LOCKS = ("lock_rrp", "lock_rrr", "lock_rrr_folded", "lock_rpr", "parallelogram")
 LOCKS = (*PLAIN_LOCKS, "kite", "kite_long", "dead_centre_driven")
+MINE = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(params=NAMES)
@@ -39,9 +40,6 @@ def peak(ran: Run, *quantities: str) -> float:
     return max(float(np.abs(values).max()) for channel, values in samples.items() if quantity(channel) in quantities)
 
 
-# --- what is in the catalogue -----------------------------------------------------------------------------------------
-
-
 def test_ladders_are_no_shipped_scenes_and_long_ones_apart() -> None:
     assert not set(scenes.shipped()) & set(NAMES)
     assert not any("hard" in path.parts for path in scenes.shipped().values())
@@ -57,9 +55,6 @@ def test_a_ladder_says_everything(ladder: Ladder) -> None:
     assert all(text and "\n" not in text for text in texts)
     assert len({rung.label for rung in ladder.rungs}) == len({rung.value for rung in ladder.rungs}) == len(ladder.rungs)
     assert pickle.loads(pickle.dumps(ladder)) == ladder
-
-
-# --- what the reference says ------------------------------------------------------------------------------------------
 
 
 def test_the_reference_ends_as_expected(ladder: Ladder) -> None:
@@ -83,9 +78,6 @@ def test_part_of_a_turn_keeps_clear_of_a_change_point() -> None:
     crossing = run("analytic", across, Sampling(360))
     assert crossing.status is Status.cannot_assemble
     assert "two ways of assembling the bodies meet at crank angle 0.0000 deg" in crossing.reason.replace("-0.0", "0.0")
-
-
-# --- that the rungs are what their labels say -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", LOCKS)
@@ -172,11 +164,6 @@ def test_each_turn_is_as_the_first() -> None:
     assert np.abs(last - first).max() <= 3 * 100 * 2 * np.pi * 2**-53 * fastest + 4 * 2**-53
 
 
-# --- ladders of one's own ---------------------------------------------------------------------------------------------
-
-MINE = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
-
-
 def test_a_ladder_of_ones_own(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(MINE, encoding="utf-8")
@@ -201,9 +188,6 @@ def test_a_scene_beside_the_ladder(tmp_path: Path) -> None:
 def test_no_such_ladder(name: str) -> None:
     with pytest.raises(InputError, match=r"no such ladder or file.*(did you mean 'lock_rpr'|one of)"):
         hard.ladder(name)
-
-
-# --- texts that are changed -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("path", "value", "kind"), [("drive.speed", "60", "text"), ("units.length", 1.0, "number")])

@@ -22,9 +22,6 @@ def turned(name: str, crank_angle: Angles = TURN) -> Motion:
     return analytic.solve(scenes.load(name), crank_angle)
 
 
-# --- what each scene is ---------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", ["toggle_press", "four_bar", "watt_six_bar", "stephenson_six_bar", "walking_leg"])
 def test_the_drive_does_no_work_in_a_turn(name: str) -> None:
     """Weights and constant forces give back what they take. The mean over a period has no error but rounding."""
@@ -133,11 +130,8 @@ def test_peaucellier_draws_an_exact_straight_line() -> None:
     assert np.ptp((to_line.conjugate() * place).imag) > 0.3  # m
 
 
-# --- Andrews' squeezing mechanism, by the Test Set for IVP Solvers ---------------------------------------------------
-
-
 class SqueezerState(NamedTuple):
-    """A published state, rad and s: of the crank, of the bodies k3, k5 and k7, and the multipliers, N."""
+    """A state published by the Test Set for IVP Solvers, rad and s: of crank, k3, k5 and k7, and the multipliers, N."""
 
     crank: tuple[float, float, float]  # position, rate, acceleration
     angles: tuple[float, float, float]  # γ, δ, ε
@@ -156,12 +150,8 @@ SQUEEZER = {
         (15.81077119629904, 1139.920302151208, -24631.76316945196),
         (0.04082224013073101, 0.5244099658805304, 1.048080741042263),
         (
-            199.1753333731910,
-            -29.75531228015052,
-            23.06654119098399,
-            31.45271365475927,
-            22.64249232082739,
-            11.61740700019673,
+            *(199.1753333731910, -29.75531228015052, 23.06654119098399),
+            *(31.45271365475927, 22.64249232082739, 11.61740700019673),
         ),
         3e-7,
     ),
@@ -189,8 +179,6 @@ def test_andrews_squeezer_at_published_states(state: SqueezerState) -> None:
     assert np.abs(np.array(forces) - state.multipliers).max() <= state.accuracy * max(state.multipliers)
     assert abs(motion["drive.torque"][0] / 0.033 - 1) <= state.accuracy
 
-
-# --- geometry of their own ------------------------------------------------------------------------------------------
 
 Places = NDArray[np.complex128]
 
