@@ -8,7 +8,8 @@ import numpy as np
 
 import analytic
 from scenes import Scene
-from scenes.model.motion import Samples, force_channels, quantity
+from scenes.model.motion import Samples, force_channels
+from scenes.model.motion import channels as all_channels
 
 Texts = Mapping[str, list[str]]  # by column
 
@@ -56,6 +57,10 @@ class Writer:
         """Return columns as they are written, by channel."""
         return {channel: [format(value, self.decimals) for value in values] for channel, values in columns.items()}
 
+    def file(self, folder: Path, columns: Mapping[str, Samples], mapping: str = "", name: str = "theirs") -> Path:
+        """Write columns and their mapping, see `write`."""
+        return write(folder, self.texts(columns), mapping, name)
+
 
 def instants(scene: Scene, count: int = 90, cycles: float = 0.9, seed: int = 1) -> Samples:
     """Return instants in no equal steps, s, over a part of a cycle."""
@@ -65,11 +70,7 @@ def instants(scene: Scene, count: int = 90, cycles: float = 0.9, seed: int = 1) 
 
 def channels(scene: Scene) -> list[str]:
     """Return all channels but the time and the drive's."""
-    return [
-        c
-        for c in analytic.solve(scene, np.array([scene.drive.start]), np.zeros(1)).samples
-        if c != "time" and c != scene.drive_channel and quantity(c) not in ("transmission", "to_lock")
-    ]
+    return [*all_channels(scene)[2:]]
 
 
 def write(folder: Path, texts: Texts, mapping: str, name: str = "theirs", separator: str = ",") -> Path:

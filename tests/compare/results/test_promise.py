@@ -73,8 +73,7 @@ def test_a_drive_that_is_off_by_more_than_its_decimals(press: Scene, tmp_path: P
 def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path, references: References) -> None:
     """At four digits a millimetre decides whether 1600 kN act; the forces of the other side are wrong there too."""
     scene = scenes.load("servo_press")
-    writer = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g")
-    times = np.arange(60.0) * round(scene.drive.cycle / 60, 4)
+    writer, times = Writer(1e-3, np.pi / 180, 1e3, decimals=".4g"), np.arange(60.0) * round(scene.drive.cycle / 60, 4)
     columns = writer.columns(scene, times, channels(scene))
     wrong = columns | {c: -columns[c] for c in ("P5.fx", "P5.fy")}
     for written, status in ((columns, "ok"), (wrong, "inconsistent")):
@@ -86,7 +85,7 @@ def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path
 def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, references: References) -> None:
     """Nor is one ok that a reference in doubt contradicts: positions alone leave nothing else to check."""
     columns = Writer().columns(press, instants(press, 20), ["P5.y"])
-    wrong = write(tmp_path, Writer().texts(columns | {"P5.y": columns["P5.y"] + 0.002}), "", "wrong")
+    wrong = Writer().file(tmp_path, columns | {"P5.y": columns["P5.y"] + 0.002}, name="wrong")
     results = [read_result(press, f"{name}={wrong}") for name in ("one", "two")]
     reference = references("toggle_press")
     alone = replace(reference, floor=replace(reference.floor, by_channel={}))
@@ -103,9 +102,9 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     times = np.array([0.1, 0.13, 0.2])
     names = ["P5.y", "P5.vy"]
     columns = Writer().columns(press, times, names)
-    found = read_result(press, f"theirs={write(tmp_path, Writer().texts(columns), '')}")
+    found = read_result(press, f"theirs={Writer().file(tmp_path, columns)}")
     assert found.notes[0] == "theirs has 3 rows, over 0.1 cycles of the drive, from crank angle 36.0000 deg on"
-    alone = read_result(press, f"one={write(tmp_path, Writer().texts(Writer().columns(press, times[:1], names)), '')}")
+    alone = read_result(press, f"one={Writer().file(tmp_path, Writer().columns(press, times[:1], names))}")
     assert alone.notes[0].startswith("one has 1 row, over 0 cycles")
     assert coarse(assess_result(references("toggle_press"), found)) == []
     (line,) = coarse(assessed(references, press, tmp_path, columns, time=".2f"))
@@ -124,11 +123,10 @@ def test_a_part_of_the_cycle_confirms_no_channel(
 ) -> None:
     """Sixty rows over all but the last step are the whole cycle; seven are fewer than engines are asked for."""
     times = np.linspace(0.0, turns * press.drive.cycle, rows)
-    file = write(tmp_path, Writer().texts(Writer().columns(press, times, channels(press))), "")
-    results = [read_result(press, f"theirs={file}")]
-    found = judgement(
-        references(press.name), [], Sampling(24), lambda _: ((), ""), lambda _: None, results=results
-    ).agreement
+    file = Writer().file(tmp_path, Writer().columns(press, times, channels(press)))
+    results, nothing = [read_result(press, f"theirs={file}")], ((), "")
+    judged = judgement(references(press.name), [], Sampling(24), lambda _: nothing, lambda _: None, results=results)
+    found = judged.agreement
     assert found.word == word
     assert "in every channel that it gives" in found.sentence
     assert ("gives P2.x over a whole cycle, among others." in found.sentence) == (word != "agrees")
@@ -143,15 +141,15 @@ def test_rows_outside_the_run_of_a_drive_are_refused(name: str, late: float, tmp
     times = np.linspace(0.0, scene.drive.cycle, 20)
     columns = {**Writer().columns(scene, times, [f"{scene.output}.x"]), "time": times + late * scene.drive.cycle}
     with pytest.raises(InputError, match="while the drive runs"):
-        read_result(scene, f"theirs={write(tmp_path, Writer().texts(columns), '')}")
-    rounded = Writer(decimals=".3f").texts({**columns, "time": times})
-    assert read_result(scene, f"theirs={write(tmp_path, rounded, '')}").request.count == 20
+        read_result(scene, f"theirs={Writer().file(tmp_path, columns)}")
+    rounded = Writer(decimals=".3f").file(tmp_path, {**columns, "time": times})
+    assert read_result(scene, f"theirs={rounded}").request.count == 20
 
 
 def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is refused: of nothing all is ok."""
     scene = scenes.load("four_bar")
-    file = write(tmp_path, Writer().texts(Writer().columns(scene, instants(scene, 9), ["T.x"])), "")
+    file = Writer().file(tmp_path, Writer().columns(scene, instants(scene, 9), ["T.x"]))
     assert main(["four_bar", "--engines", "analytic", f"--result=theirs={file}", "--channels", "T.y"]) == 2
     assert capsys.readouterr().err == "arguments: --channels: expected one that theirs gives: T.x\n"
 
@@ -176,6 +174,6 @@ def test_a_press_force_acts_by_the_whole_stroke(first: float, tmp_path: Path, re
     """Rows of a part of the cycle do not show where the closing stroke ends."""
     scene = scenes.load("crank_press")
     times = scene.drive.cycle * (first + np.array([0.0, 0.01, 0.02]))
-    file = write(tmp_path, Writer().texts(Writer().columns(scene, times, channels(scene))), "")
+    file = Writer().file(tmp_path, Writer().columns(scene, times, channels(scene)))
     found = assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
     assert found.run.status.name == "ok", found.run.reason

@@ -46,8 +46,9 @@ def test_it_is_right_where_it_is_sure(writer: Writer, tmp_path: Path, references
     sure = {line.split('"')[1]: line for line in lines if "# sure" in line}
     assert len(sure) >= 10
     assert "rod.angle" in sure
-    wrong = {channel: line for channel, line in sure.items() if by_column[_column(line)] != channel}
-    assert not wrong
+    assert all(
+        by_column[column] == channel for channel, line in sure.items() for column in re.findall(r'"(c\d+)"', line)
+    )
     head = [line for line in lines if not line.startswith('"') or line.startswith('"time"')]
     file.with_suffix(".toml").write_text("\n".join([*head, *sure.values()]))
     found = assess_result(reference, read_result(scene, f"theirs={file}"))
@@ -55,18 +56,12 @@ def test_it_is_right_where_it_is_sure(writer: Writer, tmp_path: Path, references
     assert max(found.worst().values()) < 1e-5
 
 
-def _column(line: str) -> str:
-    found = re.search(r'"(c\d+)"', line)
-    assert found
-    return found[1]
-
-
 def test_the_command_prints_it_and_writes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
     scene = scene_files.load(SCENE)
-    file = write(tmp_path, Writer().texts(Writer().columns(scene, instants(scene, 40), ["T.x", "A.vy"])), "")
+    file = Writer().file(tmp_path, Writer().columns(scene, instants(scene, 40), ["T.x", "A.vy"]))
     file.with_suffix(".toml").unlink()
     assert main(["map", str(scene_files.path(SCENE)), f"theirs={file}"]) == 0
     printed = capsys.readouterr().out
@@ -83,7 +78,7 @@ def test_a_log_that_starts_late_is_in_no_other_frame(name: str, tmp_path: Path) 
     scene = scene_files.load(name)
     times, late = np.linspace(0, scene.drive.cycle, 50), 0.4 * scene.drive.cycle
     columns = Writer().columns(scene, times, [f"{scene.output}.{axis}" for axis in "yx"]) | {"time": times + late}
-    lines = proposed(scene, f"theirs={write(tmp_path, Writer().texts(columns), '')}").splitlines()
+    lines = proposed(scene, f"theirs={Writer().file(tmp_path, columns)}").splitlines()
     assert not [line for line in lines if line.startswith("frame")]
     assert f'"{scene.output}.x" = "c2"  # sure' in "\n".join(lines)
     zero = re.search(r'"time" = { column = "c0", zero = (.*) }', "\n".join(lines))
@@ -111,7 +106,7 @@ def _proposal(
     own = writer.columns(scene, times, names)
     columns = {"time": own.pop("time") + lag / 360 * scene.drive.cycle} if by != "crank" else {}
     columns |= {"crank_angle": scene.drive.at(times).position + zero} if by != "time" else {}
-    file = write(folder, writer.texts(columns | own), "")
+    file = writer.file(folder, columns | own)
     lines = proposed(scene, f"theirs={file}").splitlines()
     sure = [line.split('"')[1] for line in lines if "# sure" in line]
     if not sure:

@@ -17,7 +17,7 @@ from compare.run import main
 from scenes import Scene
 from tests import scene_files
 from tests.comparisons import References, only_few_settings
-from tests.foreign import ELSEWHERE, MAPPED, Writer, channels, instants, write
+from tests.foreign import ELSEWHERE, MAPPED, Writer, channels, instants
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +46,7 @@ def test_it_agrees_as_well_as_it_is_written(
     columns = writer.columns(press, own, channels(press))
     columns |= {c: (angle - angle[0]) % 360 + angle[0] for c, angle in columns.items() if c.endswith(".angle")}
     assert np.abs(np.diff(columns["toggle.angle"])).max() > 180
-    file = write(tmp_path, writer.texts(columns), f"promise = {promise}\n{MAPPED}")
-    found = judged(press, file, references)
+    found = judged(press, writer.file(tmp_path, columns, f"promise = {promise}\n{MAPPED}"), references)
     assert found.run.status.name == "ok", found.run.reason
     worst = found.worst()
     assert worst.keys() >= {"position", "velocity", "acceleration", "reaction", "torque"}
@@ -66,8 +65,7 @@ def test_decimals_excuse_no_more_than_half_of_the_last(
     sizes = {}
     for last, status in ((0.0, "ok"), (3.0, "inaccurate")):
         off = columns | {channel: columns[channel] + last * 1e-4}
-        file = write(tmp_path, writer.texts(off), f"promise = 1e-9\n{MAPPED}")
-        found = judged(press, file, references)
+        found = judged(press, writer.file(tmp_path, off, f"promise = 1e-9\n{MAPPED}"), references)
         sizes[last] = next(row.unexplained for row in found.errors if row.channel == channel)
         assert found.run.status.name in (status, "inconsistent" if last else status), found.run.reason
     assert sizes[0.0] <= 1e-13 < 1e-9 < sizes[3.0]
@@ -77,10 +75,9 @@ def test_the_reference_is_evaluated_at_its_instants_and_never_interpolated(
     press: Scene, tmp_path: Path, references: References
 ) -> None:
     """Four rows anywhere in the third turn are as good as a whole cycle; one is enough."""
-    writer = Writer()
     for own in (np.array([2.111, 2.2, 2.5003, 2.9]), np.array([0.3217])):
-        file = write(tmp_path, writer.texts(writer.columns(press, own, ["P5.y", "P5.ay"])), "promise = 1e-12")
-        found = judged(press, file, references)
+        columns = Writer().columns(press, own, ["P5.y", "P5.ay"])
+        found = judged(press, Writer().file(tmp_path, columns, "promise = 1e-12"), references)
         assert found.run.status.name == "ok", found.run.reason
         assert found.run.motion is not None
         assert np.array_equal(found.run.motion["time"], own)
@@ -93,13 +90,9 @@ def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, r
     time = np.linspace(1.6, 0.2, 61) * scene.drive.cycle
     angle = scene.drive.at(time).position
     columns = Writer().columns(scene, time, ["T.x", "T.y", "T.vx", "T.vy", "T.ax", "crank.angle"])
-    shown = {
-        "crank_angle": np.degrees(angle) % 360,
-        **{c: -columns[c] if ".v" in c else columns[c] for c in columns if c != "time"},
-    }
-    texts = Writer(decimals=".14g").texts(shown)
+    way = {c: -columns[c] if ".v" in c else columns[c] for c in columns if c != "time"}
     for mapping, status in (("backwards = true", "ok"), ("", "expected a later instant")):
-        file = write(tmp_path, texts, mapping)
+        file = Writer(decimals=".14g").file(tmp_path, {"crank_angle": np.degrees(angle) % 360} | way, mapping)
         toml = file.with_suffix(".toml")
         toml.write_text(toml.read_text().replace('crank_angle" = "c0"', 'crank_angle" = {column = "c0", unit = "deg"}'))
         if status == "ok":
@@ -113,10 +106,8 @@ def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, r
 
 def test_a_law_needs_the_time_and_a_late_log_has_its_zero(tmp_path: Path, references: References) -> None:
     scene = scene_files.load("turning_law")
-    writer = Writer()
-    columns = writer.columns(scene, instants(scene), [f"{scene.output}.x", f"{scene.output}.vy", "crank_angle"])
-    late = columns | {"time": columns["time"] + 12.5}
-    file = write(tmp_path, writer.texts(late), "")
+    columns = Writer().columns(scene, instants(scene), [f"{scene.output}.x", f"{scene.output}.vy", "crank_angle"])
+    file = Writer().file(tmp_path, columns | {"time": columns["time"] + 12.5})
     toml = file.with_suffix(".toml")
     toml.write_text(toml.read_text().replace('"time" = "c0"', '"time" = {column = "c0", zero = 12.5}'))
     assert judged(scene, file, references).run.status.name == "ok"
@@ -132,9 +123,9 @@ def test_a_run_reports_where_a_result_comes_from(
     monkeypatch.chdir(tmp_path)
     scene = scenes.load("four_bar")
     writer = replace(ELSEWHERE, decimals=".6f")
-    good = write(tmp_path, writer.texts(writer.columns(scene, instants(scene), channels(scene))), MAPPED, "good")
+    good = writer.file(tmp_path, writer.columns(scene, instants(scene), channels(scene)), MAPPED, "good")
     columns = Writer().columns(scene, scene.drive.cycle * np.linspace(0, 1, 49), ["T.x", "T.y"])
-    bad = write(tmp_path, Writer().texts(columns | {"T.y": -columns["T.y"]}), "", "bad")
+    bad = Writer().file(tmp_path, columns | {"T.y": -columns["T.y"]}, name="bad")
     with only_few_settings():
         asked = ["four_bar", "--engines", "analytic", "--samples", "36", "--check"]
         status = main([*asked, "--out", "out", f"--result=bench={good}", f"--result=other={bad}"])
@@ -167,7 +158,7 @@ def test_a_declared_tolerance_is_its_gate(press: Scene, tmp_path: Path, referenc
     columns = Writer().columns(press, instants(press), ["P5.y", "P5.vy"])
     off = columns | {"P5.y": columns["P5.y"] + 1e-6 * references("toggle_press").stroke}
     held = replace(press, tolerances={"theirs": {"position": 5e-7, "velocity": 5e-7}})
-    found = judged(held, write(tmp_path, Writer().texts(off), ""), references)
+    found = judged(held, Writer().file(tmp_path, off), references)
     assert found.run.status.name == "ok"
     assert {gate.group: gate.missed for gate in gates(held, [found])} == {"position": True, "velocity": False}
 
@@ -175,16 +166,14 @@ def test_a_declared_tolerance_is_its_gate(press: Scene, tmp_path: Path, referenc
 def test_the_mapping_may_be_in_the_scene(tmp_path: Path, references: References) -> None:
     """Beside the table or in the scene, and not in both."""
     names = ["T.x", "A.vy"]
-    plain = scene_files.load("offset_slider_crank")
-    writer = Writer(length=1e-3)
-    file = write(tmp_path, writer.texts(writer.columns(plain, instants(plain, 20), names)), "")
-    beside = file.with_suffix(".toml")
+    plain, writer = scene_files.load("offset_slider_crank"), Writer(length=1e-3)
+    file = writer.file(tmp_path, writer.columns(plain, instants(plain, 20), names))
     columns = {channel: f"c{k}" for k, channel in enumerate(["time", *names])}
     table = {"theirs": {"units": {"length": "mm"}, "columns": columns}}
     scene = scenes.load(scene_files.write(tmp_path, "offset_slider_crank", {"results": table}))
     with pytest.raises(scenes.InputError, match=r"the scene has a mapping too, results\.theirs"):
         read_result(scene, f"theirs={file}")
-    beside.unlink()
+    file.with_suffix(".toml").unlink()
     found = judged(scene, file, references)
     assert found.run.status.name == "ok", found.run.reason
     assert getattr(found.run.settings, "mapping_in", "").endswith("results.theirs")

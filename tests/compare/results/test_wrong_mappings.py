@@ -73,9 +73,8 @@ def backwards(scene: Scene, columns: Columns) -> Columns:
     return odd | {"time": columns["time"]}
 
 
-def about_another_point(_: Scene, columns: Columns) -> Columns:
-    moment = columns["slider.guide_moment"] + 0.02 * columns["slider.guide_force"]
-    return columns | {"slider.guide_moment": moment}
+def elsewhere(_: Scene, columns: Columns) -> Columns:
+    return columns | {"slider.guide_moment": columns["slider.guide_moment"] + 0.02 * columns["slider.guide_force"]}
 
 
 def in_rpm(_: Scene, columns: Columns) -> Columns:
@@ -88,8 +87,7 @@ def over_degrees(scene: Scene, columns: Columns) -> Columns:
     return {"crank_angle": angle} | {c: v for c, v in columns.items() if c != "time"}
 
 
-T = [f"T.{q}" for q in ("x", "y", "vx", "vy", "ax", "ay")]
-A = [f"A.{q}" for q in ("x", "y", "vx", "vy", "ax", "ay")]
+T, A = ([f"{point}.{q}" for q in ("x", "y", "vx", "vy", "ax", "ay")] for point in "TA")
 MAPPINGS = {
     "millimetres": Wrong(Kind.unit, "all lengths are in mm", written(length=1e-3)),
     "inches": Wrong(Kind.unit, "all lengths are in in", written(length=0.0254)),
@@ -116,12 +114,8 @@ MAPPINGS = {
     "rpm": Wrong(Kind.unit, "rpm in place of rad/s", spoil=in_rpm),
     "per degree": Wrong(Kind.unit, "all rates are by the crank's angle, per degree", spoil=by_angle(np.pi / 180)),
     "per radian": Wrong(Kind.unit, "all rates are by the crank's angle, per radian", spoil=by_angle(1.0)),
-    "another point": Wrong(
-        Kind.moment, "slider's guide moment is about another point, 20 mm", spoil=about_another_point
-    ),
-    "axis in deg in place of rad": Wrong(
-        Kind.unit, "by which the rows are, is in deg in place of rad", spoil=over_degrees
-    ),
+    "another point": Wrong(Kind.moment, "slider's guide moment is about another point, 20 mm", spoil=elsewhere),
+    "axis in deg": Wrong(Kind.unit, "by which the rows are, is in deg in place of rad", spoil=over_degrees),
 }
 QUICK = ("millimetres", "mirrored", "turned", "far too late")
 
