@@ -3,7 +3,9 @@
 import tomllib
 from collections.abc import Iterator
 from copy import deepcopy
+from functools import reduce
 from math import inf, nan
+from operator import getitem
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -60,20 +62,17 @@ def places(node: Any, place: Place = ()) -> Iterator[Place]:
         yield from places(child, (*place, key))
 
 
-def broken(name: str, place: Place, how: str) -> dict[str, Any]:
+def broken(name: str, place: Place, how: str) -> Any:
     """A parsed file with one thing in it removed or replaced."""
     whole: Any = deepcopy(WHOLE[name])
-    parent = whole
-    for key in place[:-1]:
-        parent = parent[key]
-    old = parent[place[-1]]
-    if how == "gone":
-        del parent[place[-1]]
-    elif how == "negated":
-        parent[place[-1]] = -old if isinstance(old, int | float) else {"not": old}
-    else:
-        parent[place[-1]] = INSTEAD[how]
-    return dict(whole)
+    *way, last = place
+    parent = reduce(getitem, way, whole)
+    old = parent.pop(last) if how == "gone" else parent[last]
+    if how == "negated":
+        parent[last] = -old if isinstance(old, int | float) else {"not": old}
+    elif how != "gone":
+        parent[last] = INSTEAD[how]
+    return whole
 
 
 def check(text: str, folder: Path, engines: tuple[str, ...] = registry.DEFAULT_ENGINES) -> str:

@@ -1,6 +1,6 @@
 """The shipped presses: geometry and figures from their sources, a law, and a force at the end of the stroke; clamps."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -16,11 +16,10 @@ from .test_library import turned
 SERVO_LAW = ((0, 209), (0.15, 274), (0.3, 325), (0.45, 348), (0.6, 371), (0.75, 424), (0.9, 515), (1, 569))  # s, deg
 
 
-@dataclass(frozen=True)
-class Press:
+class Press(NamedTuple):
     """A slider that closes against an axis once a cycle and meets a force in the last part of that stroke."""
 
-    name: str
+    scene: Scene
     point: str
     axis: str
     mass: float  # kg, of the slider
@@ -28,21 +27,14 @@ class Press:
     last: float  # m
 
     @property
-    def scene(self) -> Scene:
-        return scenes.load(self.name)
-
-    @property
     def position(self) -> str:
         return f"{self.point}.{self.axis}"
 
 
 PRESSES = {
-    press.name: press
-    for press in (
-        Press("crank_press", "B", "y", 800, 1600e3, 0.006),
-        Press("servo_press", "P5", "y", 800, 1600e3, 0.006),
-        Press("quick_return", "E", "x", 150, 6e3, 0.400),
-    )
+    "crank_press": Press(scenes.load("crank_press"), "B", "y", 800, 1600e3, 0.006),
+    "servo_press": Press(scenes.load("servo_press"), "P5", "y", 800, 1600e3, 0.006),
+    "quick_return": Press(scenes.load("quick_return"), "E", "x", 150, 6e3, 0.400),
 }
 
 
@@ -110,10 +102,9 @@ def test_servo_press_goes_down_fast_and_presses_slowly() -> None:
     assert upper["P5.vy"][0] > 0 > upper["P5.vy"][1]
 
 
-@pytest.mark.parametrize("name", ["crank_press", "servo_press", "quick_return"])
-def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(name: str) -> None:
+@pytest.mark.parametrize("press", PRESSES.values(), ids=PRESSES)
+def test_a_force_in_the_last_part_of_the_stroke_acts_there_and_nowhere_else(press: Press) -> None:
     """What the slider's own balance leaves when its inertia and its pin are taken away."""
-    press = PRESSES[name]
     switches = np.array(stroke(press))
     end = moving(press.scene, switches)[press.position][1]
     hair = 1e-9  # s, beside the switches: ten thousand times what rounding leaves of them
@@ -132,8 +123,6 @@ def test_clamp_locks(name: str) -> None:
     motion = moving(scene, scene.drive.cycle * np.array([0.9, 1.0]))
     B, C = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "BC")
     assert abs((B.conjugate() * C).imag[1]) <= 1e-15  # m^2, rounding; A, B and C are in line,
-    assert (
-        motion["C.vx"][0] >= 1e-3 >= 1e12 * abs(motion["C.vx"][1])
-    )  # m/s; so the platen stands, as it did not before,
+    assert motion["C.vx"][0] >= 1e-3 >= 1e12 * abs(motion["C.vx"][1])  # m/s; so the platen stands, not as before,
     assert abs(motion["C.fx"][1] - 2e6) <= 1e3  # N; holds half of 4000 kN, to the digits of the table,
     assert abs(motion["drive.force"][1]) <= 10  # N; and takes no thrust but that of inertia

@@ -82,8 +82,7 @@ def test_a_full_disk_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     def full(path: Path, mode: str = "r", *arguments: Any, **options: Any) -> IO[Any]:
         if mode == "x" and written:
             raise OSError(28, "No space left on device")
-        if mode == "x":
-            written.append(path)
+        written.extend([path] * (mode == "x"))
         return open_file(path, mode, *arguments, **options)
 
     monkeypatch.setattr(Path, "open", full)
