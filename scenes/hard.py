@@ -9,7 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from pydantic import Field, PlainValidator
 from pydantic_core import PydanticCustomError
@@ -74,8 +74,7 @@ class Rung:
         return load(self.scene_file, self.changes)
 
 
-@dataclass(frozen=True)
-class Ladder:
+class Ladder(NamedTuple):
     """One scene with one parameter that gets harder, or easier, from rung to rung."""
 
     name: str
@@ -89,12 +88,7 @@ def catalogue(*, long: bool = False) -> tuple[str, ...]:
 
 
 def ladder(name_or_path: str | Path) -> Ladder:
-    """Read a ladder by the name of a shipped one, or from a .toml file.
-
-    Raises:
-        InputError: the file cannot be read or asks for something impossible; the text is one line that names the file,
-            the path in it, what was expected, and the nearest valid name.
-    """
+    """Read a ladder by the name of a shipped one, or from a .toml file; or InputError, one line as of `scenes.load`."""
     path = _shipped().get(str(name_or_path), Path(name_or_path))
     file = _file(name_or_path)
     with at_place(str(name_or_path)):

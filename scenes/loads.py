@@ -111,11 +111,7 @@ class LoadTable(FileTable):
     )
 
     def load(self, place: str, bodies: Mapping[str, Body]) -> Load:
-        """The load, its numbers as they are; one on a body that there is not is a constant force.
-
-        Raises:
-            InputError: the keys do not go together, or the body is no slider where one is asked for.
-        """
+        """The load, its numbers as they are, or InputError; one on a body that there is not is a constant force."""
         if (self.force is None) == (self.table is None):
             raise InputError(f"{place}: expected either 'force' or 'table'")
         if self.body not in bodies or (self.force is not None and self.last is None):

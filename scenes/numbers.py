@@ -66,23 +66,22 @@ def quantity_at(kind: type, at: Sequence[object]) -> Quantity | None:
 @cache
 def declared(kind: type) -> tuple[Declared, ...]:
     """The fields of a dataclass that hold numbers."""
-    paths = {field.name: field.metadata.get("path", field.name) for field in fields(kind)}
-    wanted = []
-    for name, hint in get_type_hints(kind, include_extras=True).items():
-        parts = [*_parts(hint)]
-        quantity = next((part for part in parts if isinstance(part, Quantity)), None)
-        kinds = tuple(part for part in parts if isinstance(part, type) and is_dataclass(part))
-        if name in paths and (quantity or kinds):
-            several = any(get_origin(part) in (Mapping, tuple) for part in parts)
-            wanted.append(Declared(name, paths[name], quantity, kinds, several))
+    hints, wanted = get_type_hints(kind, include_extras=True), []
+    for field in fields(kind):
+        of = [*parts(hints[field.name])]
+        quantity = next((part for part in of if isinstance(part, Quantity)), None)
+        kinds = tuple(part for part in of if isinstance(part, type) and is_dataclass(part))
+        if quantity or kinds:
+            several = any(get_origin(part) in (Mapping, tuple) for part in of)
+            wanted.append(Declared(field.name, field.metadata.get("path", field.name), quantity, kinds, several))
     return tuple(wanted)
 
 
-def _parts(hint: Any) -> Iterator[Any]:
+def parts(hint: Any) -> Iterator[Any]:
     """Yield an annotation and all that it is made of."""
     yield hint
     for part in get_args(hint):
-        yield from _parts(part)
+        yield from parts(part)
 
 
 def put(whole: Any, values: Mapping[At, Any]) -> Any:

@@ -110,12 +110,10 @@ class Scene:
     @cached_property
     def owners(self) -> Mapping[str, tuple[str, ...]]:
         """The bodies that name each point, in file order, the ground first."""
-        named = {GROUND: tuple(self.ground)} | {name: body.points for name, body in self.bodies.items()}
-        owners: dict[str, list[str]] = {}
-        for body, points in named.items():
-            for point in points:
-                owners.setdefault(point, []).append(body)
-        return {point: tuple(bodies) for point, bodies in owners.items()}
+        owners: dict[str, tuple[str, ...]] = dict.fromkeys(self.ground, (GROUND,))
+        for name, body in self.bodies.items():
+            owners |= {point: (*owners.get(point, ()), name) for point in body.points}
+        return owners
 
     @cached_property
     def pins(self) -> tuple[Pin, ...]:
@@ -148,11 +146,8 @@ class Scene:
 
     def guided(self, point: str) -> tuple[str, Slide] | None:
         """The body at a point that slides on the ground, and its guide; None where none does."""
-        for name in self.owners[point]:
-            slide = None if name == GROUND else self.bodies[name].slide
-            if slide is not None and slide.on == GROUND:
-                return name, slide
-        return None
+        slides = ((name, self.bodies[name].slide) for name in self.owners[point] if name != GROUND)
+        return next(((name, slide) for name, slide in slides if slide is not None and slide.on == GROUND), None)
 
     @property
     def drive_channel(self) -> str:

@@ -35,11 +35,7 @@ SAME_UNIT = 2e-3  # relative: of a unit, a frame's angle
 
 
 def proposed(scene: Scene, text: str) -> str:
-    """Return a mapping for a table, NAME=FILE.csv, as TOML with a remark on how sure each line is.
-
-    Raises:
-        InputError: it cannot be read, or no column rises as a time or the crank's angle does.
-    """
+    """Return a mapping for a table, NAME=FILE.csv, as TOML with a remark on how sure each line is; or InputError."""
     _, file = name_and_file(text)
     try:
         table = read_table(file, None, None)

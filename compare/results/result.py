@@ -77,17 +77,9 @@ def read_results(scenes: Sequence[Scene], texts: Sequence[str], asked: frozenset
 
 
 def read_result(scene: Scene, text: str) -> Result:
-    """Read a result.
+    """Read a result of a linkage, NAME=FILE.csv as of `--result`; its mapping is beside it, or in the scene.
 
-    Args:
-        scene: the linkage that it is of.
-        text: NAME=FILE.csv, the argument of `--result`; its mapping is beside it, or in the scene.
-
-    Returns:
-        The result in SI, in the scene's frame, its rows in the order of the time.
-
-    Raises:
-        InputError: the file or its mapping cannot be read, or do not fit the scene or each other.
+    It is in SI, in the scene's frame, its rows in the order of the time; InputError where it cannot be or does not fit.
     """
     name, file = name_and_file(text)
     mapping, where = mapping_of(scene, name, file)

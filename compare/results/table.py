@@ -69,12 +69,9 @@ def _written(text: str) -> tuple[int, int, float]:
 
 
 def read_table(path: Path, separator: str | None, decimal: str | None) -> Table:
-    """Return the table in a file, text in UTF-8: a line of column names, then a line a row.
+    """Return the table in a file, text in UTF-8: a line of column names, then a line a row; or InputError.
 
     Where separator and decimal mark are None, the names and the numbers show them.
-
-    Raises:
-        InputError: it cannot be read, or is no table, or not known to be one of this kind.
     """
     import pandas as pd  # late: most runs read no table
 

@@ -14,11 +14,13 @@ VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "gravity")  # w
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
     """The numbers at these paths, in the units of the file; InputError where one has none, or leads to an earlier's."""
-    places = [_place(tables, path, 0.0) for path in paths]
-    for number, (path, (table, key)) in enumerate(zip(paths, places, strict=True)):
-        if any(table is other and key == other_key for other, other_key in places[:number]):
+    values: dict[tuple[int, str | int], float] = {}
+    for path in paths:
+        table, key = _place(tables, path, 0.0)
+        if (id(table), key) in values:
             raise InputError(f"{path}: {ONCE}")
-    return [float(table[key]) for table, key in places]
+        values[id(table), key] = float(table[key])
+    return [*values.values()]
 
 
 def change(tables: Mapping[str, Any], changes: Mapping[str, Value]) -> None:

@@ -1,7 +1,7 @@
 """The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
 
@@ -11,6 +11,7 @@ from ..drive import DriveTable
 from ..errors import InputError, nearest, one_line, path_in_file
 from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive
 from ..loads import LoadTable, SpringTable
+from ..numbers import parts
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
@@ -125,9 +126,7 @@ def _explained(error: ValidationError, file: type[FileTable]) -> str:
             text = "expected a number, since it is where the drive is; a point needs another name"
         case "missing" if not isinstance(location[-1], int):
             text = "missing; the file needs it"
-        case "missing":
-            text = f"expected two {entries}"
-        case "too_long" if limits_of["max_length"] == 2:
+        case "missing" | "too_long" if limits_of.get("max_length", 2) == 2:
             text = f"expected two {entries}"
         case "too_short":
             text = f"expected {limits_of['min_length']} or more entries, found {limits_of['actual_length']}"
@@ -151,12 +150,6 @@ def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]
     """Yield the keys that the table at this place of a file may have."""
     for part in location:
         if isinstance(part, str) and part in model.model_fields:
-            model = next(_tables_in(model.model_fields[part].annotation), model)
+            kinds = (kind for kind in parts(model.model_fields[part].annotation) if isinstance(kind, type))
+            model = next((kind for kind in kinds if issubclass(kind, BaseModel)), model)
     yield from model.model_fields
-
-
-def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for argument in get_args(annotation):
-        yield from _tables_in(argument)

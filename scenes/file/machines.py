@@ -20,11 +20,7 @@ def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
 def numbers_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> dict[str, Samples]:
     """The numbers of many machines for `Scene.with_numbers`: SI, by the one form of their paths, shape (m, 1).
 
-    Nothing is checked but paths and shapes.
-
-    Args:
-        scene: the mechanism.
-        changes: by path in its file (`bodies.rod.mass`), in the file's units, the numbers of m machines, shape (m,).
+    They are given by path in the file (`bodies.rod.mass`), in its units, shape (m,); only paths and shapes are checked.
 
     Raises:
         InputError: no number is at a path, or one that cannot differ: of a motion law or of the sketch; two paths

@@ -55,11 +55,7 @@ def load(name_or_path: str | Path, changes: Mapping[str, Value] = MappingProxyTy
 
 
 def numbers_in(name_or_path: str | Path, paths: Sequence[str]) -> list[float]:
-    """Numbers of a scene file, in its own units.
-
-    Args:
-        name_or_path: as of `load`.
-        paths: where the numbers are, as `bodies.rod.lengths.P4-P5`.
+    """Numbers of a scene file, in its own units, by their paths, as `bodies.rod.lengths.P4-P5`.
 
     Raises:
         InputError: the file cannot be read, or there is no number at one of the paths, or one is named twice.

@@ -16,10 +16,7 @@ SCHEMA = "scene.schema.json"
 
 
 def write_starter(path: Path) -> list[Path]:
-    """Write a commented scene, its file named by the path and .toml, and the schema beside it where there is none.
-
-    Returns:
-        Both files.
+    """Write a commented scene, its file named by the path and .toml, and its schema beside it; return both files.
 
     Raises:
         InputError: the name cannot be a scene's, the file is there already, another schema is in its place, or the

@@ -16,11 +16,7 @@ _KINDS = {stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a so
 
 
 def read_toml(name_or_path: str | Path, known: Mapping[str, Path], kind: str) -> dict[str, Any]:
-    """The tables of a file: one of the known by its name, any other by its path; messages name its `kind`.
-
-    Raises:
-        InputError: the file cannot be read, or holds more than any such file needs.
-    """
+    """The tables of a file: one of the known by its name, any other by its path; InputError names its kind."""
     shown = one_line(str(name_or_path)) or "''"
     path = known.get(str(name_or_path), Path(name_or_path))
     with at_place(shown):
@@ -43,12 +39,7 @@ SUMMARY_BYTES = 100_000_000  # of a summary.json: one of a hundred bodies has a 
 
 
 def read_text(path: Path, most: int) -> str:
-    """What a text file of so many bytes at most holds.
-
-    Raises:
-        FileNotFoundError: there is none.
-        InputError: it cannot be read, is larger, or is no text in UTF-8; the message does not name it.
-    """
+    """What a text file in UTF-8, of so many bytes at most, holds; else InputError, or FileNotFoundError of none."""
     try:
         mode = path.stat().st_mode
         if not stat.S_ISREG(mode):

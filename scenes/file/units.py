@@ -31,11 +31,7 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta,
 
 
 def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
-    """The unit of each quantity, and what to multiply its number by to have it in SI, of a drive that slides or turns.
-
-    Raises:
-        InputError: a text is no unit of its quantity; the message has its place in the file and the nearest unit.
-    """
+    """The unit of each quantity, and what to multiply its number by to have it in SI; of the speed as the drive moves."""
     factors = {}
     speed, other = (_SLIDING, "rad/s") if slides else (_TURNING, "m/s")
     for name, usual in (_USUAL | {"speed": speed}).items():
@@ -52,11 +48,7 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
 
 
 def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:
-    """How many of the SI unit a unit of the named quantity is, at a place of its file; the message names the nearest.
-
-    Raises:
-        InputError: the text is no unit of the quantity; the message has its place in the file and the nearest unit.
-    """
+    """How many of the SI unit a unit is; InputError, with its place and the nearest, where it is none of that name."""
     wrong = ""
     if not _PRODUCT.fullmatch(unit):
         wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"

@@ -90,11 +90,7 @@ class Motion:
     unsupported: Mapping[str, str] = field(default_factory=dict)  # channel -> reason
 
     def __getitem__(self, channel: str) -> Samples:
-        """The samples of a channel by its name, shape (n,), in the unit of `UNITS`.
-
-        Raises:
-            KeyError: the motion has no such channel; the message names the reason, or the nearest one.
-        """
+        """The samples of a channel, shape (n,), in the unit of `UNITS`; KeyError with the reason, or the nearest."""
         if channel in self.samples:
             return self.samples[channel]
         if channel in self.unsupported:
