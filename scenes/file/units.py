@@ -31,7 +31,7 @@ _SMALLEST, _LARGEST = 1e-30, 1e30  # of a unit in SI: between quecto and quetta,
 
 
 def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str, float]]:
-    """The unit of each quantity, and what to multiply its number by to have it in SI; of the speed as the drive moves."""
+    """The unit of each quantity, and what to multiply its number by to have it in SI; of the speed as it slides."""
     factors = {}
     speed, other = (_SLIDING, "rad/s") if slides else (_TURNING, "m/s")
     for name, usual in (_USUAL | {"speed": speed}).items():

@@ -12,7 +12,6 @@ import pytest
 import scenes
 from scenes import InputError, limits
 from tests import scene_files
-from tests.chain import chain
 
 SCENES = str(Path(scenes.__file__).parent)
 Tables = dict[str, Any]
@@ -20,8 +19,16 @@ TraceFunction = Callable[..., Any]
 
 
 def four_bars(count: int) -> Tables:
-    """A chain of four-bars, each driving the next: two bodies a four-bar, with one crank, some given by lengths."""
-    return tomllib.loads(chain(count, "chain"))
+    """A chain of four-bars, each driving the next: two bodies and five points a four-bar, with one crank."""
+    bodies: Tables = {"crank": {"points": {"O": [0, 0], "T0": [1, 0]}}}
+    sketch: Tables = {"angle": 1, "T0": [0.5, 0.8]}
+    for i in range(count):
+        bodies[f"coupler{i}"] = {"lengths": {f"T{i}-B{i}": 4}}
+        bodies[f"rocker{i}"] = {"lengths": {f"C{i}-B{i}": 2.5, f"B{i}-T{i + 1}": 2, f"C{i}-T{i + 1}": 1}}
+        sketch |= {f"B{i}": [4 * i + 4, 2.4], f"T{i + 1}": [4 * i + 5, 0.5]}
+    points = {"O": [0, 0], **{f"C{i}": [4 * i + 4, 0] for i in range(count)}}
+    tables = {"format": 1, "name": "chain", "ground": {"points": points}, "bodies": bodies, "sketch": sketch}
+    return tables | {"drive": {"body": "crank", "speed": 1}, "output": {"point": "B0"}}
 
 
 def bodies(count: int) -> Tables:
@@ -31,10 +38,14 @@ def bodies(count: int) -> Tables:
 
 def points(count: int) -> Tables:
     """One four-bar, whose points are named nine times, and a crank with as many more as are asked for."""
-    tables = four_bars(1)
-    own = {"O": [0, 0], "T0": [1, 0], **{f"P{i}": [i, 1] for i in range(count - 9)}}
-    tables["bodies"]["crank"] = {"points": own, "mass": 1, "com": [0, 0], "inertia": 1}
+    tables = masses(four_bars(1))
+    tables["bodies"]["crank"]["points"] |= {f"P{i}": [i, 1] for i in range(count - 9)}
+    tables["bodies"]["crank"] |= {"com": [0, 0], "inertia": 1}
     return tables
+
+
+def masses(tables: Tables) -> Tables:
+    return tables | {"bodies": {name: body | {"mass": 1} for name, body in tables["bodies"].items()}}
 
 
 def law(count: int) -> Tables:
@@ -54,7 +65,7 @@ def variations(count: int) -> Tables:
 
 
 def several(key: str, one: Tables) -> Callable[[int], Tables]:
-    return lambda count: four_bars(1) | {key: [one] * count}
+    return lambda count: masses(four_bars(1)) | {key: [one] * count}
 
 
 def text(key: str) -> Callable[[int], Tables]:
@@ -62,7 +73,7 @@ def text(key: str) -> Callable[[int], Tables]:
 
 
 LOAD = {"body": "crank", "at": "T0", "force": [1, 0]}
-SPRING = {"between": ["ground.C1", "crank.T0"], "stiffness": 1, "length": 0}
+SPRING = {"between": ["ground.C0", "crank.T0"], "stiffness": 1, "length": 0}
 LIMITS: list[tuple[str, int, Callable[[int], Tables]]] = [
     ("bodies", limits.BODIES, bodies),
     ("bodies", limits.POINTS, points),
