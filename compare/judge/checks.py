@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND, Body
 
+from ..mechanics.bodies import distances
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, LoadedBody, MotionVectors
 from ..mechanics.press_switches import Acting, fitted
@@ -74,7 +75,7 @@ def checks(
     for body in scene.bodies.values():
         if motion.samples.keys() >= _closed_by(scene, body):
             violations["closure", body.name, "travel of its points"] = _gaps(mechanics, state, body, travel)
-    if motion.samples.keys() >= {*mechanics.kinematic}:
+    if motion.samples.keys() >= {*kinematic_channels(scene)}:
         estimated = estimate(mechanics, motion, travel, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
         violations |= _furthest_off(mechanics, estimated)
@@ -130,7 +131,7 @@ def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mappin
     against its guide is off by that angle, rad, at an arm of its travel.
     """
     gap = np.zeros(state.motion["time"].shape)
-    for (p, q), length in mechanics.distances[body.name].items():
+    for (p, q), length in distances(body).items():
         first, second = state.place(p), state.place(q)
         off = np.abs(np.abs(first - second) - length)
         rounding = ROUNDINGS * EPS * np.maximum(np.abs(first), np.abs(second))  # of links that are long for the travel
@@ -195,8 +196,11 @@ def _balances(
         """The power left over, to which all sliders add; the rest, each of one body, is the least of any."""
         bodies = replace(state, acting=acting).bodies()
         closed = replace(state, acting=acting, motion=estimated.closed).bodies()
-        left, terms = _newton_euler(mechanics, bodies), [drive, *_powers(mechanics, bodies)]
-        peaks, carried = ({name: body.peak for name, body in of.items()} for of in (bodies, closed))
+        left, terms = _newton_euler(bodies), [drive, *_powers(bodies)]
+        peaks, carried = (
+            {name: max(float(np.abs(force).max()) for force, _ in body.pushes) for name, body in of.items()}
+            for of in (bodies, closed)
+        )
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
         own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
         scale = force_scales(mechanics, state.motion, travel, own)
@@ -215,12 +219,12 @@ def _balances(
     return least
 
 
-def _newton_euler(mechanics: Mechanics, bodies: Mapping[str, LoadedBody]) -> Violations:
+def _newton_euler(bodies: Mapping[str, LoadedBody]) -> Violations:
     """By how much the reactions and loads of each body miss m a, N, and I alpha about the centre of mass, N m."""
     left: Violations = {}
     for name, body in bodies.items():
         force = -body.mass * body.acceleration
-        moment = body.couple - mechanics.inertia[name] * body.alpha
+        moment = body.couple - body.inertia * body.alpha
         for push, at in body.pushes:
             force = force + push
             moment = moment + ((at - body.com).conjugate() * push).imag
@@ -229,9 +233,9 @@ def _newton_euler(mechanics: Mechanics, bodies: Mapping[str, LoadedBody]) -> Vio
     return left
 
 
-def _powers(mechanics: Mechanics, bodies: Mapping[str, LoadedBody]) -> Iterator[Samples]:
+def _powers(bodies: Mapping[str, LoadedBody]) -> Iterator[Samples]:
     """Yield the power of each load, spring and weight, and less the rate of the kinetic energy of each body, W."""
-    for name, body in bodies.items():
+    for body in bodies.values():
         yield from ((push.velocity.conjugate() * push.force).real for push in body.applied)
         linear = -body.mass * (body.velocity * body.acceleration.conjugate()).real
-        yield linear - mechanics.inertia[name] * body.omega * body.alpha
+        yield linear - body.inertia * body.omega * body.alpha

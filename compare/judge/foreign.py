@@ -101,7 +101,7 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
         Failure: there is no reference at one of them.
     """
     moved, written = _meanwhile(reference, halves["time"], true), dict[str, Samples]()
-    for channel in reference.mechanics.channels[1:]:
+    for channel in reference.mechanics.groups:
         stem, axis = channel[:-1], channel[-1]
         both = (stem + "x", stem + "y") if axis in "xy" else (channel,)
         half = np.linalg.norm([halves[c] for c in both if c in halves] or [np.zeros(1)], axis=0)
@@ -146,7 +146,7 @@ def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) ->
 
 def _checks(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
     """What checks find; decimals may put a press's slider on the other side of a switch than in `true`."""
-    complete = motion.samples.keys() >= {*reference.mechanics.channels}
+    complete = motion.samples.keys() >= reference.mechanics.units.keys()
     may = reference.acts(motion, true) if complete else None
     return checks(reference.mechanics, motion, reference.travel, may, reference.stroke_ends)
 

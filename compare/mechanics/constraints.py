@@ -77,8 +77,6 @@ class Constraints:
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
         somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance
         self._groups = groups([np.flatnonzero(row).tolist() for row in self.jacobian(somewhere)[0]])
-        sizes = [len(group.rows) for group in self._groups]
-        self._alike = [np.flatnonzero(np.array(sizes) == size).tolist() for size in dict.fromkeys(sizes)]
 
     def _rows(self) -> Iterator[Constraint]:
         """Yield all constraints."""
@@ -111,16 +109,15 @@ class Constraints:
         """The poses of a motion after one step of Newton's onto the constraints, with their rates."""
         q = self.poses(motion)
         J = self.jacobian(q)
-        sign, size = self.determinant(J)
-        step = self.solve(J, self.gaps(q, motion[self.scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
+        branch = self._branch(J)
+        step = self._solve(J, self.gaps(q, motion[self.scene.drive_channel])[..., np.newaxis]).reshape(q.shape)
         q = q - np.where(np.isfinite(step), step, 0.0)
         J = self.jacobian(q)
-        inverse = self.solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
+        inverse = self._solve(J, np.broadcast_to(np.eye(len(self.units)), J.shape))
         _, rate, acceleration = (of[:, np.newaxis] / self.units[-1] for of in self.scene.drive.at(motion["time"]))
         v = (inverse[:, :, -1] * rate).reshape(q.shape)
         bending = (inverse @ self.bending(q, v)[..., np.newaxis])[..., 0]
         a = (inverse[:, :, -1] * acceleration - bending).reshape(q.shape)
-        branch = np.where(np.isnan(size), np.nan, sign)  # the determinant of what is not finite has a sign
         condition = np.linalg.norm(J, axis=(1, 2)) * np.linalg.norm(inverse, axis=(1, 2))
         return ClosedPoses(q, v, a, inverse, branch, condition)
 
@@ -152,33 +149,21 @@ class Constraints:
         J[:, rows, self._frame, 2] += (along.conj() * w).imag
         return J[:, :, :-1].reshape(len(q), len(rows), -1)
 
-    def determinant(self, J: Matrices) -> tuple[Samples, Samples]:
-        """The sign of det J, but for one that is the same everywhere, and its logarithm, each of shape (n,)."""
-        signs, sizes = zip(*(np.linalg.slogdet(blocks) for _, blocks in self._diagonal(J)), strict=True)
-        return np.prod(np.concatenate(signs, axis=1), axis=1), np.sum(np.concatenate(sizes, axis=1), axis=1)
+    def _branch(self, J: Matrices) -> Samples:
+        """The sign of det J, but for one that is the same everywhere, shape (n,); NaN where J is not finite."""
+        signs, sizes = zip(*(np.linalg.slogdet(_block(J, *group[:2])) for group in self._groups), strict=True)
+        return np.where(np.isnan(np.sum(sizes, axis=0)), np.nan, np.prod(signs, axis=0))
 
-    def solve(self, J: Matrices, right: Samples) -> Samples:
+    def _solve(self, J: Matrices, right: Samples) -> Samples:
         """J^-1 times what is given by constraints, shape (n, m, k): infinite in singular poses."""
         x, singular = np.zeros(right.shape), np.zeros(len(J), dtype=bool)
-        inverses: dict[int, Matrices] = {}
-        for numbers, blocks in self._diagonal(J):
-            alike = _inverse(blocks)
-            inverses |= zip(numbers, alike.swapaxes(0, 1), strict=True)
-            singular |= np.isinf(alike).all(axis=(2, 3)).any(axis=-1)
-        for number, (rows, columns, left) in enumerate(self._groups):
-            given = right[:, rows]
-            if left:
-                given = given - J[:, np.array(rows)[:, np.newaxis], left] @ x[:, left]
-            x[:, columns] = inverses[number] @ given
+        for rows, columns, left in self._groups:
+            inverse = _inverse(_block(J, rows, columns))
+            singular |= np.isinf(inverse).all(axis=(1, 2))
+            given = right[:, rows] - _block(J, rows, left) @ x[:, left] if left else right[:, rows]
+            x[:, columns] = inverse @ given
         x[singular] = np.inf
         return x
-
-    def _diagonal(self, J: Matrices) -> Iterator[tuple[Sequence[int], Matrices]]:
-        """Yield the blocks of each size, of groups by their numbers, in one array of shape (n, groups, size, size)."""
-        for numbers in self._alike:
-            rows = np.array([self._groups[number].rows for number in numbers])
-            columns = np.array([self._groups[number].columns for number in numbers])
-            yield numbers, J[:, rows[:, :, np.newaxis], columns[:, np.newaxis]]
 
     def bending(self, q: Poses, v: Poses) -> Samples:
         """d²C/dt² at rates v without accelerations, shape (n, m)."""
@@ -195,6 +180,10 @@ class Constraints:
         turn = np.exp(1j * angle)
         arm, other = self._arm * turn[:, self._first], self._other * turn[:, self._second]
         return self._along * turn[:, self._frame], z[:, self._first] + arm - z[:, self._second] - other, arm, other
+
+
+def _block(J: Matrices, rows: Sequence[int], columns: Sequence[int]) -> Matrices:
+    return J[:, np.array(rows)[:, np.newaxis], columns]
 
 
 def _inverse(J: Matrices) -> Matrices:

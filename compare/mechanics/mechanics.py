@@ -1,16 +1,13 @@
 """One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 from scenes import Scene
-from scenes.model.motion import UNITS, channels, force_channels, kinematic_channels, quantity
-from scenes.scene import PressForce
+from scenes.model.motion import UNITS, channels, force_channels, quantity
 
 from ..engines import registry
-from .axis import DriveAxis, axis
-from .bodies import distances, inertia
+from .axis import axis
 from .constraints import Constraints
 from .motion_vectors import press_forces
 from .perturbation import neighbours
@@ -26,21 +23,16 @@ GROUPS: Mapping[str, str] = (
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
 
 
-@dataclass(frozen=True)
 class Mechanics:
-    """The judge's own model of a linkage, each part made when it is first asked for."""
+    """The judge's own model of a linkage; what takes time or room is made when it is first asked for."""
 
-    scene: Scene
-
-    @cached_property
-    def channels(self) -> tuple[str, ...]:
-        """All its channels, in the order of the files."""
-        return channels(self.scene)
-
-    @cached_property
-    def kinematic(self) -> tuple[str, ...]:
-        """The channels of its motion."""
-        return kinematic_channels(self.scene)
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.axis = axis(scene)  # what curves run over, and where tables say that something happened
+        self.presses = press_forces(scene)
+        least, largest = scene.drive.extent
+        self.way = 1.0 if scene.driven_slide is None else largest - least  # rad or m: what the drive is measured by
+        self.rate = scene.drive.peak_rate / self.way  # 1/s
 
     @cached_property
     def forces(self) -> tuple[str, ...]:
@@ -49,18 +41,13 @@ class Mechanics:
 
     @cached_property
     def units(self) -> Mapping[str, str]:
-        """By channel its unit."""
-        return {channel: UNITS[quantity(channel)] for channel in self.channels}
+        """By channel its unit, in the order of the files."""
+        return {channel: UNITS[quantity(channel)] for channel in channels(self.scene)}
 
     @cached_property
     def groups(self) -> Mapping[str, str]:
         """By channel the group in which it is judged; all but the time."""
-        return {channel: GROUPS[quantity(channel)] for channel in self.channels if channel != "time"}
-
-    @cached_property
-    def axis(self) -> DriveAxis:
-        """What curves run over, and where tables say that something happened."""
-        return axis(self.scene)
+        return {channel: GROUPS[quantity(channel)] for channel in self.units if channel != "time"}
 
     @cached_property
     def constraints(self) -> Constraints:
@@ -79,21 +66,6 @@ class Mechanics:
         return {channel: one[self.units[channel]] for channel in self.forces}
 
     @cached_property
-    def distances(self) -> Mapping[str, Mapping[tuple[str, str], float]]:
-        """By body the known distances of its points, m."""
-        return {name: distances(body) for name, body in self.scene.bodies.items()}
-
-    @cached_property
-    def inertia(self) -> Mapping[str, float]:
-        """By body its moment of inertia about the centre of mass, kg m^2."""
-        return {name: inertia(body) for name, body in self.scene.bodies.items()}
-
-    @cached_property
-    def presses(self) -> tuple[PressForce, ...]:
-        """The loads that depend on the direction of motion."""
-        return press_forces(self.scene)
-
-    @cached_property
     def along_guides(self) -> Mapping[str, tuple[str, ...]]:
         """By body that slides its moving points, and those of the body that it slides on."""
         bodies, moving = self.scene.bodies, {*self.scene.moving_points}
@@ -102,17 +74,6 @@ class Mechanics:
             name: tuple(p for each in (name, guide) if each in bodies for p in bodies[each].points if p in moving)
             for name, guide in on.items()
         }
-
-    @property
-    def way(self) -> float:
-        """What the drive's position is measured by: 1 rad, or the travel of a slider that is driven, m."""
-        least, largest = self.scene.drive.extent
-        return 1.0 if self.scene.driven_slide is None else largest - least
-
-    @property
-    def rate(self) -> float:
-        """The drive's peak rate over its `way`, 1/s."""
-        return self.scene.drive.peak_rate / self.way
 
     @cached_property
     def neighbours(self) -> tuple[registry.Solve, ...]:

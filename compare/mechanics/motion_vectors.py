@@ -14,7 +14,7 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body, ForceTable, Load, PressForce, Slide
 
-from .bodies import first_point
+from .bodies import first_point, inertia
 
 Vectors = NDArray[np.complex128]
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
@@ -36,6 +36,7 @@ class LoadedBody(NamedTuple):
     """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
 
     mass: float  # kg
+    inertia: float  # kg m^2, about the centre of mass
     applied: Sequence[AppliedForce]
     pushes: Sequence[tuple[Vectors, Vectors]]  # these and the forces of joints, with their points of attack
     couple: Samples  # N m
@@ -44,11 +45,6 @@ class LoadedBody(NamedTuple):
     acceleration: Vectors
     omega: Samples
     alpha: Samples
-
-    @property
-    def peak(self) -> float:
-        """The largest force on it, N."""
-        return max(float(np.abs(force).max()) for force, _ in self.pushes)
 
 
 @dataclass(frozen=True)
@@ -63,31 +59,23 @@ class MotionVectors:
         """Two channels as one vector."""
         return self.motion[f"{stem}{x}"] + 1j * self.motion[f"{stem}{y}"]
 
-    def place(self, point: str) -> Vectors:
-        """Where a point is."""
+    def place(self, point: str, rate: str = "") -> Vectors:
+        """Where a point is, or of `v` and `a` its velocity and acceleration."""
         if point in self.scene.ground:
-            return np.full(self.motion["time"].shape, complex(*self.scene.ground[point]))
-        return self.vector(f"{point}.", "x", "y")
+            return np.full(self.motion["time"].shape, 0j if rate else complex(*self.scene.ground[point]))
+        return self.vector(f"{point}.", f"{rate}x", f"{rate}y")
 
     def point(self, point: str) -> tuple[Vectors, Vectors, Vectors]:
         """Position, velocity and acceleration."""
-        if point in self.scene.ground:
-            still = np.zeros(self.motion["time"].shape, complex)
-            return self.place(point), still, still
-        return self.place(point), self.vector(f"{point}.", "vx", "vy"), self.vector(f"{point}.", "ax", "ay")
+        return self.place(point), self.place(point, "v"), self.place(point, "a")
 
-    def angle(self, body: str) -> Samples:
-        """The angle of a body's x axis, or of the ground's."""
-        if body not in self.scene.turning:
-            return np.zeros(self.motion["time"].shape)
-        return self.motion[f"{body}.angle"]
+    def angle(self, body: str, of: str = "angle") -> Samples:
+        """The angle of a body's x axis, or of the ground's; or `omega` or `alpha`."""
+        return self.motion[f"{body}.{of}"] if body in self.scene.turning else np.zeros(self.motion["time"].shape)
 
     def turning(self, body: str) -> tuple[Samples, Samples, Samples]:
         """Angle, omega and alpha of a body or the ground."""
-        if body not in self.scene.turning:
-            still = np.zeros(self.motion["time"].shape)
-            return still, still, still
-        return self.angle(body), self.motion[f"{body}.omega"], self.motion[f"{body}.alpha"]
+        return self.angle(body), self.angle(body, "omega"), self.angle(body, "alpha")
 
     def com(self, body: Body) -> tuple[Vectors, Vectors, Vectors]:
         """Position, velocity and acceleration of the centre of mass; of uniform bodies, the corners' mean."""
@@ -164,14 +152,12 @@ class MotionVectors:
         if body.name == self.scene.drive.body and body.slide is not None:
             yield self.motion["drive.force"] * np.array(complex(*body.slide.along)), self.place(body.points[0])
 
-    def couples(self, body: Body) -> Samples:
+    def _couple(self, body: Body) -> Samples:
         """The pure moments on the body, N m."""
-        couple = np.zeros(self.motion["time"].shape)
-        for sign, slider, _ in self._guides(body):
-            couple = couple + sign * self.motion[f"{slider.name}.guide_moment"]
+        couples = [sign * self.motion[f"{slider.name}.guide_moment"] for sign, slider, _ in self._guides(body)]
         if body.name == self.scene.drive.body and body.slide is None:
-            couple = couple + self.motion["drive.torque"]
-        return couple
+            couples.append(self.motion["drive.torque"])
+        return sum(couples, np.zeros(self.motion["time"].shape))
 
     def bodies(self) -> dict[str, LoadedBody]:
         """All bodies of a motion that has every channel, by name."""
@@ -180,9 +166,8 @@ class MotionVectors:
             applied = [*self.applied(body)]
             pushes = [*self.joint_forces(body), *((push.force, push.at) for push in applied)]
             _, omega, alpha = self.turning(name)
-            moving[name] = LoadedBody(
-                body.mass or 0.0, applied, pushes, self.couples(body), *self.com(body), omega, alpha
-            )
+            weights = body.mass or 0.0, inertia(body)
+            moving[name] = LoadedBody(*weights, applied, pushes, self._couple(body), *self.com(body), omega, alpha)
         return moving
 
     def drive_power(self) -> Samples:
@@ -233,13 +218,9 @@ def press_forces(scene: Scene) -> tuple[PressForce, ...]:
 
 
 def quintic(h: Any, x: Any, v: Any, a: Any) -> Samples:
-    """The six coefficients, shape (6, ...), over steps from 0 to 1, h long, from values and derivatives at both ends.
+    """The six coefficients, shape (6, ...), over steps from 0 to 1, of length h, shape (...).
 
-    Args:
-        h: the length of the step.
-        x: the values at its two ends, each of shape (...).
-        v: the first derivatives.
-        a: the second ones.
+    Values x and their derivatives v and a are pairs, those at the two ends of a step, each of shape (...).
     """
     (x0, x1), (v0, v1), (a0, a1) = x, (h * v[0], h * v[1]), (h**2 * a[0], h**2 * a[1])
     d, e, f = x1 - x0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0

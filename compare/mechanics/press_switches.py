@@ -30,10 +30,7 @@ def fitted(
 ) -> tuple[Channels, Channels]:
     """What the forces do where all act that may, and as they stand with the least misfit, sample by sample.
 
-    Args:
-        presses: the forces.
-        may: whether each may act.
-        misfit: of forces that stand somehow, shape (n,), and what they do then, each of shape (n,).
+    `misfit` is that of forces that stand somehow, shape (n,), with what they do then, each of shape (n,).
     """
     if not presses:
         _, alone = misfit([])

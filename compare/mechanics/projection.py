@@ -16,9 +16,10 @@ import numpy as np
 from scenes import Motion
 from scenes.model.motion import Samples
 
+from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
 from .mechanics import Mechanics
-from .motion_vectors import MotionVectors, Vectors
+from .motion_vectors import MotionVectors
 from .press_switches import Acting, fitted
 
 
@@ -38,24 +39,20 @@ def projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float] | None
     """
     if ends is None:
         ends = MotionVectors(mechanics.scene, motion).stroke_ends()
-    parts = [_projected(mechanics, block, ends) for block in mechanics.constraints.blocks(motion)]
-    return Projection(
-        Motion({c: np.concatenate([part.closed[c] for part in parts]) for c in parts[0].closed.samples}),
-        {c: np.concatenate([part.forces[c] for part in parts]) for c in parts[0].forces},
-        np.concatenate([part.branch for part in parts]),
-        np.concatenate([part.condition for part in parts]),
-    )
+    parts = []
+    for block in mechanics.constraints.blocks(motion):
+        poses = mechanics.constraints.closed(block)
+        closed = {c: block[c] for c in ("time", mechanics.scene.drive_channel)} | _kinematics(mechanics, poses)
+        acting, fitting = (
+            _loads(mechanics, block, Motion(closed), poses.inverse, ends) if mechanics.forces else ({}, {})
+        )
+        parts.append(({**closed, **acting}, fitting, {"branch": poses.branch, "condition": poses.condition}))
+    closed, fitting, known = map(_joined, zip(*parts, strict=True))
+    return Projection(Motion(closed), fitting, **known)
 
 
-def _projected(mechanics: Mechanics, motion: Motion, ends: Sequence[float]) -> Projection:
-    """The projection of a part of a motion."""
-    poses = mechanics.constraints.closed(motion)
-    given = {channel: motion[channel] for channel in ("time", mechanics.scene.drive_channel)}
-    closed = Motion(given | _kinematics(mechanics, poses))
-    if not mechanics.forces:
-        return Projection(closed, {}, poses.branch, poses.condition)
-    acting, fitting = _loads(mechanics, motion, closed, poses.inverse, ends)
-    return Projection(Motion({**closed.samples, **acting}), fitting, poses.branch, poses.condition)
+def _joined(parts: Sequence[Mapping[str, Samples]]) -> dict[str, Samples]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 def _kinematics(mechanics: Mechanics, poses: ClosedPoses) -> dict[str, Samples]:
@@ -101,13 +98,8 @@ def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     for body in mechanics.scene.bodies.values():
         first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
         force = (body.mass or 0.0) * acceleration
-        moment = mechanics.inertia[body.name] * state.turning(body.name)[2] + _cross(com - first, force)
+        moment = inertia(body) * state.angle(body.name, "alpha") + ((com - first).conjugate() * force).imag
         for push in state.applied(body):
-            force, moment = force - push.force, moment - _cross(push.at - first, push.force)
+            force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag
         needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
     return np.stack(needed, axis=1)[..., np.newaxis]
-
-
-def _cross(arm: Vectors, force: Vectors) -> Samples:
-    cross: Samples = (arm.conj() * force).imag
-    return cross

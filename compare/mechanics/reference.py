@@ -13,7 +13,7 @@ from ..engines import registry
 from .mechanics import Mechanics
 from .motion_vectors import Acts, MotionVectors
 from .press_switches import Acting, fitted, fixed, on_switch
-from .scales import largest_distance, relative_errors, scales, travels
+from .scales import chord, relative_errors, scales, travels
 
 SCALE_SAMPLES = 3600  # a cycle: fine enough for peaks to 1e-6 of themselves
 REMEMBERED, FEW = 4, 4096  # motions, of samples at most
@@ -75,18 +75,18 @@ class Reference:
             return np.asarray(sum(relative_errors(there, Motion({"time": time, **side}), self.scale).values()))
 
         def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
-            other = {channel: np.empty(rows.shape) for channel in forces}
+            other = np.empty((len(forces), rows.size))
             for scene, some in fixed(self.scene, acting):
                 standing = registry.reference(scene)(position[some], time[some])
-                for channel in other:
-                    other[channel][some] = standing[channel]
-            return off(other), other
+                other[:, some] = [standing[channel] for channel in forces]
+            side = dict(zip(forces, other, strict=True))
+            return off(side), side
 
         _, best = fitted(self.mechanics.presses, [act[:, rows] for act in may], misfit)
         better = off(best) < off(now)
         changed = {channel: true[channel].copy() for channel in forces}
-        for channel in forces:
-            changed[channel][rows] = np.where(better, best[channel], now[channel])
+        for channel, samples in changed.items():
+            samples[rows[better]] = best[channel][better]
         return Motion({**true.samples, **changed})
 
 
@@ -123,7 +123,7 @@ def uncertified(scene: Scene) -> Reference:
     solve = registry.checked_reference(scene)
     motion = solve(sampling.commanded(scene), sampling.times(scene))
     output, travel = scene.output, travels(scene, motion)
-    stroke = largest_distance(motion[f"{output}.x"] + 1j * motion[f"{output}.y"])
+    stroke = abs(chord(motion[f"{output}.x"] + 1j * motion[f"{output}.y"]))
     if not stroke > 0:
         raise InputError(f"{scene.file}: output: {output} does not move; expected a point that does")
     scale, ends = scales(mechanics, motion, travel), MotionVectors(scene, motion).stroke_ends()

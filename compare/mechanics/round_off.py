@@ -61,14 +61,10 @@ class Explained:
 
 
 def explain(reference: Reference, sampling: Rows) -> Explained:
-    """What is explained at the samples of a run, as commanded.
-
-    Raises:
-        Failure: the reference cannot take the scene apart.
-    """
+    """What is explained at the samples of a run, as commanded; a `Failure` where the reference has no motion there."""
     scene, mechanics = reference.scene, reference.mechanics
     true = reference.at(sampling.commanded(scene), sampling.times(scene))
-    moved = sensitivity(mechanics, true, reference.errors)
+    moved = _sensitivity(mechanics, true, reference.errors)
     known, forces = mechanics.constraints.condition(true) * off_origin(mechanics, true), _forces(mechanics, true)
     largest = reduce(np.maximum, forces.values(), np.zeros_like(known))
     strongest = max(forces, key=lambda name: float(forces[name].max()), default="")
@@ -89,17 +85,12 @@ def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
     return {push.name: np.abs(push.force) for push in applied} | {f"the force {c}": size for c, size in joints.items()}
 
 
-def sensitivity(
+def _sensitivity(
     mechanics: Mechanics, true: Motion, errors: Callable[[Motion, Motion], Mapping[str, Samples]]
 ) -> dict[str, Samples]:
     """By how much each channel moves when lengths, places and drive are off by a few last places, shape (n,).
 
     Infinite where one of the scenes cannot be assembled: then doubles know nothing of the motion.
-
-    Args:
-        mechanics: of the linkage.
-        true: its motion, whose drive its neighbours follow, off by as little.
-        errors: by channel those of a motion against the true one, each of shape (n,).
     """
     position = true[mechanics.scene.drive_channel]
     least = 1e-3 * np.ptp(mechanics.scene.drive.extent)  # an angle that passes through zero is no better known there

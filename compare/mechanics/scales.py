@@ -120,14 +120,9 @@ def travels(scene: Scene, motion: Motion) -> dict[str, float]:
     Left out are points whose positions the motion has not.
     """
     known = [point for point in scene.moving_points if {f"{point}.x", f"{point}.y"} <= motion.samples.keys()]
-    own = {point: largest_distance(motion[f"{point}.x"] + 1j * motion[f"{point}.y"]) for point in known}
+    own = {point: abs(chord(motion[f"{point}.x"] + 1j * motion[f"{point}.y"])) for point in known}
     least = LEAST * max(own.values(), default=0.0)
     return {point: max(travel, least) for point, travel in own.items()}
-
-
-def largest_distance(places: Vectors) -> float:
-    """The largest distance between two of some positions, given as x + iy, shape (n,)."""
-    return abs(chord(places))
 
 
 def chord(places: Vectors) -> complex:

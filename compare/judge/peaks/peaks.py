@@ -47,7 +47,7 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     is below the reference's floor.
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
-    asked = wanted.issuperset(reference.mechanics.channels)
+    asked = wanted.issuperset(reference.mechanics.units)
     known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
     followed = curves(scene, reference.scale, known)
     if not followed:

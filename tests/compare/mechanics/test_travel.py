@@ -9,7 +9,7 @@ from compare.engines.runner import Run, run
 from compare.judge.measure import assess
 from compare.mechanics.reference import Reference, uncertified
 from compare.mechanics.round_off import explain
-from compare.mechanics.scales import largest_distance
+from compare.mechanics.scales import chord
 from scenes import Motion, Sampling, Status
 from tests import scene_files
 
@@ -37,12 +37,12 @@ PLACES = {
 def test_the_largest_distance_is_that_of_all_pairs(of: str) -> None:
     places = PLACES[of].astype(complex)
     pairs = np.abs(places[:, None] - places)
-    assert largest_distance(places) == pytest.approx(pairs.max(), rel=1e-15)
+    assert abs(chord(places)) == pytest.approx(pairs.max(), rel=1e-15)
 
 
 def test_it_does_not_depend_on_the_frame() -> None:
     places = PLACES["of a figure of eight"]
-    assert largest_distance(places * np.exp(0.7j)) == pytest.approx(largest_distance(places), rel=1e-14)
+    assert abs(chord(places * np.exp(0.7j))) == pytest.approx(abs(chord(places)), rel=1e-14)
 
 
 @pytest.fixture(scope="module")
