@@ -35,6 +35,7 @@ FAILED = {
     Status.timed_out: "ran out of time",
     Status.crashed: "crashed",
 }  # why there is nothing to compare
+CONTRADICTION = "contradicts itself"
 EQUAL = 1e-6  # of a cycle: instants are written at decimals
 
 
@@ -66,17 +67,13 @@ class WorstError(NamedTuple):
 def worst_error(scene: Scene, measurement: Measurement, groups: Sequence[str] = ()) -> WorstError | None:
     """The largest error of an engine, a NaN counting as the largest; None where nothing was compared.
 
-    Args:
-        scene: the linkage.
-        measurement: of the engine.
-        groups: the channel groups to look at; all where none is named.
+    It is that of some channel groups, of all where none is named.
     """
     rows = [row for row in measurement.errors if not groups or row.group in groups]
     if not rows:
         return None
     row = worst_of(rows)
-    at = np.nan if row.max <= row.floor else row.max_at / axis(scene).factor
-    return WorstError(row.max, row.channel, at)
+    return WorstError(row.max, row.channel, np.nan if row.max <= row.floor else row.max_at / axis(scene).factor)
 
 
 @dataclass(frozen=True)
@@ -159,31 +156,29 @@ def agreement(judged: Judgement) -> Agreement:
     """
     others = [m for m in judged.measurements if m.run.engine != REFERENCE]
     confirming = [m for m in others if m.run.status is Status.ok]
-    contradiction = _contradiction(judged, others)
-    unsolved = [f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok]
-    if contradiction:
+    if contradiction := _contradiction(judged, others):
         return Agreement(Word.disagrees, contradiction)
+    unsolved = _listed([f"{m.run.engine} {_why(m)}" for m in others if m.run.status is not Status.ok])
     if not confirming:
-        alone = f"{_listed(unsolved)}; nothing else checks it" if unsolved else "No other engine was asked"
+        alone = f"{unsolved}; nothing else checks it" if unsolved else "No other engine was asked"
         certified = judged.reference.floor.by_channel and not unsolved
-        sentence = f"{alone}; {_certified(judged)}."
-        return Agreement(Word.in_part if certified else Word.not_solved, sentence)
-    sentence = f"{_confirmed(judged, confirming)}; {_certified(judged)}."
+        return Agreement(Word.in_part if certified else Word.not_solved, f"{alone}; {_certified(judged)}.")
+    sentences = [f"{_confirmed(judged, confirming)}; {_certified(judged)}."]
     whole = [m for m in confirming if _whole_cycle(judged.scene, m)]
-    given = {channel for m in whole if m.run.motion for channel in m.run.motion.samples}
-    given |= {"time", judged.scene.drive_channel}  # inputs
+    given = {"time", judged.scene.drive_channel}.union(*(m.run.motion.samples for m in whole if m.run.motion))
     unchecked = [channel for channel in judged.sampling.wanted(judged.scene) if channel not in given]
     if unchecked:
         where = " over a whole cycle" * (len(whole) < len(confirming)) + ", among others" * (len(unchecked) > 1)
-        sentence += f" No other engine that is ok gives {unchecked[0]}{where}."
-    if judged.ok and not unchecked:
+        sentences.append(f"No other engine that is ok gives {unchecked[0]}{where}.")
+    agrees = judged.ok and not unchecked
+    if agrees and judged.held:
         count = len(judged.held)
-        met = {0: "", 1: " The tolerance is met."}.get(count, f" All {count} tolerances are met.")
-        return Agreement(Word.agrees, sentence + met)
-    besides = [f"{_listed(unsolved)}."] if unsolved else []
+        sentences.append("The tolerance is met." if count == 1 else f"All {count} tolerances are met.")
+    if not agrees and unsolved:
+        sentences.append(f"{unsolved}.")
     if judged.let_through:
-        besides.append("The comparison let through faults that were put into copies of these runs.")
-    return Agreement(Word.in_part, " ".join([sentence, *besides]))
+        sentences.append("The comparison let through faults that were put into copies of these runs.")
+    return Agreement(Word.agrees if agrees else Word.in_part, " ".join(sentences))
 
 
 def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
@@ -200,36 +195,37 @@ def _whole_cycle(scene: Scene, measurement: Measurement) -> bool:
 
 def _contradiction(judged: Judgement, others: Sequence[Measurement]) -> str:
     """Which model contradicts the rest, in what, by how much, and the likely cause; or nothing."""
-    core = next((m.run for m in judged.measurements if m.run.engine == REFERENCE), None)
-    if doubt := judged.reference.floor.doubt:
-        return f"{_capital(_name(judged))} is not to be believed: {doubt.partition(': ')[0]}."
-    if core is not None and core.status is not Status.ok:
-        return f"{_capital(_name(judged))} {FAILED.get(core.status, 'contradicts itself')}."
+    name, doubt = _name(judged), judged.reference.floor.doubt
+    core = [m.run.status for m in judged.measurements if m.run.engine == REFERENCE and m.run.status is not Status.ok]
+    if doubt or core:
+        why = f"is not to be believed: {doubt.partition(': ')[0]}" if doubt else FAILED.get(core[0], CONTRADICTION)
+        return f"{name[0].upper()}{name[1:]} {why}."
     off = [m for m in others if m.run.status in CONTRADICTS]
     if off:
         worst = max(off, key=lambda m: _size(judged, m))
+        error = worst_error(judged.scene, worst)
+        by = f" by {sized(error.size)}" if error and isfinite(error.size) else ""
         names, verb = _listed([m.run.engine for m in off]), "disagrees" if len(off) == 1 else "disagree"
         which = "" if len(off) == 1 else f", most of all {worst.run.engine}"
-        return f"{names} {verb} with {_name(judged)}{which}{_by(judged, worst)}{_cause(judged, worst)}."
-    missed = [gate for gate in judged.held if gate.missed]
-    ok = {m.run.engine: m for m in others if m.run.status is Status.ok}
-    for gate in missed:
-        if gate.engine in ok or gate.engine == REFERENCE:
+        where = f"{by} in {error.channel}" if error else ""
+        return f"{names} {verb} with {name}{which}{where}{_cause(judged, worst.run.engine)}."
+    ok = {m.run.engine for m in others if m.run.status is Status.ok}
+    for gate in judged.held:
+        if gate.missed and gate.engine in {REFERENCE, *ok}:
             size = f"off by {sized(gate.error)} in {gate.worst}" if isfinite(gate.error) else gate.worst
-            cause = _cause(judged, ok[gate.engine]) if gate.engine in ok else ""
+            cause = _cause(judged, gate.engine) if gate.engine in ok else ""
             return f"{gate.engine} misses its {gate.group} tolerance: {size}{cause}."
     return ""
 
 
 def _confirmed(judged: Judgement, confirming: Sequence[Measurement]) -> str:
     size = max(_size(judged, m) for m in confirming)
-    verb = "agrees" if len(confirming) == 1 else "agree"
+    verb, each = ("agrees", "it gives") if len(confirming) == 1 else ("agree", "each gives")
     channels = "every channel" if judged.sampling.channels is None else "every channel asked for"
-    engines = _listed([m.run.engine for m in confirming])
     if any(m.foreign or (m.run.motion and m.run.motion.unsupported) for m in confirming):
-        channels += " that it gives" if len(confirming) == 1 else " that each gives"
+        channels += f" that {each}"
     to = f" to {within(size)}" if isfinite(size) else ""  # nothing but the drive may have been asked for
-    return f"{engines} {verb} with {_name(judged)}{to} in {channels}"
+    return f"{_listed([m.run.engine for m in confirming])} {verb} with {_name(judged)}{to} in {channels}"
 
 
 def _size(judged: Judgement, measurement: Measurement) -> float:
@@ -238,25 +234,17 @@ def _size(judged: Judgement, measurement: Measurement) -> float:
     return worst.size if worst is not None and isfinite(worst.size) else np.inf
 
 
-def _by(judged: Judgement, measurement: Measurement) -> str:
-    worst = worst_error(judged.scene, measurement)
-    if worst is None:
-        return ""
-    return f" by {sized(worst.size)} in {worst.channel}" if isfinite(worst.size) else f" in {worst.channel}"
-
-
-def _cause(judged: Judgement, measurement: Measurement) -> str:
+def _cause(judged: Judgement, engine: str) -> str:
     """The likely cause where one is known."""
-    engine = measurement.run.engine
     cause = judged.causes.get(engine, "").removeprefix(f"{engine}: ")
     return f"; likely cause: {cause}" if cause else ""
 
 
 def _why(measurement: Measurement) -> str:
-    run, entry = measurement.run, registry.ENTRIES.get(measurement.run.engine)
+    entry = registry.ENTRIES.get(measurement.run.engine)
     if entry is not None and entry.missing:
         return "cannot be run" if entry.trouble else "is not installed"
-    return FAILED.get(run.status, "contradicts itself")
+    return FAILED.get(measurement.run.status, CONTRADICTION)
 
 
 def _name(judged: Judgement) -> str:
@@ -264,16 +252,12 @@ def _name(judged: Judgement) -> str:
 
 
 def _certified(judged: Judgement) -> str:
-    floor = judged.reference.floor
-    if floor.by_channel:
-        there = f"{digits(max(floor.by_channel.values()))} digits at {FLOOR_SAMPLES} positions of the drive"
-        return f"a calculation with 50 digits confirms {_name(judged)} to {there}{floor.limit}"
-    return f"no calculation with 50 digits confirms {_name(judged)}"
+    floor, name = judged.reference.floor, _name(judged)
+    if not floor.by_channel:
+        return f"no calculation with 50 digits confirms {name}"
+    there = f"{digits(max(floor.by_channel.values()))} digits at {FLOOR_SAMPLES} positions of the drive"
+    return f"a calculation with 50 digits confirms {name} to {there}{floor.limit}"
 
 
 def _listed(names: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

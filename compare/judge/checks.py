@@ -61,13 +61,8 @@ def checks(
 ) -> list[Check]:
     """Every check that the motion has the channels for.
 
-    Args:
-        mechanics: of the linkage.
-        motion: what is checked.
-        travel: of each moving point, m, see `travels`.
-        may: whether each press force may act, by sample; None where the motion itself decides, which is of a whole
-            cycle.
-        ends: where their strokes end, m; None likewise.
+    `travel` is that of each moving point, m, see `travels`; `may`, by sample, whether each press force may act, and
+    `ends` where their strokes end, m: None where the motion itself shows it, which is then of a whole cycle.
     """
     scene, state, places = mechanics.scene, MotionVectors(mechanics.scene, motion), mechanics.axis.of(motion)
     asked = "radian" if scene.driven_slide is None else "travel"

@@ -61,11 +61,7 @@ class Comparison:
 
 
 def compare(reference: Reference, sampling: Rows, motion: Motion) -> Comparison:
-    """Measure one engine's motion against the reference at the engine's own instants.
-
-    Raises:
-        Failure: there is no reference where the engine's drive is.
-    """
+    """One engine's motion against the reference at its own instants; a `Failure` where its drive has no reference."""
     scene = reference.scene
     position = sampling.commanded(scene)
     commanded = reference.at(position, sampling.times(scene))
@@ -116,36 +112,22 @@ def error_table(
     engine: str, comparison: Comparison, reference: Reference, explained: Explained | None = None
 ) -> list[ChannelError]:
     """One row a channel; no error is shown below the reference's floor, or for the reference without one."""
-    actual, commanded = comparison.actual, comparison.commanded
-    known = actual if explained is None else explained.left_over(actual)
+    known = comparison.actual if explained is None else explained.left_over(comparison.actual)
     least = np.nan if engine == REFERENCE else 0.0  # where there is no floor: the reference agrees with itself
-    names = [*comparison.actual]
-    floor = np.array([reference.floor.by_channel.get(channel, np.nan) for channel in names])
     last_turn, toggle = comparison.last_turn, np.flatnonzero(comparison.toggle)
-    figures = {
-        "max": [_largest(error) for error in actual.values()],
-        "unexplained": [_largest(known[channel]) for channel in names],
-        "rms": [_rms(error) for error in actual.values()],
-        "last_turn_max": [_largest(error[last_turn]) for error in actual.values()],
-        "toggle_max": [_largest(error[toggle]) if toggle.size else np.nan for error in actual.values()],
-        "commanded_max": [_largest(commanded[channel]) for channel in names],
-        "commanded_rms": [_rms(commanded[channel]) for channel in names],
-    }
-    worst = [int(error.argmax()) for error in actual.values()]
-    shown = np.maximum([*figures.values()], np.where(floor >= 0, floor, least)).tolist()
-    columns: dict[str, Sequence[object]] = {
-        "engine": [engine] * len(names),
-        "channel": names,
-        "group": [reference.mechanics.groups[channel] for channel in names],
-        **dict(zip(figures, shown, strict=True)),
-        "explained": [np.nan if explained is None else float(explained.error(channel).max()) for channel in names],
-        "max_at": comparison.axis[worst].tolist(),
-        "max_at_unit": [reference.mechanics.axis.unit] * len(names),
-        "floor": floor.tolist(),
-        "scale": [reference.scale[channel] for channel in names],
-        "unit": [reference.mechanics.units[channel] for channel in names],
-    }
-    return [ChannelError._make(row) for row in zip(*map(columns.__getitem__, ChannelError._fields), strict=True)]
+    table, mechanics = [], reference.mechanics
+    for channel, error in comparison.actual.items():
+        commanded, worst = comparison.commanded[channel], int(error.argmax())
+        floor = reference.floor.by_channel.get(channel, np.nan)
+        figures = [error[worst], _largest(known[channel]), _rms(error), _largest(error[last_turn])]
+        figures += [_largest(error[toggle]) if toggle.size else np.nan, _largest(commanded), _rms(commanded)]
+        shown = np.maximum(figures, floor if floor >= 0 else least).tolist()
+        explains = np.nan if explained is None else float(explained.error(channel).max())
+        at = float(comparison.axis[worst]), mechanics.axis.unit
+        scale = reference.scale[channel], mechanics.units[channel]
+        row = engine, channel, mechanics.groups[channel], *shown, explains, *at, floor, *scale
+        table.append(ChannelError._make(row))
+    return table
 
 
 def worst_of(rows: Sequence[ChannelError], figure: str = "max") -> ChannelError:

@@ -14,7 +14,7 @@ from ..engines.reasons import described
 from ..engines.runner import HERE, Run, Runs
 from ..mechanics import axis as units
 from ..mechanics.reference import Floor, Reference, uncertified
-from ..mechanics.round_off import Explained, explain
+from ..mechanics.round_off import explain
 from .measure import Measurement, assess
 
 FLOOR_SAMPLES = 72  # a cycle: what arbitrary precision can afford in every run
@@ -24,11 +24,6 @@ NO_ANSWER = {Status.unsupported, Status.timed_out, Status.not_converged, Status.
 
 def establish(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HERE) -> Reference:
     """Solve one cycle of the reference, take the scales from it, and certify it for some of the channels or all.
-
-    Args:
-        scene: the mechanism.
-        channels: those to certify; None for all.
-        runs: what runs arbitrary precision.
 
     Raises:
         InputError: the reference cannot solve the scene, so that there is nothing to compare with.
@@ -56,27 +51,17 @@ def solved(scene: Scene, channels: frozenset[str] | None = None, runs: Runs = HE
     settings = registry.engine(registry.REFERENCE).DEFAULT
     both = Run(registry.REFERENCE, settings, Status.ok, motion=own), runs.run(registry.ORACLE, scene, sampling)
     core, oracle = (assess(reference, sampling, run, explained) for run in both)
-    return replace(reference, floor=certified(scene, core, oracle, explained))
-
-
-def certified(scene: Scene, core: Measurement, oracle: Measurement, explained: Explained) -> Floor:
-    """The floor of a reference without one, measured at a few positions of one cycle.
-
-    Args:
-        scene: the mechanism.
-        core: the reference at these positions.
-        oracle: arbitrary precision there.
-        explained: of errors, by doubles.
-    """
     doubt = _doubt(core, oracle)
     if oracle.comparison is None:
-        return Floor({}, f"not certified: {oracle.run.reason}", doubt)
+        return replace(reference, floor=Floor({}, f"not certified: {oracle.run.reason}", doubt))
     where = f"{FLOOR_SAMPLES} {'angles' if units.turns_fully(scene) else 'instants'}"
     by = f"{registry.ENTRIES[registry.ORACLE].version} at {where} a {units.cycle_name(scene)}"
     floor = {channel: float(error.max()) for channel, error in oracle.comparison.commanded.items()}
-    worst, promise = max(floor, key=floor.__getitem__), (core.run.settings or Settings("")).promise
-    limit = "" if floor[worst] <= promise else f", all that doubles leave of {worst}: {explained.why(worst)}"
-    return Floor(floor, by, doubt, limit)
+    worst = max(floor, key=floor.__getitem__)
+    limit = (
+        f", all that doubles leave of {worst}: {explained.why(worst)}" if not floor[worst] <= settings.promise else ""
+    )
+    return replace(reference, floor=Floor(floor, by, doubt, limit))
 
 
 def _doubt(core: Measurement, oracle: Measurement) -> str:

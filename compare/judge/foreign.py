@@ -37,10 +37,6 @@ def assess_result(reference: Reference, result: "Result") -> Measurement:
     """The judgement of a result, at its own instants, in the channels that it has.
 
     It is held against a reference that is in doubt too.
-
-    Args:
-        reference: of the scene.
-        result: of another program.
     """
     request, run, halves = result.request, result.run, result.half_decimals
     drive = reference.scene.drive_channel
@@ -74,13 +70,12 @@ def coarse(measured: Measurement) -> list[str]:
         return []
     ok = run.status is Status.ok
     worst = worst_of(errors, "explained" if ok else "unexplained")
-    if ok and worst.explained > run.settings.promise:
-        unnoticed = f"may be off by {share(worst.explained)} unnoticed"
-        return [f"{run.engine}: {worst.channel} {unnoticed}, by its decimals or next to a singular configuration"]
-    if not ok and worst.explained >= MOST:
-        coarsely = "is written too coarsely: its decimals are of more than the 1 % that they may excuse"
-        return [f"{run.engine}: {worst.channel} {coarsely}"]
-    return []
+    sentence = "is written too coarsely: its decimals are of more than the 1 % that they may excuse"
+    if ok:
+        off = f"may be off by {share(worst.explained)} unnoticed"
+        sentence = f"{off}, by its decimals or next to a singular configuration"
+    too_coarse = worst.explained > run.settings.promise if ok else worst.explained >= MOST
+    return [f"{run.engine}: {worst.channel} {sentence}"] if too_coarse else []
 
 
 def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samples) -> Samples:
@@ -95,11 +90,7 @@ def _in_place(mechanics: Mechanics, position: Samples, time: Samples, half: Samp
 
 
 def _explained_by_decimals(reference: Reference, request: Instants, halves: Halves, true: Motion) -> Explained:
-    """Errors that round-off and decimals explain, at the instants of a result.
-
-    Raises:
-        Failure: there is no reference at one of them.
-    """
+    """Errors that round-off and decimals explain, at the instants of a result."""
     moved, written = _meanwhile(reference, halves["time"], true), dict[str, Samples]()
     for channel in reference.mechanics.groups:
         stem, axis = channel[:-1], channel[-1]

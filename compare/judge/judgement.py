@@ -40,14 +40,7 @@ def judgement(
 ) -> Judgement:
     """Run every engine at the settings chosen for it, and at others if these fail; a stop leaves what is done.
 
-    Args:
-        reference: the reference of the scene, with its floor.
-        engines: their names.
-        sampling: the instants.
-        offers: by engine the settings to try, in that order, and a sentence why, or nothing.
-        progress: called with what is being done.
-        runs: what runs the engines.
-        results: of other programs, which come after the engines.
+    Results of other programs come after the engines; `progress` is called with what is being done.
     """
     scene, explained = reference.scene, explain(reference, sampling)
     sketched = [*warnings(reference)]
@@ -108,12 +101,11 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
 
 def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
     """Whether two runs of the same instants are within the sum of their promises of each other."""
-    runs = one.run, other.run
-    if any(run.motion is None or run.settings is None for run in runs):
+    first, second = one.run, other.run
+    if first.motion is None or second.motion is None or first.settings is None or second.settings is None:
         return False
-    motions = [run.motion for run in runs if run.motion is not None]
-    promises = sum(run.settings.promise for run in runs if run.settings is not None)
-    errors = relative_errors(motions[0], motions[1], reference.scale)
+    errors = relative_errors(first.motion, second.motion, reference.scale)
+    promises = first.settings.promise + second.settings.promise
     return bool(np.max([error.max() for error in errors.values()]) <= promises)
 
 

@@ -84,14 +84,8 @@ def assess(
 ) -> Measurement:
     """Hold a run against what was asked for, its own output, the reference, and what its settings promise.
 
-    A reference that is in doubt is not held against another engine.
-
-    Args:
-        reference: of the scene.
-        sampling: what was asked for.
-        outcome: the run.
-        explained: errors that need no other explanation.
-        find: what the checks of its own output find in a motion that it has no excuse for; None for all.
+    A reference that is in doubt is not held against another engine. `find` is what the checks of its own output find in
+    a motion that it has no excuse for; None for all.
     """
     scene = reference.scene
     outcome = complete(outcome, scene, sampling)

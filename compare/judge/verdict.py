@@ -71,11 +71,7 @@ def judged(run: Run, checks: Sequence[Check]) -> Run:
 def compared(run: Run, scene: Scene, comparison: Comparison, unexplained: Mapping[str, Samples]) -> Run:
     """The run, its status corrected where the reference contradicts it.
 
-    Args:
-        run: the run, as its own output lets one judge it.
-        scene: the linkage.
-        comparison: its errors.
-        unexplained: those at the positions commanded, by channel, zero where round-off explains them; shape (n,).
+    Unexplained are the errors at the positions commanded, by channel, zero where round-off explains them; shape (n,).
     """
     if run.status is not Status.ok:
         return run
@@ -102,9 +98,6 @@ def doubted_core(run: Run, doubt: str) -> Run:
     """The core's own run, which is not ok where there is a doubt about it."""
     status = Status.inaccurate if run.status is Status.ok else run.status
     return replace(run, status=status, reason=doubt, found_by="reference")
-
-
-# --- relative errors as text ------------------------------------------------------------------------------------------
 
 
 def share(worst: float) -> str:

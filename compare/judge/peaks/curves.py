@@ -41,14 +41,8 @@ class CycleCurve:
 
 
 def curves(scene: Scene, scale: Mapping[str, float], motion: Motion) -> list[CycleCurve]:
-    """The quantities for which a motion has the channels.
-
-    Args:
-        scene: the linkage.
-        scale: by channel, what errors are divided by.
-        motion: some of its channels.
-    """
-    known = (*_output(scene, scale), *_joints(scene, scale), *_effort(scene, scale), *_singular(motion))
+    """The quantities for which a motion has the channels; `scale` is by channel what errors are divided by."""
+    known = [*_output(scene, scale), *(_forces(scene, scale) if scene.has_masses else ()), *_singular(motion)]
     return [curve for curve in known if all(channel in motion for channel in curve.channels)]
 
 
@@ -68,10 +62,8 @@ def _output(scene: Scene, scales: Mapping[str, float]) -> Iterator[CycleCurve]:
         yield CycleCurve(kind, point, tuple(parts), scale, _along(parts, origin), along if q else None)
 
 
-def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
-    """Yield the forces of pins, of the first body on the second, and the force and moment of guides."""
-    if not scene.has_masses:
-        return
+def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
+    """Yield the forces of pins, of the first body on the second, the force and moment of guides, and the drive's."""
     for pin in scene.pins:
         x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
         yield CycleCurve("reaction", pin.channel, (x, y), scale[x], _vector(x, y))
@@ -82,13 +74,9 @@ def _joints(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
             across = _across(scene, force, body.slide.on, 1j * body.slide.along[0] - body.slide.along[1])
             yield CycleCurve("guide_force", body.name, (force, *turning), scale[force], across)
             yield CycleCurve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
-
-
-def _effort(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
-    channel = "drive.torque" if scene.driven_slide is None else "drive.force"
-    along = None if scene.driven_slide is None else complex(*scene.driven_slide.along)
-    if scene.has_masses:
-        yield CycleCurve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
+    slide = scene.driven_slide
+    channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
+    yield CycleCurve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
 
 
 def _singular(motion: Motion) -> Iterator[CycleCurve]:

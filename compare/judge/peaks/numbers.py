@@ -12,19 +12,15 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 
 from ...mechanics.axis import cycle_name
-from .curves import LEAST, CycleCurve
+from .curves import CycleCurve
 from .stroke import DWELLING, RowNumbers, Stroke, at, chords
 
 NOTHING = 1e-3  # of the scale of a quantity's errors: what is less is no measure of a difference
 ROUNDING = 1e-9  # of that scale: what is less is found nowhere
 LARGEST = {"velocity": "peak speed", "acceleration": "peak acceleration"}  # by kind of curve
-LARGEST_AT_JOINTS = {
-    "reaction": "largest force",
-    "guide_force": "largest guide force",
-    "guide_moment": "largest guide moment",
-}
-STROKE, CLOSED, OPEN, DWELL = "stroke", "closed", "open", "dwell"  # kinds of an output's numbers
+AT_JOINTS = {"reaction": "largest force", "guide_force": "largest guide force", "guide_moment": "largest guide moment"}
 SMALLEST = {"transmission": "least transmission angle", "to_lock": "distance to a singular pose"}
+STROKE, CLOSED, OPEN, DWELL = "stroke", "closed", "open", "dwell"  # kinds of an output's numbers
 
 
 @dataclass(frozen=True)
@@ -45,12 +41,9 @@ def numbers(
 ) -> Iterator[CycleNumber]:
     """Yield the numbers of one cycle, in the order of the tables.
 
-    Args:
-        scene: the linkage.
-        followed: the quantities to take them from.
-        motion: samples of shape (..., n) in the order of the time, from one end of the cycle to the other.
-        exact: whether the rates are those of the positions, so that these are known between the samples too; without,
-            an engine's wrong rate is in no number of its positions.
+    Samples are in the order of the time, from one end of the cycle to the other. Where the rates are exactly those of
+    the positions, these are known between the samples too; without, an engine's wrong rate is in no number of its
+    positions.
     """
     by_kind = {curve.kind: curve for curve in followed}
     if "displacement" in by_kind:
@@ -61,20 +54,18 @@ def numbers(
     for curve in followed:
         if curve.kind in LARGEST:
             yield _largest(LARGEST[curve.kind], "", curve, motion)
-        elif curve.kind in LARGEST_AT_JOINTS:
-            kind = LARGEST_AT_JOINTS[curve.kind]
+        elif curve.kind in AT_JOINTS:
+            kind = AT_JOINTS[curve.kind]
             yield _largest(f"{kind} at {curve.of}", kind, curve, motion)
     if "effort" in by_kind:
         yield from _of_drive(scene, by_kind["effort"], motion)
-    for kind in LEAST:
+    for kind, name in SMALLEST.items():
         least = {curve: curve.values(motion) for curve in followed if curve.kind == kind}
         if least:
             curve = min(least, key=lambda curve: float(least[curve].min()))  # of all machines
-            value, row = (
-                np.min([values.min(axis=-1) for values in least.values()], axis=0),
-                least[curve].argmin(axis=-1),
-            )
-            yield CycleNumber(SMALLEST[kind], curve, value, curve.unit, np.maximum(value, NOTHING * curve.scale), row)
+            value = np.min([values.min(axis=-1) for values in least.values()], axis=0)
+            size = np.maximum(value, NOTHING * curve.scale)
+            yield CycleNumber(name, curve, value, curve.unit, size, least[curve].argmin(axis=-1))
 
 
 def _largest(name: str, kind: str, curve: CycleCurve, motion: Motion) -> CycleNumber:
@@ -100,9 +91,8 @@ def _of_drive(scene: Scene, curve: CycleCurve, motion: Motion) -> Iterator[Cycle
     mean_square = _sum(values**2, time) / (time[..., -1] - time[..., 0])
     yield CycleNumber(f"RMS drive {effort}", curve, np.sqrt(mean_square), curve.unit, size)
     power = np.abs(values * rate).max(axis=-1)
-    yield CycleNumber(
-        "peak drive power", curve, power, "W", np.maximum(power, NOTHING * curve.scale * np.abs(rate).max(axis=-1))
-    )
+    least = NOTHING * curve.scale * np.abs(rate).max(axis=-1)
+    yield CycleNumber("peak drive power", curve, power, "W", np.maximum(power, least))
     way = np.abs(np.diff(position)).sum(axis=-1)
     yield CycleNumber(f"work a {cycle_name(scene)}", curve, _sum(values, position), "J", size * way)
 
@@ -118,13 +108,10 @@ def _of_slider(
     """Yield the stroke, its ends, for how long the slider is near the closed one, and the quick return."""
     curve, way = by_kind["displacement"], Stroke(scene, motion, by_kind, exact)
     yield CycleNumber(STROKE, curve, way.length, "m", way.length, kind=STROKE)
-    end = "dead point" if scene.drive.repeats else "end"
+    end, dwell = "dead point" if scene.drive.repeats else "end", way.dwell
     yield CycleNumber(f"closed {end}", curve, at(way.place, way.closed), "m", way.length, way.closed, CLOSED)
     yield CycleNumber(f"open {end}", curve, at(way.place, way.opened), "m", way.length, way.opened, OPEN)
-    dwell = way.dwell
     near = f"dwell within {100 * DWELLING:.0f} % of the stroke"
     yield CycleNumber(near, curve, dwell, "s", dwell, way.closed, DWELL)
-    if scene.drive.repeats and "velocity" in by_kind:
-        ratio = way.quick_return
-        if not np.isnan(ratio).all():
-            yield CycleNumber("quick return", by_kind["velocity"], ratio, "", ratio)
+    if scene.drive.repeats and "velocity" in by_kind and not np.isnan(ratio := way.quick_return).all():
+        yield CycleNumber("quick return", by_kind["velocity"], ratio, "", ratio)

@@ -35,17 +35,15 @@ def refined(
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
-    Args:
-        followed: the quantities whose extremes are looked for.
-        cycle: samples of shape (..., n) at equal steps of the time, from zero, both ends included.
-        solve: the motion at other instants of the cycle.
-        repeats: whether another cycle follows, so that an extreme may be on both sides of the end.
-        switches: the instants near which press forces come or go, of a motion in the order of the time, where its
-            samples are not further apart than a step, s; None without such forces.
+    It comes in samples of shape (..., n) at equal steps of the time, from zero, both ends included. Where another cycle
+    follows, an extreme may be on both sides of the end. `switches` are the instants near which press forces come or go,
+    of a motion in the order of the time, where its samples are not further apart than a step, s.
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
     side = FINE if switches else 1  # samples on either side of a place
-    rows = [_largest(height) if switches else _top(height, repeats=repeats) for height in heights(followed, cycle)]
+    rows = [
+        height.argmax(axis=-1) if switches else _top(height, repeats=repeats) for height in heights(followed, cycle)
+    ]
     near = np.stack(rows, axis=-1) * step
     motion, parts = cycle, [cycle]
     for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
@@ -84,14 +82,11 @@ def heights(followed: Sequence[CycleCurve], motion: Motion) -> Iterator[Samples]
 def _to_longest(ends: Values) -> Samples:
     """How many steps further, shape (..., 2), two places on a path are furthest apart, one step of Newton's.
 
-    Args:
-        ends: three samples around each of the two, shape (..., 2, 3), of each a parabola.
+    Around each of the two are three samples, shape (..., 2, 3), of each a parabola.
     """
-    (z1, z2), (v1, v2), (a1, a2) = (
-        np.moveaxis(x, -1, 0)
-        for x in (ends[..., 1], (ends[..., 2] - ends[..., 0]) / 2, ends[..., 2] - 2 * ends[..., 1] + ends[..., 0])
-    )
-    d = z1 - z2
+    before, z, after = np.moveaxis(ends, -1, 0)
+    (v1, v2), (a1, a2) = (np.moveaxis(x, -1, 0) for x in ((after - before) / 2, after - 2 * z + before))
+    d = z[..., 0] - z[..., 1]
     g1, g2, H12 = ((one.conj() * other).real for one, other in ((d, v1), (-d, v2), (-v1, v2)))
     H11, H22 = np.abs(v1) ** 2 + (d.conj() * a1).real, np.abs(v2) ** 2 - (d.conj() * a2).real
     det = H11 * H22 - H12**2
@@ -102,13 +97,9 @@ def _to_longest(ends: Values) -> Samples:
 
 def in_order(parts: Sequence[Motion]) -> Motion:
     """Several motions of the same channels as one, in the order of the time."""
-    order = np.argsort(np.concatenate([part["time"] for part in parts], axis=-1), axis=-1, kind="stable")
     joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
+    order = np.argsort(joined["time"], axis=-1, kind="stable")
     return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
-
-
-def _largest(height: Samples) -> Samples:
-    return np.asarray(height.argmax(axis=-1), np.float64)
 
 
 def _top(height: Samples, *, repeats: bool) -> Samples:
