@@ -71,14 +71,7 @@ class Equation(Generic[V]):
 def judge(
     equation: Equation[V], variables: V, scale: Mapping[str, tuple[float, str]], tolerance: float = EXACT
 ) -> Claim:
-    """The row of an equation.
-
-    Args:
-        equation: its forms.
-        variables: what they take, over the motion.
-        scale: and unit of each kind of equation, SI.
-        tolerance: the scaled residual up to which a form holds.
-    """
+    """The row of an equation over a motion, by the scale and unit, SI, of its kind; a form holds to the tolerance."""
     size, unit = scale[equation.kind]
     with np.errstate(invalid="ignore", divide="ignore"):  # a misprint may leave a root's domain, which is then its row
         printed = largest(equation.printed(variables)) / size
@@ -112,17 +105,11 @@ def number(
     scale: float | None = None,
     note: str = "",
 ) -> Claim:
-    """The row of a printed number.
+    """The row of a printed number, with its digits, and of what is computed from the inputs at face value.
 
-    Args:
-        claim: what it is, with its unit.
-        printed: with the digits that are printed.
-        computed: from the inputs at face value.
-        allowed: the ranges of it over inputs that are missing, or rounded.
-        among_printed: whether what it is computed from are other printed claims, so that they contradict it.
-        corrected: how it should be read, and what is computed then.
-        scale: of the residual; the printed number itself unless given.
-        note: what a reader has to know.
+    `allowed` are the ranges of it over inputs that are missing, or rounded; with `among_printed` those inputs are other
+    printed claims, which contradict it; `corrected` is how it should be read, and what is computed then; the residual's
+    `scale` is the printed number itself unless given.
     """
     value, half = float(printed), half_unit(printed) * (1 + 1e-9)
     size = abs(value) if scale is None else scale
@@ -155,15 +142,9 @@ def limit(
 ) -> Claim:
     """The row of a printed inequality that printed values should satisfy.
 
-    Args:
-        claim: what it is about.
-        printed: the inequality.
-        excess: by how much it is violated at face value; None where an input is missing.
-        allowed: the range of the excess over inputs that are missing, or rounded.
-        scale: of the excess.
-        computed: the value at face value.
-        corrected: how the inequality should be read, and the excess then.
-        note: what a reader has to know.
+    `excess` is by how much it is violated at face value, None where an input is missing, and `allowed` its range over
+    inputs that are missing, or rounded; `computed` the value at face value; `corrected` how the inequality should be
+    read, and the excess then.
     """
     low, high = allowed
     if (high if excess is None else excess) <= 0:

@@ -50,11 +50,7 @@ def by_engines(report: Callable[[str], None]) -> Iterator[Claim]:
 
 
 def _by_engine(engine: str) -> Iterator[Claim]:
-    """A row for each formula on an engine's own motion at its default settings, to the scenes' tolerances of it.
-
-    Raises:
-        Failure: the engine cannot run.
-    """
+    """A row for each formula on an engine's own motion at its default settings, to the scenes' tolerances of it."""
 
     def solve(scene: Scene) -> Motion:
         result = run(engine, scene, Sampling(ENGINE_SAMPLES))

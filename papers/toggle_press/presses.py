@@ -68,11 +68,7 @@ class Press:
 
 
 def press(name: str, changes: Mapping[str, float] | None = None) -> Press:
-    """Solve one turn of a press by the reference.
-
-    Raises:
-        Failure: it cannot be assembled over the whole turn.
-    """
+    """One turn of a press by the reference; Failure where it cannot be assembled over the whole turn."""
     scene = load(name, changes or {})
     y, vy = f"{scene.output}.y", f"{scene.output}.vy"
     solve = registry.reference(scene, frozenset((y, vy)))

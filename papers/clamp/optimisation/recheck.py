@@ -37,11 +37,7 @@ class Recheck:
 def rechecks(
     designs: Mapping[str, Design], engines: Sequence[str], progress: Callable[[str], None]
 ) -> Iterator[Recheck]:
-    """Each design by each engine.
-
-    Raises:
-        InputError: the reference cannot solve one of them.
-    """
+    """Each design by each engine; InputError where the reference cannot solve one of them."""
     for name, d in designs.items():
         reference = establish(locking(d))
         press = replace(locking(d, RATED), loads=(Force("platen", "C", (-HALF_FORCE, 0.0)),))  # all the way

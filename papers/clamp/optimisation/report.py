@@ -1,25 +1,31 @@
-"""The study's files: the page, one row a point, and everything for a program."""
+"""The study's files: the page with its pictures, one row a point, and everything for a program."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from compare.engines.installed import environment
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import BOUND, DASHES, colour, layout, marker
 from compare.report.output.placing import placed
 from compare.report.pages.html import render
 from compare.report.plain import json_text
 
 from ..constraints import ALONE, BOTH, LITERAL, slacks
-from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design
+from ..formulas import DEGREE, PUBLISHED, SCHEME_4, Design, acceleration, at, velocity_ratio
+from ..measures import measure
+from ..printed import LARGEST_FORCE_RATIO, TABLE_1
 from . import tables
-from .figures import coordination, over_stroke
 from .recheck import Recheck
-from .study import AHEAD, ASSUMPTIONS, LENGTHS, MAIN, Point
+from .study import AHEAD, ASSUMPTIONS, LENGTHS, LITERALLY, MAIN, Point
 
 FILES = ("design.html", "design.json", "design.csv")
+AXES = ("R_S", "M_P", "L_sum")
+MARKS = ("circle", "diamond", "star", "star-square")
 CLEARANCES = {MAIN: BOTH, "sizes that allow scheme 4": ALONE}
 
 
@@ -83,3 +89,52 @@ def _all(outcome: DesignStudy, rows: Sequence[Mapping[str, object]]) -> dict[str
         "seconds": outcome.seconds,
         "environment": environment(),
     }
+
+
+def coordination(points: Sequence[Point], ahead: Mapping[str, Design]) -> Figure:
+    """Draw M_P and L_sum over R_S, with the published designs and those ahead of them."""
+    figure = stacked(0.6, 0.4)
+
+    def of(name: str) -> Mapping[str, Sequence[float]]:
+        return {axis: [measure(axis, point.optimum.design) for point in tables.of(points, name)] for axis in AXES}
+
+    names = [name for name in ASSUMPTIONS if name != LITERALLY]  # which is far below the others
+    for name, dash, shade in zip(names, DASHES, (colour(0), "#777777", "#aaaaaa"), strict=False):
+        line = {"dash": dash, "color": shade, "width": 2 if name == MAIN else 1.2}
+        mode = "lines+markers" if name == MAIN else "lines"
+        _draw(figure, f"largest M_P, {name}", of(name), mode=mode, line=line)
+    step = {"mode": "lines+markers", "line": {"color": colour(2), "width": 1.5}, "marker": {"symbol": "square-open"}}
+    _draw(figure, "least L_sum within 0.5 % of M_P and R_S", of(LENGTHS), **step)
+    computed = {f"{name}, computed": d for name, d in PUBLISHED.items()}
+    for mark, (name, d) in zip(MARKS, (computed | dict(ahead)).items(), strict=False):
+        values = {axis: [measure(axis, d)] for axis in AXES}
+        _draw(figure, name, values, mode="markers", marker=marker(3 if name in ahead else 1, mark, 11))
+    for mark, name in zip(MARKS, PUBLISHED, strict=False):
+        values = {axis: [float(TABLE_1[axis][name])] for axis in AXES}
+        _draw(figure, f"{name}, printed", values, mode="markers", marker=marker(1, f"{mark}-open", 11))
+    figure.update_yaxes(title="M_P at α = 2.5° [-]", panel=1)
+    figure.update_yaxes(title="L_sum [mm]", panel=2)
+    figure.update_xaxes(title="R_S [-]", panel=2)
+    printed = {"yref": "y", "y0": float(LARGEST_FORCE_RATIO), "y1": float(LARGEST_FORCE_RATIO)}
+    across = {"type": "line", "line": BOUND, "xref": "x domain", "x0": 0, "x1": 1}
+    place = {"xref": "x domain", "x": 0.5, "xanchor": "center", "y": printed["y0"], "yanchor": "bottom"}
+    figure.note("largest M_P in print", yref="y", **place)
+    return figure.update_layout(layout(760), margin={"t": 110}, shapes=[across | printed])
+
+
+def _draw(figure: Figure, name: str, values: Mapping[str, Sequence[float]], **style: Any) -> None:
+    for row, axis in ((1, "M_P"), (2, "L_sum")):
+        draw(figure, name, values["R_S"], values[axis], row, **style)
+
+
+def over_stroke(designs: Mapping[str, Design]) -> Figure:
+    """Draw R_V and a_m over the stroke, from open to locked."""
+    figure = stacked(1, 1)
+    for number, (name, d) in enumerate(designs.items()):
+        pose = at(d, np.linspace(d.alpha_max, 0.0, 301))
+        for row, values in ((1, velocity_ratio(pose)), (2, 1e3 * acceleration(pose))):
+            draw(figure, name, pose.alpha / DEGREE, values, row, line={"color": colour(number), "width": 1.7})
+    figure.update_yaxes(title="R_V [-]", panel=1)
+    figure.update_yaxes(title="a_m / v_o² [1/m]", panel=2)
+    figure.update_xaxes(title="α [deg]", autorange="reversed", panel=2)
+    return figure.update_layout(layout(560))
