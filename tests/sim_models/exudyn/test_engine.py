@@ -15,24 +15,7 @@ from sim_models.exudyn.settings import ExudynSettings, TimeStepping
 from tests import scene_files
 from tests.absolute_coordinates import solve
 
-from .helpers import BOTH_ROUTES, CHEAP, by_level, run
-
-# --- the toggle press ------------------------------------------------------------------------------------------------
-
-
-@BOTH_ROUTES
-def test_toggle_press_facts(settings: ExudynSettings) -> None:
-    scene = scenes.load("toggle_press")
-    motion = run(scene, settings, samples=360)
-    y, crank_angle = motion["P5.y"], np.degrees(motion["crank_angle"])
-    # samples are 1 deg apart, so that extremes in the stroke are met to (1 deg)^2 / 16 of it
-    assert abs(np.ptp(y) - 0.1836316) <= 2e-5
-    assert abs(crank_angle[y.argmin()] - 12.9) <= 1
-    assert abs(crank_angle[y.argmax()] - 208.5) <= 1
-    assert abs(motion["P5.vy"].min() + 0.7166) <= 2e-3
-    assert abs(motion["P5.vy"].max() - 0.8650) <= 2e-3
-    assert abs(np.abs(motion["drive.torque"]).max() / 13888 - 1) <= 1e-3
-    assert set(motion.samples) == set(channels(scene))
+from .helpers import CHEAP, by_level, run
 
 
 def test_later_turns_repeat_the_first() -> None:
@@ -63,27 +46,6 @@ def test_no_size_speed_or_mass_is_too_wild(name: str, settings: ExudynSettings) 
     exact = run(scene, EXACT).samples
     found = by_level(run(scene, settings), {name: exact[name] for name in channels(scene) if name != "time"})
     assert max(found.values()) <= (1e-6 if settings is DEFAULT else 1e-2)  # measured 1e-7 and 1e-3, as at 60 rpm
-
-
-# --- small scenes ----------------------------------------------------------------------------------------------------
-
-
-@BOTH_ROUTES
-def test_static_forces_of_a_massless_slider_crank(settings: ExudynSettings) -> None:
-    slider = {"bodies.slider.mass": 0, "bodies.slider.points.E": [0.2, 0.1]}
-    loads = [{"body": "slider", "at": "E", "force": [-100, 0]}]
-    motion = run(scene_files.load("slider_crank", {**slider, "drive.speed": 2, "loads": loads}), settings)
-    slope = (motion["B.y"] - motion["A.y"]) / (motion["B.x"] - motion["A.x"])  # of the rod, whose x part holds the load
-    tolerance = 2e-5  # N; extrapolated steps of nothing but round-off and Newton's 1e-10
-    for pin in "BO":  # of the rod on the slider, and of the ground on the crank
-        assert np.abs(motion[f"{pin}.fx"] - 100).max() <= tolerance
-        assert np.abs(motion[f"{pin}.fy"] - 100 * slope).max() <= tolerance
-    assert np.abs(motion["slider.guide_force"] + 100 * slope).max() <= tolerance
-    assert np.abs(motion["slider.guide_moment"] + 10).max() <= tolerance  # the load turns it by +100 N 0.1 m
-    assert np.abs(motion["drive.torque"] - 100 * motion["B.vx"] / 2).max() <= tolerance
-
-
-# --- manners ---------------------------------------------------------------------------------------------------------
 
 
 def test_kinematic_linkage_close_to_its_change_points() -> None:

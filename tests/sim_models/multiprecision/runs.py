@@ -12,11 +12,11 @@ from tests import scene_files
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import continuation as multiprecision_continuation  # noqa: E402
 from sim_models.multiprecision import engine as model  # noqa: E402
-from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
+from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
+from sim_models.multiprecision.continuation import Continuation  # noqa: E402
 from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
+from sim_models.multiprecision.start import assembled  # noqa: E402
 
 EPS = 2.0**-52
 Array = NDArray[np.float64]
@@ -47,12 +47,9 @@ def two_rods(length: float) -> Scene:
     return scene_files.load("two_rods", dict.fromkeys(("bodies.right.lengths.A-B", "bodies.left.lengths.A-C"), length))
 
 
-def continuing(linkage: multiprecision_constraints.LinkageEquations) -> multiprecision_continuation.Continuation:
-    return multiprecision_continuation.Continuation(linkage, 50, ProcessorBudget(60.0, "a test"))
+def continuing(linkage: LinkageEquations) -> Continuation:
+    return Continuation(linkage, 50, ProcessorBudget(60.0, "a test"))
 
 
-def closed(
-    linkage: multiprecision_constraints.LinkageEquations, continuation: multiprecision_continuation.Continuation
-) -> Any:
-    at = linkage.scene.sketch.drive
-    return multiprecision_start.assembled(linkage, continuation, at)
+def closed(linkage: LinkageEquations, continuation: Continuation) -> Any:
+    return assembled(linkage, continuation, linkage.scene.sketch.drive)

@@ -14,9 +14,9 @@ from tests import chain, scene_files
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402
-from sim_models.multiprecision import engine as model  # noqa: E402
-from sim_models.multiprecision import rows as multiprecision_rows  # noqa: E402  (its engine is there)
+from sim_models.multiprecision import engine as model  # noqa: E402  (their engine is there)
+from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402
+from sim_models.multiprecision.rows import AT_ONCE, solved  # noqa: E402
 
 SIZES = (1, 3, 6, 1, 2, 5)  # of diagonal blocks: more equations than are solved at once
 
@@ -40,23 +40,23 @@ def test_solutions_are_those_of_the_whole_matrix() -> None:
     assert [len(group.rows) for group in found] == [*SIZES]
     with flint.ctx.workdps(50):
         matrix, right = flint.arb_mat(values.tolist()), flint.arb_mat([[k] for k in range(len(values))])
-        solution = multiprecision_rows.solved(found, matrix, right)
+        solution = solved(found, matrix, right)
         assert solution.overlaps(matrix.solve(right))  # both are proven
         assert max(float(ball.rad()) for ball in solution.entries()) <= 1e-40
 
 
 def test_a_matrix_without_an_order_is_one_block_and_singular_where_it_is() -> None:
-    for count in (3, multiprecision_rows.AT_ONCE + 1):
+    for count in (3, AT_ONCE + 1):
         values = np.ones((count, count))
         values[:2, 1:] = 0  # two equations for one unknown
         found = groups(pattern(values))
         assert [len(group.rows) for group in found] == [count]
         with pytest.raises(ZeroDivisionError):
-            multiprecision_rows.solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1]] * count))
+            solved(found, flint.arb_mat(values.tolist()), flint.arb_mat([[1]] * count))
 
 
 def group_sizes(scene: Scene) -> list[int]:
-    return [len(group.rows) for group in multiprecision_constraints.LinkageEquations(scene).groups]
+    return [len(group.rows) for group in LinkageEquations(scene).groups]
 
 
 def test_a_linkage_of_dyads_is_solved_dyad_by_dyad(tmp_path: Path) -> None:

@@ -9,14 +9,13 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from scenes import Positions, Sampling
-from scenes.scene import ConstantSpeed, MotionLaw
+from scenes.scene import ConstantSpeed, Drive, MotionLaw
 
 from .runs import EPS, Array
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import drive as multiprecision_drive  # noqa: E402  (their engine is there)
-from sim_models.multiprecision.drive import Command  # noqa: E402
+from sim_models.multiprecision.drive import Command, commands, law_of  # noqa: E402  (their engine is there)
 
 EXACT = 1e-45  # of 50 digits, for numbers up to a hundred
 
@@ -25,6 +24,10 @@ EXACT = 1e-45  # of 50 digits, for numbers up to a hundred
 def _fifty_digits() -> Iterator[None]:
     with flint.ctx.workdps(50):
         yield
+
+
+def passes(drive: Drive, request: Sampling | Positions) -> Array:
+    return np.array([[float(ball) for ball in command] for command in commands(law_of(drive), request)])
 
 
 def off(command: Command, *expected: Fraction) -> float:
@@ -37,7 +40,7 @@ def off(command: Command, *expected: Fraction) -> float:
 def test_a_cubic_has_no_knots(times: tuple[int, ...]) -> None:
     """Not-a-knot at both ends, any cubic is its own spline: s = t^3 - 5 t^2 + 2 t + 1."""
     law = MotionLaw("crank", times, tuple(t**3 - 5 * t**2 + 2 * t + 1 for t in times), periodic=False)
-    of = multiprecision_drive.law_of(law)
+    of = law_of(law)
     for cycles in (Fraction(k, 7) for k in range(8)):
         t = cycles * times[-1]
         position, rate, acceleration = t**3 - 5 * t**2 + 2 * t + 1, 3 * t**2 - 10 * t + 2, 6 * t - 10
@@ -48,7 +51,7 @@ def test_a_cubic_has_no_knots(times: tuple[int, ...]) -> None:
 def test_a_periodic_law_by_hand(gain: int) -> None:
     """0, 1, 0, -1 at whole instants: (1) has the solution M = -3 s. A gain adds its line, period after period."""
     table = [s + Fraction(gain, 4) * t for t, s in enumerate((0, 1, 0, -1, 0))]
-    of = multiprecision_drive.law_of(MotionLaw("crank", (0, 1, 2, 3, 4), tuple(map(float, table)), periodic=True))
+    of = law_of(MotionLaw("crank", (0, 1, 2, 3, 4), tuple(map(float, table)), periodic=True))
     for turn in (0, 1, 5):
         for t, s, v, a in ((0, 0, Fraction(3, 2), 0), (1, 1, 0, -3), (3, -1, 0, 3)):
             position = s + Fraction(gain, 4) * (t + 4 * turn)
@@ -69,8 +72,7 @@ def test_splines_are_those_of_scipy(entries: int, periodic: bool) -> None:
         positions[-1] = positions[0]
     law = MotionLaw("crank", tuple(times.tolist()), tuple(positions.tolist()), periodic=periodic)
     spline = CubicSpline(times, positions, bc_type="periodic" if periodic else "not-a-knot")
-    commands = multiprecision_drive.commands(multiprecision_drive.law_of(law), Sampling(97))
-    time, *found = np.array([[float(ball) for ball in command] for command in commands], float).T
+    time, *found = passes(law, Sampling(97)).T
     for order, values in enumerate(found):
         expected = spline(time, order)
         # SciPy's doubles: some steps are ten times shorter than others, and lose that squared.
@@ -78,10 +80,6 @@ def test_splines_are_those_of_scipy(entries: int, periodic: bool) -> None:
 
 
 def test_a_constant_speed_by_hand() -> None:
-    def passes(drive: ConstantSpeed, request: Sampling | Positions) -> Array:
-        commands = multiprecision_drive.commands(multiprecision_drive.law_of(drive), request)
-        return np.array([[float(ball) for ball in command] for command in commands], float)
-
     back = passes(ConstantSpeed("crank", -2.0, 0.5, None), Sampling(4, turns=2))
     quarters = np.arange(9) * tau / 4
     expected = np.transpose([quarters / 2, 0.5 - quarters, np.full(9, -2.0), np.zeros(9)])

@@ -8,49 +8,72 @@ from typing import Any
 import pytest
 
 import scenes
-from scenes import Failure, Positions, Sampling, Status
+from scenes import Failure, Positions, Sampling, Scene, Status
 from tests import scene_files
 
 from .runs import EPS, closed, continuing, run, slider_crank, two_rods
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
 from sim_models.multiprecision import engine as model  # noqa: E402
+from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
 from sim_models.multiprecision.settings import MultiprecisionSettings  # noqa: E402
 
+# K hangs on D and M, whose distance no length gives.
+UNMET = {"A-B": 350, "A-D": 300, "B-D": 120, "A-M": 340, "B-M": 40, "D-K": 5, "M-K": 5}
+REFUSED: dict[str, tuple[Scene, Status, str]] = {
+    "lengths that cannot meet": (
+        *(slider_crank({"bodies.slider.slides.through": [0, 5]}), Status.cannot_assemble),
+        r"crank angle 0.*closed B stays open by 3 m at crank angle 0\.000000 rad$",  # 5 - 2
+    ),
+    "a flat sketch of a triangle": (  # P4 is on P2-P3
+        scenes.load("toggle_press", {"sketch.P4.0": 480 - 1.7 * 480, "sketch.P4.1": -202 - 1.7 * 98}),
+        *(Status.cannot_assemble, "toggle"),
+    ),
+    "lengths of a body that do not meet": (
+        scene_files.load("driven_toggle", {"bodies.plate.lengths": UNMET, "sketch.M": [260, 240]}),
+        *(Status.cannot_assemble, "'plate' cannot be put together: the lengths from D and M to K"),
+    ),
+    # The rods are longer than the crank by two units in the last place: no one can mean that.
+    "a lock that roundings make or undo": (
+        *(two_rods(1 + 2 * EPS), Status.cannot_assemble),
+        r"singular at crank angle 1\.57079\d rad",
+    ),
+}
 
-def test_lock_is_found_where_the_cosine_rule_puts_it() -> None:
-    """Coupler 1.5 and rocker 2 are in line when the crank pin is 3.5 from C.
 
-    The sketch is a turn ahead of the start: the long way round leads through the lock at the other side.
-    """
-    changes = {"bodies.rocker.lengths.C-B": 2, "drive.start": 1, "sketch": {"angle": 7, "A": [1.5, 1.3], "B": [2.9, 2]}}
-    lock = acos((2**2 + 3**2 - 3.5**2) / (2 * 2 * 3))
-    simulation = model.build(scene_files.load("triple_rocker", changes), model.DEFAULT, Sampling(36))
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_by_name_and_place(case: str) -> None:
+    scene, status, reason = REFUSED[case]
+    with flint.ctx.workprec(77):
+        with pytest.raises(Failure) as failure:
+            run(scene, samples=4)
+        assert flint.ctx.prec == 77
+    assert failure.value.status is status
+    assert re.search(reason, failure.value.reason)
+
+
+# Coupler 1.5 and rocker 2 are in line when the crank pin is 3.5 from C. The sketch is a turn ahead of the start: the
+# long way round leads through the lock at the other side.
+TURNED = {"bodies.rocker.lengths.C-B": 2, "drive.start": 1, "sketch": {"angle": 7, "A": [1.5, 1.3], "B": [2.9, 2]}}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "place", "lock"),
+    [
+        ("triple_rocker", TURNED, r"crank angle ([\d.]+) rad", acos((2**2 + 3**2 - 3.5**2) / (2 * 2 * 3))),
+        # D is 300 mm from A and 120 from E, which runs 235 above A: they line up there.
+        ("driven_toggle", {"drive.speed": 150, "drive.end": 400}, r"at ([\d.]+) mm", sqrt(420**2 - 235**2)),
+    ],
+)
+def test_a_lock_is_found_where_it_is(name: str, changes: scene_files.Changes, place: str, lock: float) -> None:
+    simulation = model.build(scene_files.load(name, changes), model.DEFAULT, Sampling(36))
     with pytest.raises(Failure) as failure:
         simulation.solve()
     assert failure.value.status is Status.cannot_assemble
-    found = re.search(r"crank angle ([\d.]+) rad", failure.value.reason)
+    found = re.search(place, failure.value.reason)
     assert found
-    assert abs(float(found[1]) - lock) <= 1e-6  # as printed
-
-
-def test_lengths_that_cannot_meet_are_refused() -> None:
-    apart = slider_crank({"bodies.slider.slides.through": [0, 5]})
-    with flint.ctx.workprec(77):
-        with pytest.raises(Failure, match="crank angle 0") as failure:
-            model.build(apart, model.DEFAULT, Sampling(36))
-        assert flint.ctx.prec == 77
-    assert failure.value.status is Status.cannot_assemble
-    assert failure.value.reason.endswith("closed B stays open by 3 m at crank angle 0.000000 rad")  # 5 - 2
-
-
-def test_flat_sketch_of_a_triangle_is_refused() -> None:
-    flat = scenes.load("toggle_press", {"sketch.P4.0": 480 - 1.7 * 480, "sketch.P4.1": -202 - 1.7 * 98})  # on P2-P3
-    with pytest.raises(Failure, match="toggle") as failure:
-        model.build(flat, model.DEFAULT, Sampling(36))
-    assert failure.value.status is Status.cannot_assemble
+    assert float(found[1]) == pytest.approx(lock, rel=6e-7)  # as printed
 
 
 def test_too_few_digits_are_not_passed_off_as_proof() -> None:
@@ -59,32 +82,11 @@ def test_too_few_digits_are_not_passed_off_as_proof() -> None:
     assert failure.value.status is Status.not_converged
 
 
-def test_driven_slider_out_of_reach_is_found_where_the_rods_line_up() -> None:
-    """D is 300 mm from A and 120 from E, which runs 235 above A: they line up at sqrt(420^2 - 235^2)."""
-    outward = scene_files.load("driven_toggle", {"drive.speed": 150, "drive.end": 400})
-    simulation = model.build(outward, model.DEFAULT, Sampling(36))
-    with pytest.raises(Failure) as failure:
-        simulation.solve()
-    assert failure.value.status is Status.cannot_assemble
-    found = re.search(r"crosshead at ([\d.]+) mm", failure.value.reason)
-    assert found
-    assert abs(float(found[1]) - sqrt(420**2 - 235**2)) <= 1e-3  # mm, as printed
-
-
-def test_lengths_of_a_body_that_do_not_meet_are_refused() -> None:
-    """K hangs on D and M, whose distance no length gives."""
-    lengths = {"A-B": 350, "A-D": 300, "B-D": 120, "A-M": 340, "B-M": 40, "D-K": 5, "M-K": 5}
-    apart = scene_files.load("driven_toggle", {"bodies.plate.lengths": lengths, "sketch.M": [260, 240]})
-    with pytest.raises(Failure, match="'plate' cannot be put together: the lengths from D and M to K") as failure:
-        model.build(apart, model.DEFAULT, Sampling(36))
-    assert failure.value.status is Status.cannot_assemble
-
-
 @pytest.mark.parametrize(("name", "coordinate"), [("toggle_press", 2), *(("shaper", k) for k in (3, 4, 5))])
 def test_pose_that_is_no_solution_is_not_enclosed(name: str, coordinate: int) -> None:
     scene = scene_files.load(name)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_constraints.LinkageEquations(scene)
+        linkage = LinkageEquations(scene)
         continuation, goal = continuing(linkage), linkage.drive(scene.sketch.drive)
         pose = closed(linkage, continuation)
         continuation.enclose(pose, goal)
@@ -115,16 +117,6 @@ def test_run_leaves_the_precision_and_says_what_it_did() -> None:
     assert "flint" in model.version()
 
 
-# --- what doubles cannot tell, and what few digits cannot -------------------------------------------------------------
-
-
-def test_a_lock_that_roundings_make_or_undo_is_refused() -> None:
-    """The rods are longer than the crank by two units in the last place: no one can mean that."""
-    with pytest.raises(Failure, match=r"singular at crank angle 1\.57079\d rad") as failure:
-        run(two_rods(1 + 2 * EPS), samples=4)
-    assert failure.value.status is Status.cannot_assemble
-
-
 def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """Balls that the loads make wide leave the motion proven and the forces not."""
     simulation: Any = model.build(scene_files.load("two_rods"), model.DEFAULT, Sampling(4))
@@ -139,9 +131,6 @@ def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> 
     with pytest.raises(Failure, match="50 digits prove the forces only to") as failure:
         simulation.solve()
     assert failure.value.status is Status.not_converged
-
-
-# --- the budget of processor time -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

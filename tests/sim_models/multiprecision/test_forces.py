@@ -16,8 +16,8 @@ from .runs import EPS, closed, continuing, run, slider_crank
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision import constraints as multiprecision_constraints  # noqa: E402  (their engine is there)
-from sim_models.multiprecision import start as multiprecision_start  # noqa: E402
+from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402  (their engine is there)
+from sim_models.multiprecision.start import end_of_stroke  # noqa: E402
 
 
 def test_slider_crank_statics_by_hand() -> None:
@@ -80,10 +80,10 @@ def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
 def stroke_end(scene: Scene, force: float) -> float:
     load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
     with flint.ctx.workdps(50):
-        linkage = multiprecision_constraints.LinkageEquations(scene)
+        linkage = LinkageEquations(scene)
         continuation = continuing(linkage)
         q = continuation.follow(closed(linkage, continuation), linkage.drive(scene.drive.start))
-        return multiprecision_start.end_of_stroke(linkage, continuation, q, load)
+        return end_of_stroke(linkage, continuation, q, load)
 
 
 def test_a_closing_stroke_ends_at_the_dead_point() -> None:

@@ -7,9 +7,7 @@ import scenes
 from scenes import Motion, Sampling, Scene
 from sim_models.pymunk.settings import PymunkSettings
 
-from .runs import off, reference, slider_crank, solve
-
-# --- the toggle press ------------------------------------------------------------------------------------------------
+from .runs import off, reference, solve
 
 
 @pytest.fixture(scope="module")
@@ -20,17 +18,6 @@ def press() -> Scene:
 @pytest.fixture(scope="module")
 def pressed(press: Scene) -> Motion:
     return solve(press)
-
-
-def test_press_facts(pressed: Motion) -> None:
-    assert {values.shape for values in pressed.samples.values()} == {(361,)}
-    # Known from an independent solve, to the digits given; a sample is at most 0.5 deg off the true peak.
-    assert np.ptp(pressed["P5.y"]) == pytest.approx(0.1836316, abs=1e-5)
-    assert pressed["P5.vy"].min() == pytest.approx(-0.7166, abs=1e-4)
-    assert pressed["P5.vy"].max() == pytest.approx(0.8650, abs=1e-4)
-    assert pressed["P5.ay"].min() == pytest.approx(-10.328, abs=2e-3)
-    assert pressed["P5.ay"].max() == pytest.approx(5.473, abs=2e-3)
-    assert np.abs(pressed["drive.torque"]).max() == pytest.approx(13888, abs=2)
 
 
 def test_second_order_at_one_level(press: Scene) -> None:
@@ -68,19 +55,3 @@ def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion) -> None:
     for channel, sign in (("P4.x", -1), ("P5.y", 1), ("P4.fx", -1), ("P4.fy", 1), ("drive.torque", -1)):
         assert off(motion[channel], sign * pressed[channel]) <= 1e-9, channel
     assert off(motion["slider.guide_force"], -pressed["slider.guide_force"]) <= 1e-9
-
-
-# --- signs by hand ---------------------------------------------------------------------------------------------------
-
-
-def test_slow_slider_crank_is_statics() -> None:
-    motion = solve(slider_crank())
-    theta = motion["crank_angle"]
-    tan = 0.1 * np.sin(theta) / np.sqrt(0.09 - (0.1 * np.sin(theta)) ** 2)  # of the rod's slope, down towards B
-    # Inertia forces at 0.1 rad/s: a few times 1 kg * 0.1 m * (0.1 rad/s)^2 = 1e-3 N, 1e-6 of the load.
-    for pin in ("O", "A", "B"):
-        assert motion[f"{pin}.fx"] == pytest.approx(1000, abs=0.01)
-        assert off(motion[f"{pin}.fy"], -1000 * tan) <= 1e-5
-    assert off(motion["slider.guide_force"], 1000 * tan) <= 1e-5
-    assert motion["slider.guide_moment"] == pytest.approx(-1000 * 0.05, abs=0.001)
-    assert off(motion["drive.torque"], -1000 * 0.1 * (np.sin(theta) + np.cos(theta) * tan)) <= 1e-5
