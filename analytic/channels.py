@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from collections.abc import Set as AbstractSet
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -9,9 +10,8 @@ import numpy as np
 from scenes import Scene
 from scenes.arguments import known_names
 from scenes.model.motion import Samples
-from scenes.scene import Pin
 
-from .core.decomposition import Dyad, inner_joint
+from .core.decomposition import Dyad
 from .core.dyads import Vectors, dot
 from .core.group_equations import Group
 from .core.kinetostatics import Reactions
@@ -19,77 +19,64 @@ from .core.placing import Kinematics
 from .way.nearest_length import to_lock
 
 FromBoth: TypeAlias = Callable[[Kinematics, Reactions], Vectors | Samples]
-Channels: TypeAlias = tuple[tuple[str, ...], FromBoth]  # names, and what they are taken from
 
 
-def vector_channels(scene: Scene) -> Iterator[Channels]:
-    """Yield the channels that are a vector's x and y, with the vector."""
+def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple[tuple[str, ...], FromBoth]]:
+    """Yield the names of a channel, or of both of a vector's, with what they are taken from: vectors first.
+
+    Last are those that only this model has: how far a group is from a singular configuration.
+    """
     for point in scene.moving_points:
-        yield from _of_point(point)
-    if scene.has_masses:
-        for pin in scene.pins:
-            yield _of_pin(pin)
-
-
-def scalar_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[Channels]:
-    """Yield the other channels, and those that only this model has."""
+        for q, of in (("", "z"), ("v", "v"), ("a", "a")):
+            yield (f"{point}.{q}x", f"{point}.{q}y"), partial(_moving, of, point)
+    for pin in scene.pins if scene.has_masses else ():
+        yield (f"{pin.channel}.fx", f"{pin.channel}.fy"), partial(_pin, (pin.point, pin.second))
     for body in scene.turning:
-        yield from _of_turning(body)
+        yield (f"{body}.angle",), partial(_angle, body)
+        yield (f"{body}.omega",), partial(_moving, "omega", body)
+        yield (f"{body}.alpha",), partial(_moving, "alpha", body)
     if scene.has_masses:
-        for body in (body.name for body in scene.bodies.values() if body.slide is not None):
-            yield from _of_slider(body)
+        for name in (name for name, body in scene.bodies.items() if body.slide is not None):
+            yield (f"{name}.guide_force",), partial(_guide, name, 0)
+            yield (f"{name}.guide_moment",), partial(_guide, name, 1)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
     for group in groups:
-        yield from _of_group(group)
+        if not isinstance(group, Group):
+            yield (f"{group.P}.transmission",), partial(_transmission, group.P)
+        yield (f"{group.P}.to_lock",), partial(_to_lock, group)
 
 
 def known_channels(
     scene: Scene, groups: Sequence[Dyad | Group], channels: AbstractSet[str] | None
 ) -> frozenset[str] | None:
-    """The channels asked for, besides the time and the drive's position; None for all.
-
-    Raises:
-        InputError: there is no such channel.
-    """
+    """The channels asked for, besides the time and the drive's position, or InputError; None for all."""
     if channels is None:
         return None
-    every = (*vector_channels(scene), *scalar_channels(scene, groups))
-    known = ("time", scene.drive_channel, *(name for names, _ in every for name in names))
-    return known_names("channels", channels, known)
+    names = (name for names, _ in all_channels(scene, groups) for name in names)
+    return known_names("channels", channels, ("time", scene.drive_channel, *names))
 
 
-def _of_point(p: str) -> Iterator[Channels]:
-    yield (f"{p}.x", f"{p}.y"), lambda k, _: k.z[p]
-    yield (f"{p}.vx", f"{p}.vy"), lambda k, _: k.v[p]
-    yield (f"{p}.ax", f"{p}.ay"), lambda k, _: k.a[p]
+def _moving(of: str, name: str, k: Kinematics, _: Reactions) -> Vectors | Samples:
+    samples: Vectors | Samples = getattr(k, of)[name]
+    return samples
 
 
-def _of_pin(pin: Pin) -> Channels:
-    return (f"{pin.channel}.fx", f"{pin.channel}.fy"), lambda _, on: on.pin[pin.point, pin.second]
+def _pin(joint: tuple[str, str], _: Kinematics, on: Reactions) -> Vectors:
+    return on.pin[joint]
 
 
-def _of_turning(body: str) -> Iterator[Channels]:
-    yield (f"{body}.angle",), lambda k, _: np.arctan2(k.u[body].imag, k.u[body].real)
-    yield (f"{body}.omega",), lambda k, _: k.omega[body]
-    yield (f"{body}.alpha",), lambda k, _: k.alpha[body]
+def _angle(body: str, k: Kinematics, _: Reactions) -> Samples:
+    return np.arctan2(k.u[body].imag, k.u[body].real)
 
 
-def _of_slider(body: str) -> Iterator[Channels]:
-    yield (f"{body}.guide_force",), lambda _, on: on.guide[body][0]
-    yield (f"{body}.guide_moment",), lambda _, on: on.guide[body][1]
+def _guide(body: str, part: int, _: Kinematics, on: Reactions) -> Samples:
+    return on.guide[body][part]
 
 
-def _of_group(group: Dyad | Group) -> Iterator[Channels]:
-    """Yield how far a group is from a singular configuration."""
-    joint = inner_joint(group)
-    if isinstance(group, Group):
-        yield (f"{joint}.to_lock",), lambda k, _: to_lock(*k.jacobian[joint][:2])
-        return
-    yield (f"{joint}.transmission",), lambda k, _: _transmission(k, joint)
-    yield (f"{joint}.to_lock",), lambda k, _: k.to_lock[joint]
-
-
-def _transmission(k: Kinematics, joint: str) -> Samples:
+def _transmission(joint: str, k: Kinematics, _: Reactions) -> Samples:
     g1, g2, det = k.closure[joint]
-    angle: Samples = np.arctan2(np.abs(det), np.abs(dot(g1, g2)))
-    return angle
+    return np.arctan2(np.abs(det), np.abs(dot(g1, g2)))
+
+
+def _to_lock(group: Dyad | Group, k: Kinematics, _: Reactions) -> Samples:
+    return to_lock(*k.jacobian[group.P][:2]) if isinstance(group, Group) else k.to_lock[group.P]

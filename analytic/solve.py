@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,21 +15,20 @@ from scenes.drive import Driven
 from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
 
-from .channels import FromBoth, known_channels, scalar_channels, vector_channels
-from .core.continuation import Track
-from .core.decomposition import Decomposition, Dyad, decompose, inner_joint
+from .channels import FromBoth, all_channels, known_channels
+from .core.continuation import Track, misfit
+from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.group_equations import Group
-from .core.kinematics import Linkage, followed, kinematics, placed
-from .core.kinetostatics import Reactions, StrokeEnds, kinetostatics
+from .core.kinematics import followed, kinematics, placed
+from .core.kinetostatics import Balance, Reactions, StrokeEnds
 from .core.placing import Kinematics
-from .misfit import of_dyad, of_group
 from .recorded.arithmetics.in_numpy import StraightLine
+from .recorded.expressions import Line
 from .recorded.program import inputs_at, needed, recorded, stroke_end_input
 from .way.motion_range import describe
 from .way.slider import stroke_end
 
 BLOCK = 8000  # positions, whose temporaries stay in cache
-RECORDED = 40_000  # positions for which recording, some milliseconds, pays: the line takes half the formulas' time
 # glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
 # back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
 np.empty(31 << 17)
@@ -64,13 +63,6 @@ def solve(
 def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
     """Return `solve` of one scene for many calls: it is decomposed, and its larger groups are followed, only once.
 
-    Args:
-        scene: the mechanism.
-        channels: as of `solve`.
-
-    Returns:
-        A function of positions and instants, both as of `solve`.
-
     Raises:
         Failure: `unsupported` when the sketch leaves a branch open or a part is held twice over, `cannot_assemble` when
             a larger group does not close near the sketch.
@@ -81,20 +73,13 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
 
 def prepared(
     scene: Scene,
-    whole: Decomposition,
+    whole: Linkage,
     channels: AbstractSet[str] | None = None,
     tracks: Mapping[Group, Track] | None = None,
 ) -> "Solver":
     """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed.
 
-    Args:
-        scene: the mechanism.
-        whole: its decomposition.
-        channels: as of `solve`.
-        tracks: the branches of its larger groups, which are followed where there are none.
-
-    Raises:
-        InputError: there is no such channel.
+    Larger groups are followed unless there are `tracks` of them.
     """
     request = Sampling(channels=known_channels(scene, whole.groups, channels))
     forces = request.wants_forces(scene)
@@ -109,25 +94,26 @@ def prepared(
 class Solver:
     """One scene, prepared for many calls."""
 
+    recorded_from: ClassVar = (
+        40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
+    )
+
     scene: Scene
     linkage: Linkage
     stroke_ends: StrokeEnds  # where forces are wanted
     request: Request
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
-        """Solve as `solve` does, with what it returns and raises.
+        """Solve as `solve` does, with what it returns and raises, or by another way to the kinematics.
 
-        Args:
-            position: as of `solve`; where it is an array in single precision, so is all that is computed.
-            time: as of `solve`.
-            motion_at: another way to the kinematics.
+        Where the positions are an array in single precision, so is all that is computed.
         """
         single = isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(self.scene, position, time)
         if position.ndim != 1 or time.ndim != 1:
             raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
-        many = len(position) > RECORDED and not single and motion_at is None
+        many = len(position) >= self.recorded_from and not single and motion_at is None
         samples = self._by_line(driven) if many else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, motion_at or partial(kinematics, rates=self.rates))
@@ -139,8 +125,7 @@ class Solver:
         names, line = self.recorded
         if line is None:
             return None
-        numbers, samples = inputs_at(driven, [self.linkage.tracks])
-        rows = line({**self.ends, **numbers}, samples)[:, 0]
+        rows = line({**self.ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
         return dict(zip(names, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
     def _by_formulas(self, driven: Driven, motion_at: MotionAt) -> dict[str, Samples]:
@@ -155,7 +140,7 @@ class Solver:
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()
                 if self.request.wants_forces(scene):
-                    on = kinetostatics(scene, linkage, self.stroke_ends, k, self.request.channels)
+                    on = Balance(scene, linkage, self.stroke_ends, k).solve(self.request.channels)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {
@@ -163,7 +148,7 @@ class Solver:
         }
 
     @cached_property
-    def recorded(self) -> tuple[tuple[str, ...], StraightLine | None]:
+    def recorded(self) -> tuple[tuple[str, ...], Line | None]:
         """The channels that are recorded, and the line that has them and the reach; none where not all wanted are."""
         program = recorded(self.scene, frozenset(), self.request.channels)
         return tuple(program.channels), None if program.own else StraightLine(program.rows)
@@ -186,8 +171,7 @@ class Solver:
     @cached_property
     def channels(self) -> Mapping[tuple[str, ...], FromBoth]:
         """The channels wanted, alone or as a vector's two, and what they are taken from."""
-        every = (*vector_channels(self.scene), *scalar_channels(self.scene, self.linkage.groups))
-        wanted = self.request.channels
+        every, wanted = all_channels(self.scene, self.linkage.groups), self.request.channels
         return {names: take for names, take in every if wanted is None or not wanted.isdisjoint(names)}
 
     @cached_property
@@ -203,8 +187,7 @@ class Solver:
 def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
     """Return the instants, s, and what the drive asks for at them and at its positions, both of one shape.
 
-    Raises:
-        InputError: the drive follows a law, and no instants are given; or there are not as many as positions.
+    InputError is raised where a drive follows a law and no instants are given, or not as many as positions.
     """
     if time is not None:
         time = finite_numbers("time", time)
@@ -221,13 +204,8 @@ def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[
 
 @np.errstate(invalid="ignore", divide="ignore", over="ignore")  # what hangs on a group that does not reach is NaN
 def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples) -> None:
-    """Raise at the first position where a group does not reach.
-
-    Raises:
-        Failure: `cannot_assemble`.
-    """
-    opened = not_reached(linkage, k, position)
-    if opened is not None:
+    """Raise Failure, `cannot_assemble`, at the first position where a group does not reach."""
+    if (opened := not_reached(linkage, k, position)) is not None:
         why = f"{where_open(scene, linkage, *opened)}; {describe(scene, linkage, opened[1])}"
         raise Failure(Status.cannot_assemble, why)
 
@@ -235,7 +213,7 @@ def check_reach(scene: Scene, linkage: Linkage, k: Kinematics, position: Samples
 def not_reached(linkage: Linkage, k: Kinematics, position: Samples) -> tuple[Dyad | Group, float] | None:
     """The first group that does not reach somewhere, and the first such position; None where all do."""
     for group in linkage.groups:  # in solving order: the first that fails is negative, what hangs on it is NaN
-        short = np.broadcast_to(k.reach.get(inner_joint(group), 0.0), position.shape) < 0
+        short = np.broadcast_to(k.reach.get(group.P, 0.0), position.shape) < 0
         if short.any():
             return group, float(position[short.argmax()])
     return None
@@ -246,8 +224,11 @@ def where_open(scene: Scene, linkage: Linkage, group: Dyad | Group, position: fl
     at = np.array([position])
     if isinstance(group, Group):
         track, frames = linkage.tracks[group], placed(scene, linkage, group, at)
-        open_by = of_group(scene, group, track.equations, track.q[track.nearest(at)], frames.pose)
-    else:
+        open_by = misfit(scene, group, track.equations, track.q[track.nearest(at)], frames.pose)
+    elif guides_cross(group):
+        open_by = ""
+    else:  # their ends are apart by the distance beyond the singular pose
         k = kinematics(scene, linkage, Driven(at, np.ones(1), np.zeros(1)), rates=False)
-        open_by = of_dyad(scene, group, float(np.ravel(k.to_lock[inner_joint(group)])[0]))
-    return f"{inner_joint(group)} cannot be reached at {scene.where(position)}{open_by}"
+        one, two = (leg.body for leg in group.legs)
+        open_by = f": {one} and {two} end {scene.length(abs(float(np.ravel(k.to_lock[group.P])[0])))} apart"
+    return f"{group.P} cannot be reached at {scene.where(position)}{open_by}"

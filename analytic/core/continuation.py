@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from scenes import Failure, Scene, Status
 from scenes.model.motion import Samples
+from scenes.model.open_joint import open_joint
 
-from ..misfit import of_group
 from .geometry import RigidBody
 from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
-from .newton_group import ROUGHLY, assemble, correction, rates, refine
+from .newton_group import ROUGHLY, assemble, correction, own_jacobian, rates, refine
 
 STEPS = 360  # over a turn, or over the way of a driven slider
 STRIDE = 16  # steps: so far apart poses are at first
@@ -129,7 +129,7 @@ def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: 
     least, most = scene.drive.extent
     if not first.known.all():
         at_sketch = np.array([sketched_coordinates(scene, group, bodies)]), placed(first.position).pose
-        open_by = of_group(scene, group, first.equations, *at_sketch)
+        open_by = misfit(scene, group, first.equations, *at_sketch)
         why = f"{', '.join(group.bodies)} do not close near the sketch, at {scene.where(start)}{open_by}"
         raise Failure(Status.cannot_assemble, why)
     if scene.driven_slide is not None:
@@ -207,6 +207,19 @@ def _filled(track: Track, placed: PlacedAt) -> Track | None:
             return None
         order = np.argsort(np.r_[: len(apart) + 1, halved + 0.5], kind="stable")
         track = _joined([track, between]).rows(order)
+
+
+def misfit(scene: Scene, group: Group, equations: GroupEquations, q: Samples, placed: FramePoses) -> str:
+    """Return which joint of a group stays open when all others close, near q, shape (1, m), by how much, or nothing."""
+    pins = len(group.pins)
+    joints = {f"the guide of {slide.slider}": [2 * pins + row] for row, slide in enumerate(group.slides)}
+    joints |= {pin.point: [row, pins + row] for row, pin in enumerate(group.pins)}
+    joint, gap = open_joint(
+        lambda q: equations.open(equations.pose(q[np.newaxis], placed))[0],
+        lambda q: own_jacobian(equations, equations.pose(q[np.newaxis], placed))[0],
+        *(q[0], np.tile([equations.size, equations.size, 1.0], equations.bodies), joints, equations.size),
+    )
+    return f": with all else closed {joint} stays open by {scene.length(gap)}" if gap else ""
 
 
 def _both(back: Track, forth: Track) -> Track:

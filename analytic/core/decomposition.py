@@ -7,7 +7,7 @@ one larger group.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import TypeAlias
 
@@ -17,6 +17,7 @@ from scenes import Failure, Scene, Status
 from scenes.arguments import scene_of
 from scenes.scene import GROUND
 
+from .continuation import Track
 from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
 from .group_equations import Group, PinJoint, SlideJoint
 from .numbers import Number, Vector, chosen
@@ -65,6 +66,7 @@ class InnerSlide:
     """RPR or RPP: the second leg is pinned at A and the first one slides on it."""
 
     legs: tuple[Leg, Pinned]
+    P: str  # the guide's slider, by which the dyad is named
     guide: Guided  # of the first leg on the second
     branch: Number  # RPR: of (A1 - A2) . t; RPP: of t1 x t2
 
@@ -73,7 +75,7 @@ Dyad: TypeAlias = InnerPin | InnerSlide
 
 
 @dataclass(frozen=True)
-class Decomposition:
+class Linkage:
     """A linkage in solving order: the driver, then one Assur group after the other."""
 
     driver: Leg
@@ -81,13 +83,13 @@ class Decomposition:
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
     arm: Number  # m, the longest
+    tracks: Mapping[Group, Track] = field(default_factory=dict)  # of the larger groups that have been followed
 
 
-def decompose(scene: Scene) -> Decomposition:
+def decompose(scene: Scene) -> Linkage:
     """Split a linkage into its driver and its Assur groups: dyads as long as there are any, in the order of the file.
 
-    Raises:
-        Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
+    Where the sketch leaves a dyad's branch open, or some bodies are held twice over, Failure is raised: `unsupported`.
     """
     bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
     placed = _Placed(scene, bodies)
@@ -96,11 +98,11 @@ def decompose(scene: Scene) -> Decomposition:
     placed.add(driven)
     groups: list[Dyad | Group] = []
     while left := [name for name in scene.bodies if name not in placed.carries]:
-        group = next(_dyads(placed, left), None) or larger_group(placed, _fewest(placed, left))
+        group = next(_dyads(placed, left), None) or _fewest(placed, left)
         groups.append(group)
         for body in members(group):
             placed.add(body)
-    return Decomposition(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies))
+    return Linkage(driver, tuple(groups), bodies, placed.carries, longest_arm(scene, bodies))
 
 
 def route(scene: Scene) -> str:
@@ -146,11 +148,6 @@ def guides_cross(group: Dyad | Group) -> bool:
     return kind(group) in ("PRP", "RPP")
 
 
-def inner_joint(group: Dyad | Group) -> str:
-    """Return the name of a group in channels: its inner pin, or the slider of its inner slide."""
-    return group.guide.slider if isinstance(group, InnerSlide) else group.P
-
-
 def members(group: Dyad | Group) -> tuple[str, ...]:
     """Return the bodies in the order in which they are placed; the inner pin goes with the first, a slider if any."""
     if isinstance(group, Group):
@@ -171,9 +168,6 @@ class _Placed:
     def add(self, name: str) -> None:
         self.carries[name] = tuple(point for point in self.scene.bodies[name].points if point not in self.points)
         self.points.update(self.carries[name])
-
-    def __contains__(self, name: str) -> bool:
-        return name == GROUND or name in self.carries
 
     def outer(self, name: str) -> list[Leg]:
         """Return the joints by which a body hangs on what is placed."""
@@ -208,37 +202,32 @@ def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
         for first, second in combinations(owners, 2):
             if P not in placed.points and first in legs and second in legs:
                 yield _inner_pin(placed, P, legs[first], legs[second])
-    for first, second in combinations(legs, 2):
-        inner = placed.guided(first, second)
-        if inner is not None and isinstance(legs[second], Pinned):
-            yield _inner_slide(placed, legs[first], legs[second], inner)
-        elif inner is not None and isinstance(legs[first], Pinned):
-            reverse = placed.guided(second, first)
-            assert reverse is not None
-            yield _inner_slide(placed, legs[second], legs[first], reverse)
+    for pair in combinations(legs, 2):
+        for first, second in (pair, pair[::-1]):
+            inner, pinned = placed.guided(first, second), legs[second]
+            if inner is not None and isinstance(pinned, Pinned):
+                yield _inner_slide(placed, legs[first], pinned, inner)
 
 
 def _inner_pin(placed: _Placed, P: str, one: Leg, two: Leg) -> InnerPin:
     at = placed.at
-    if isinstance(one, Guided) and isinstance(two, Pinned):
+    if isinstance(one, Guided):
+        if isinstance(two, Guided):
+            return InnerPin((one, two), P, _crossing(placed, one, two))
         one, two = two, one
-    if isinstance(one, Pinned) and isinstance(two, Pinned):
+    if isinstance(two, Pinned):
         side = cross(at[two.A] - at[one.A], at[P] - at[one.A])
         return InnerPin((one, two), P, _sign(side, f"{P} lies on the line {one.A}-{two.A}"))
-    if isinstance(one, Pinned) and isinstance(two, Guided):
-        ahead = ((at[P] - at[one.A]) * placed.direction(two).conjugate()).real
-        return InnerPin((one, two), P, _sign(ahead, f"{one.A}-{P} is square to the guide of {two.slider}"))
-    assert isinstance(one, Guided)
-    assert isinstance(two, Guided)
-    return InnerPin((one, two), P, _crossing(placed, one, two))
+    ahead = ((at[P] - at[one.A]) * placed.direction(two).conjugate()).real
+    return InnerPin((one, two), P, _sign(ahead, f"{one.A}-{P} is square to the guide of {two.slider}"))
 
 
-def _inner_slide(placed: _Placed, one: Leg, two: Leg, guide: Guided) -> InnerSlide:
-    assert isinstance(two, Pinned)
+def _inner_slide(placed: _Placed, one: Leg, two: Pinned, guide: Guided) -> InnerSlide:
     if isinstance(one, Guided):
-        return InnerSlide((one, two), guide, _crossing(placed, one, guide))
+        return InnerSlide((one, two), guide.slider, guide, _crossing(placed, one, guide))
     ahead = ((placed.at[one.A] - placed.at[two.A]) * placed.direction(guide).conjugate()).real
-    return InnerSlide((one, two), guide, _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}"))
+    branch = _sign(ahead, f"{one.A}-{two.A} is square to the guide of {guide.slider}")
+    return InnerSlide((one, two), guide.slider, guide, branch)
 
 
 def _crossing(placed: _Placed, one: Guided, two: Guided) -> Number:
@@ -259,48 +248,34 @@ def _sign(value: Number, why_not: str) -> Number:
 # --- larger groups ---------------------------------------------------------------------------------------------------
 
 
-def _fewest(placed: _Placed, left: list[str]) -> tuple[str, ...]:
+def _fewest(placed: _Placed, left: list[str]) -> Group:
     """Return the fewest of the bodies left that hang on what is placed without a freedom of their own.
 
-    All that is left has none, by Gruebler's count of the whole linkage.
+    By Gruebler's count: three a body, less two for each pin and each slide. All that is left has none.
     """
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
-    bodies = next(bodies for bodies in subsets if _freedoms(placed, bodies) <= 0)
-    if _freedoms(placed, bodies) < 0:
-        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(bodies)}")
-    return bodies
-
-
-def _freedoms(placed: _Placed, bodies: tuple[str, ...]) -> int:
-    """Return Gruebler's count: three a body, less two for each pin and each slide."""
-    return 3 * len(bodies) - 2 * len(_pins(placed, bodies)) - 2 * len(_slides(placed, bodies))
+    groups = (larger_group(placed, bodies) for bodies in subsets)
+    group = next(group for group in groups if 3 * len(group.bodies) <= 2 * len(group.pins + group.slides))
+    if 3 * len(group.bodies) < 2 * len(group.pins + group.slides):
+        raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}")
+    return group
 
 
 def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
-    """Join bodies that are to be solved together."""
-    pins, slides = _pins(placed, bodies), _slides(placed, bodies)
-    return Group(bodies, pins, slides, next((pin.point for pin in pins if pin.on is not None), bodies[0]))
+    """Join bodies that are to be solved together.
 
-
-def _pins(placed: _Placed, bodies: tuple[str, ...]) -> tuple[PinJoint, ...]:
-    """Return the bodies' pins: each on a placed point, or else on the first of the bodies that names the point."""
+    A pin is on a placed point, or else on the first of the bodies that names the point; slides are on each other and
+    on what is placed, and of what is placed on them.
+    """
     first: dict[str, str | None] = dict.fromkeys(placed.points)
-    joints = []
+    pins = []
     for body in bodies:
         for point in placed.scene.bodies[body].points:
             if point in first:
-                joints.append(PinJoint(point, body, first[point]))
+                pins.append(PinJoint(point, body, first[point]))
             first.setdefault(point, body)
-    return tuple(joints)
-
-
-def _slides(placed: _Placed, bodies: tuple[str, ...]) -> tuple[SlideJoint, ...]:
-    """Return the bodies' slides, on each other and on what is placed, and of what is placed on them."""
-    joined = [body for body in placed.scene.bodies.values() if body.name in bodies or body.name in placed.carries]
-    return tuple(
-        SlideJoint(body.name, body.slide.on)
-        for body in joined
-        if body.slide is not None
-        and {body.name, body.slide.on} & set(bodies)
-        and (body.slide.on in bodies or body.slide.on in placed)
-    )
+    sliding = ((name, other.slide) for name, other in placed.scene.bodies.items())
+    slides = [SlideJoint(name, slide.on) for name, slide in sliding if slide is not None]
+    here = {GROUND, *placed.carries, *bodies}
+    own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
+    return Group(bodies, tuple(pins), own, next((pin.point for pin in pins if pin.on is not None), bodies[0]))

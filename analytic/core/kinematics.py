@@ -1,9 +1,9 @@
 """Position, velocity and acceleration of the whole linkage, group after group, for many positions at once."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +14,12 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .continuation import Track, follow
-from .decomposition import Decomposition, Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
-from .dyads import Vectors, as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
+from .decomposition import Guided, InnerPin, InnerSlide, Linkage, Pinned, kind
+from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
 from .group_equations import FramePoses, Group, Placed, in_plane, stacked
 from .newton_group import rates
 from .numbers import samples
-from .placing import Closure, Kinematics, Placing
-
-RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]
-
-
-@dataclass(frozen=True)
-class Linkage(Decomposition):
-    """A decomposition whose larger groups have been followed: all that the kinematics needs."""
-
-    tracks: Mapping[Group, Track]
+from .placing import Closure, Kinematics, Placing, RRRPosition
 
 
 def kinematics(
@@ -41,51 +32,44 @@ def kinematics(
     return Pass(scene, linkage, driven, rates=rates, rrr=rrr).solve().k
 
 
-def followed(scene: Scene, whole: Decomposition, tracks: Mapping[Group, Track] | None = None) -> Linkage:
+def followed(scene: Scene, whole: Linkage, tracks: Mapping[Group, Track] | None = None) -> Linkage:
     """Return the linkage with the branch of every larger group, each followed once over the drive's way unless given.
 
-    Raises:
-        Failure: a larger group has no branch to follow, see `continuation.follow`.
+    A Failure of `continuation.follow` is raised where one has no branch to follow.
     """
-    if tracks is not None:
-        return Linkage(whole.driver, whole.groups, whole.bodies, whole.carries, whole.arm, tracks)
-    linkage = Linkage(whole.driver, (), whole.bodies, whole.carries, whole.arm, tracks={})
-    for group in whole.groups:
-        if isinstance(group, Group):
+    known = dict(tracks or {})
+    for number, group in enumerate(whole.groups):
+        if isinstance(group, Group) and group not in known:
+            before = replace(whole, groups=whole.groups[:number], tracks=dict(known))
             with np.errstate(invalid="ignore", divide="ignore"):  # next to a singular configuration
-                track = follow(scene, group, whole.bodies, partial(placed, scene, linkage, group))
-            linkage = replace(linkage, tracks={**linkage.tracks, group: track})
-        linkage = replace(linkage, groups=(*linkage.groups, group))
-    return linkage
+                known[group] = follow(scene, group, whole.bodies, partial(placed, scene, before, group))
+    return replace(whole, tracks=known)
 
 
 def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Placed:
     """The frames that a group hangs on, by a drive of rate one; `before` is all that is placed by then."""
     unit = Driven(position, np.ones(position.shape), np.zeros(position.shape))
-    return Pass(scene, before, unit, rates=True, rrr=rrr_position).solve().hung(group, position.shape)
+    return Pass(scene, before, unit).solve().hung(group)
 
 
 class Pass(Placing):
     """One pass from the driver to the last group."""
 
-    def __init__(self, scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool, rrr: RRRPosition) -> None:
-        super().__init__(scene, linkage, driven.position, rates=rates)
-        self.driven, self.rrr_position, self.tracks = driven, rrr, linkage.tracks
-
     def solve(self) -> "Pass":
         """Place everything."""
-        self.driver(self.linkage.driver, self.driven)
+        self.driver()
+        forms = self.rrr, self.rrp, self.prp, self.rpr, self.rpp
+        dyads: Mapping[str, Callable[..., None]] = dict(zip(("RRR", "RRP", "PRP", "RPR", "RPP"), forms, strict=True))
         for group in self.linkage.groups:
-            if isinstance(group, InnerPin):
-                self.inner_pin(group)
-            elif isinstance(group, InnerSlide):
-                self.inner_slide(group)
+            if isinstance(group, Group):
+                self.larger(group)
             else:
-                self.larger(group, self.driven.position)
+                dyads[kind(group)](group, *group.legs)
         return self
 
-    def driver(self, driver: Leg, driven: Driven) -> None:
+    def driver(self) -> None:
         """Place the driven body."""
+        driver, driven = self.linkage.driver, self.driven
         spin = driven.rate.astype(self.real), driven.acceleration.astype(self.real)
         if isinstance(driver, Pinned):
             self.place(driver.body, driver.A, np.exp(1j * driven.position), spin if self.rates else None)
@@ -97,16 +81,6 @@ class Pass(Placing):
         self.place_on_guide(driver, first)
 
     # --- dyads
-
-    def inner_pin(self, dyad: InnerPin) -> None:
-        """Place the legs of a dyad with an inner pin."""
-        one, two = dyad.legs
-        if isinstance(one, Pinned) and isinstance(two, Pinned):
-            self.rrr(dyad, one, two)
-        elif isinstance(one, Pinned) and isinstance(two, Guided):
-            self.rrp(dyad, one, two)
-        elif isinstance(one, Guided) and isinstance(two, Guided):
-            self.prp(dyad, one, two)
 
     def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
         """Place two bars; P follows from the three sides of their triangle."""
@@ -167,17 +141,9 @@ class Pass(Placing):
         self.place_on_guide(one, P)
         self.place_on_guide(two, P)
 
-    def inner_slide(self, dyad: InnerSlide) -> None:
-        """Place the legs of a dyad with an inner slide."""
-        one, two = dyad.legs
-        if isinstance(one, Pinned):
-            self.rpr(dyad, one, two)
-        else:
-            self.rpp(dyad, one, two)
-
     def rpr(self, dyad: InnerSlide, one: Pinned, two: Pinned) -> None:
         """With w the guide's direction, d = A1 - A2 has the side h across the guide, known, and sigma along it."""
-        k, guide, name = self.k, dyad.guide, inner_joint(dyad)
+        k, guide, name = self.k, dyad.guide, dyad.P
         bodies = self.linkage.bodies
         feet = (guide.F - bodies[one.body].local[one.A]) - (guide.G - bodies[two.body].local[two.A])
         h = -cross(guide.t, samples(feet))
@@ -203,9 +169,8 @@ class Pass(Placing):
         k, inner = self.k, dyad.guide
         self.place(two.body, two.A, k.u[one.on], self.spin(one.on))
         t1, t2 = self.k.direction(one), self.k.direction(inner)
-        name = inner_joint(dyad)
-        closure = k.closure[name] = Closure(t1, t2, cross(t1, t2))
-        k.to_lock[name] = self.linkage.arm * dyad.branch * closure.det
+        closure = k.closure[dyad.P] = Closure(t1, t2, cross(t1, t2))
+        k.to_lock[dyad.P] = self.linkage.arm * dyad.branch * closure.det
         C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
         z, v, a = self.crossing(closure, one.on, C1, two.body, C2)
         body = self.linkage.bodies[one.body]
@@ -219,11 +184,10 @@ class Pass(Placing):
 
     # --- larger groups
 
-    def larger(self, group: Group, position: Samples) -> None:
+    def larger(self, group: Group) -> None:
         """Place a larger group by Newton's method from the nearest pose of its branch."""
-        k, track = self.k, self.tracks[group]
-        placed = self.hung(group, position.shape)
-        pose, J = track.at(*track.guess(position), placed.pose)
+        k, track, placed = self.k, self.linkage.tracks[group], self.hung(group)
+        pose, J = track.at(*track.guess(self.driven.position), placed.pose)
         own: list[NDArray[Any]] = [pose.z, pose.u]
         if self.rates:
             (v, omega), (a, alpha) = map(in_plane, rates(track.equations, pose, J, placed))
@@ -239,8 +203,8 @@ class Pass(Placing):
                     k.v[foot], k.a[foot] = moving[:2]
             self.place(body, foot, u, (moving[2], moving[3]) if self.rates else None)
 
-    def hung(self, group: Group, shape: tuple[int, ...]) -> Placed:
-        """Return the frames of what the group hangs on, of a shape or more; a point's and the ground's do not turn."""
+    def hung(self, group: Group) -> Placed:
+        """Return the frames of what the group hangs on; a point's and the ground's do not turn."""
         k, columns = self.k, len(group.hangs_on)
         z, v, a = ([self.still] * columns for _ in range(3))
         angle, omega, alpha = ([self.still.real] * columns for _ in range(3))
@@ -253,5 +217,5 @@ class Pass(Placing):
             elif name != GROUND:
                 point = name.removeprefix(".")
                 z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
-        pose = FramePoses(*stacked(shape, z, angle))
+        pose = FramePoses(*stacked(self.driven.position.shape, z, angle))
         return Placed(pose, *stacked(pose.z.shape[:-1], v, omega, a, alpha))

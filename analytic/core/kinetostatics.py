@@ -15,11 +15,10 @@ from scenes import Scene
 from scenes.model.motion import Samples, force_channels
 from scenes.scene import Force, ForceTable, Load
 
-from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned, inner_joint
+from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex, guide_of
 from .group_equations import Group, stacked
-from .kinematics import Linkage
 from .newton_group import joint_forces
 from .numbers import Number, chosen, samples
 from .placing import Kinematics
@@ -44,13 +43,6 @@ class Reactions:
     effort: Samples = field(default_factory=lambda: np.zeros(()))  # torque, N m, or force, N
 
 
-def kinetostatics(
-    scene: Scene, linkage: Linkage, stroke_ends: StrokeEnds, k: Kinematics, wanted: AbstractSet[str] | None = None
-) -> Reactions:
-    """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does."""
-    return Balance(scene, linkage, stroke_ends, k).solve(wanted)
-
-
 @dataclass(frozen=True)
 class Balance:
     """One pass from the last group to the driver."""
@@ -60,12 +52,13 @@ class Balance:
     stroke_ends: StrokeEnds
     k: Kinematics
     reactions: Reactions = field(default_factory=Reactions)
-    slid_on: dict[str, list[ActingForce]] = field(
-        default_factory=dict
-    )  # by body: what the guides of other groups do to it
+    slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
-        """Balance one group after the other, as long as a reaction that is wanted is missing."""
+        """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does.
+
+        One group is balanced after the other, as long as a reaction that is wanted is missing.
+        """
         for group in reversed(self.linkage.groups):
             if wanted is not None and self.has(wanted):
                 return self.reactions
@@ -107,7 +100,7 @@ class Balance:
         one, two = dyad.legs
         force_1, moment_1 = self.applied(one.body, self.foot(one))
         force_2, moment_2 = self.applied(two.body, two.A)
-        g1, g2, det = self.k.closure[inner_joint(dyad)]
+        g1, g2, det = self.k.closure[dyad.P]
         if isinstance(one, Pinned):
             n, N = g1, (moment_1 + moment_2) / -det
         else:  # the normal of the inner guide is square to it, what is left over goes along the outer guide's normal

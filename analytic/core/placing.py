@@ -1,23 +1,25 @@
 """What is placed so far, how it moves, and how points, bodies and guides are carried along by what is placed."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes import Scene
+from scenes.drive import Driven
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .decomposition import Decomposition, Guided
-from .dyads import Vectors, closing, turned
+from .decomposition import Guided, Linkage
+from .dyads import Vectors, closing, rrr_position, turned
 from .geometry import as_complex
 from .group_equations import FramePoses, GroupEquations
 from .numbers import Vector, samples
 
 Plane: TypeAlias = tuple[Vectors, Vectors, Vectors]  # position, velocity, acceleration
 Spin: TypeAlias = tuple[Samples, Samples]  # omega, alpha
+RRRPosition: TypeAlias = Callable[[Vectors, Samples, float, float, Samples, int], tuple[Vectors, Vectors, Samples]]
 
 
 class Closure(NamedTuple):
@@ -45,9 +47,7 @@ class Kinematics:
     rate: dict[str, Vectors] = field(default_factory=dict)  # i alpha - omega^2
     foot: dict[str, str] = field(default_factory=dict)  # bodies: the point by which they were placed
     closure: dict[str, Closure] = field(default_factory=dict)  # dyads, by inner joint
-    jacobian: dict[str, tuple[GroupEquations, FramePoses, Samples]] = field(
-        default_factory=dict
-    )  # larger groups, by inner joint
+    jacobian: dict[str, tuple[GroupEquations, FramePoses, Samples]] = field(default_factory=dict)  # larger groups, by P
     reach: dict[str, Samples] = field(default_factory=dict)  # by inner joint: positive where the group can be assembled
     to_lock: dict[str, Samples] = field(default_factory=dict)  # dyads, by inner joint, m
 
@@ -63,9 +63,11 @@ class Placing:
     absent from the result.
     """
 
-    def __init__(self, scene: Scene, linkage: Decomposition, precision: NDArray[Any], *, rates: bool) -> None:
-        self.scene, self.linkage, self.rates = scene, linkage, rates
-        self.real, self.complex = precision.dtype, np.result_type(precision.dtype, np.complex64)
+    def __init__(
+        self, scene: Scene, linkage: Linkage, driven: Driven, *, rates: bool = True, rrr: RRRPosition = rrr_position
+    ) -> None:
+        self.scene, self.linkage, self.driven, self.rates, self.rrr_position = scene, linkage, driven, rates, rrr
+        self.real, self.complex = driven.position.dtype, np.result_type(driven.position.dtype, np.complex64)
         self.still: Vectors = np.zeros((), self.complex)
         k = self.k = Kinematics()
         for point, xy in scene.ground.items():

@@ -32,14 +32,8 @@ BESIDE = 0.05  # of a move: by how much the way to a machine's pose may change m
 def branches(scene: Scene, program: Program, numbers: Mapping[str, Samples], count: int) -> list[dict[Group, Track]]:
     """The branches of all larger groups of each machine, NaN where they are unknown.
 
-    Args:
-        scene: whose machines they are.
-        program: recorded with the numbers that differ.
-        numbers: those, SI, by path, shape (machines, 1).
-        count: of the machines.
-
-    Raises:
-        Failure: the scene's own branch cannot be followed.
+    The machines are `count`, their numbers that differ SI, shape (machines, 1), and open in the program. Failure is
+    raised where the scene's own branch cannot be followed.
     """
     each: list[dict[Group, Track]] = [{} for _ in range(count)]
     if program.closed:
@@ -82,8 +76,8 @@ def _poses(
         return np.full((len(before), *track.q.shape), np.nan)
 
     def values(expressions: list[Expression], position: Samples, sought: Mapping[str, Samples]) -> Samples:
-        machine, samples = inputs_at(Driven(position, np.ones(()), np.zeros(())), before)
-        return StraightLine(expressions)({**numbers, **machine, branch.of[0]: track.branch}, {**samples, **sought})
+        given = inputs_at(Driven(position, np.ones(()), np.zeros(())), before)
+        return StraightLine(expressions)({**numbers, **given, branch.of[0]: track.branch, **sought})
 
     drawn = [traced(make, one).x for one in sketched_coordinates(program.scene, group, program.linkage.bodies)]
     rows = values([*drawn, size_of, *closing.outer], np.array([start]), {})

@@ -1,8 +1,7 @@
 """Exact derivatives of every channel by numbers of the scene: forward differentiation of the recorded formulas."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +11,11 @@ from scenes.arguments import finite_numbers, names
 from scenes.file.machines import at_path
 from scenes.model.motion import Samples
 
-from ..solve import Solver, driven_at, solver
+from ..solve import driven_at, solver
 from .arithmetics.in_numpy import StraightLine
-from .expressions import Expression, needed
+from .expressions import needed
 from .forward import forward
-from .program import Program, inputs_at, recorded
+from .program import inputs_at, recorded
 
 
 def derivatives(
@@ -48,55 +47,26 @@ def derivatives(
 
 def derivative_solver(
     scene: Scene, numbers: Sequence[str], channels: AbstractSet[str] | None = None
-) -> "DerivativeSolver":
-    """Return `derivatives` for many calls, with what it raises: the formulas are recorded and differentiated only once.
-
-    Args:
-        scene: as of `derivatives`.
-        numbers: likewise.
-        channels: likewise.
-    """
+) -> Callable[..., Mapping[str, Samples]]:
+    """Return `derivatives` by position and time for many calls: the formulas are differentiated only once."""
     solve = solver(scene, channels)
     keys = [at_path(scene, path) for path in names("numbers", numbers)]
     program = recorded(scene, {*keys}, channels)
-    rows = [d[channel] for d in differentiated(program, keys) for channel in program.channels]
-    units = np.array([scene.size(scene.numbers[key]) for key in keys])
-    return DerivativeSolver(
-        solve,
-        {key: scene.numbers[key].value for key in keys},
-        tuple(program.channels),
-        units,
-        StraightLine([*rows, program.reach]),
-    )
-
-
-@dataclass(frozen=True)
-class DerivativeSolver:
-    """The derivatives of one scene, prepared for many calls."""
-
-    solve: Solver
-    numbers: Mapping[str, float]  # p, SI, by path
-    channels: tuple[str, ...]
-    units: Samples  # of the file, SI, shape (p,)
-    line: StraightLine  # of all channels by the first number, then by the next, and of the reach
-
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
-        """The derivatives, as `derivatives` has them, with what it raises."""
-        position = finite_numbers("position", position)
-        _, driven = driven_at(self.solve.scene, position, time)
-        machine, samples = inputs_at(driven, [self.solve.linkage.tracks])
-        rows = self.line({**self.numbers, **self.solve.ends, **machine}, samples)[:, 0]
-        if not (rows[-1] >= 0).all():
-            self.solve(position, time)  # which tells where it does not reach
-        by_number = rows[:-1].reshape(len(self.numbers), len(self.channels), len(position))
-        return {name: by_number[:, c] * self.units[:, np.newaxis] for c, name in enumerate(self.channels)}
-
-
-def differentiated(program: Program, keys: Sequence[str]) -> list[dict[str, Expression]]:
-    """Return for each number the derivatives of all channels."""
-    zero, order = program.make.constant(0.0), needed(program.channels.values())
-    by_number = []
+    zero, order, rows = program.make.constant(0.0), needed(program.channels.values()), []
     for key in keys:
         d = forward(program.make, order, {program.numbers[key]: program.make.constant(1.0)})
-        by_number.append({channel: d.get(made.order, zero) for channel, made in program.channels.items()})
-    return by_number
+        rows += [d.get(made.order, zero) for made in program.channels.values()]
+    line = StraightLine([*rows, program.reach])
+    values = {key: scene.numbers[key].value for key in keys}
+    units = np.array([scene.size(scene.numbers[key]) for key in keys])[:, np.newaxis]
+
+    def at(position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
+        position = finite_numbers("position", position)
+        _, driven = driven_at(scene, position, time)
+        found = line({**values, **solve.ends, **inputs_at(driven, [solve.linkage.tracks])})[:, 0]
+        if not (found[-1] >= 0).all():
+            solve(position, time)  # which tells where it does not reach
+        by_number = found[:-1].reshape(len(keys), len(program.channels), len(position))
+        return {name: by_number[:, c] * units for c, name in enumerate(program.channels)}
+
+    return at

@@ -1,15 +1,22 @@
-"""Real expressions, each made once, and none whose value is known."""
+"""Real expressions, each made once, and none whose value is known; and the walk that writes them in an arithmetic.
+
+An arithmetic is one file in `arithmetics`: how operations are spelled, and what is written for each.
+"""
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, cos, isqrt, sin, sqrt
 from operator import add, mul, neg, sub, truediv
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
-Operation: TypeAlias = Callable[..., float]
+from scenes.model.motion import Samples
 
-OPERATIONS: Mapping[str, Operation] = {
+Inputs: TypeAlias = Mapping[str, Samples | float]  # by name: numbers, (m, 1) of m machines, samples (n,) or (m, n)
+Line: TypeAlias = Callable[[Inputs], Samples]  # that runs: the values of its expressions, shape (expressions, m, n)
+
+OPERATIONS: Mapping[str, Callable[..., float]] = {
     "add": add,
     "subtract": sub,
     "multiply": mul,
@@ -25,6 +32,15 @@ OPERATIONS: Mapping[str, Operation] = {
     "less": lambda a, b: float(a < b),
     "less_equal": lambda a, b: float(a <= b),
     "where": lambda condition, yes, no: yes if condition else no,
+}
+SIGNS: Mapping[str, str] = {  # spelled alike wherever there are signs; the others are functions
+    "add": "({} + {})",
+    "subtract": "({} - {})",
+    "multiply": "({} * {})",
+    "divide": "({} / {})",
+    "negative": "(-{})",
+    "less": "({} < {})",
+    "less_equal": "({} <= {})",
 }
 
 
@@ -52,10 +68,8 @@ class Recorder:
     def closed(self, closing: "Closing", of: Sequence[Expression]) -> Expression:
         """The coordinates at which a larger group closes, found by Newton's method, NaN where it does not.
 
-        Args:
-            closing: the equations.
-            of: where the method begins, how far off that it may end, the sign of the Jacobian's determinant there and
-                the group's size; then what the equations are of besides the coordinates.
+        They are of where the method begins, how far off that it may end, the sign of the Jacobian's determinant there
+        and the group's size; then of what the equations are of besides the coordinates.
         """
         return self._make("closed", (closing, *of), sampled=True)
 
@@ -90,21 +104,13 @@ class Recorder:
         if None not in known:
             return self.constant(OPERATIONS[operation](*known))
         match operation, known:
-            case "add", [0.0, _]:
+            case ("add", [0.0, _]) | ("multiply", [1.0, _]):
                 return of[1]
-            case (("add" | "subtract"), [_, 0.0]):
+            case (("add" | "subtract"), [_, 0.0]) | (("multiply" | "divide"), [_, 1.0]):
                 return of[0]
-            case "subtract", [0.0, _]:
-                return self("negative", of[1])
-            case "multiply", [0.0, _] | [_, 0.0]:
+            case ("multiply", [0.0, _] | [_, 0.0]) | ("divide", [0.0, _]):
                 return self.constant(0.0)
-            case "divide", [0.0, _]:
-                return self.constant(0.0)
-            case "multiply", [1.0, _]:
-                return of[1]
-            case (("multiply" | "divide"), [_, 1.0]):
-                return of[0]
-            case "multiply", [-1.0, _]:
+            case ("subtract", [0.0, _]) | ("multiply", [-1.0, _]):
                 return self("negative", of[1])
             case (("multiply" | "divide"), [_, -1.0]):
                 return self("negative", of[0])
@@ -176,12 +182,7 @@ class Closing:
 
 
 def needed(expressions: Iterable[Expression], known: Container[int] = ()) -> list[Expression]:
-    """Expressions and all that they are made of, in an order in which they can be evaluated.
-
-    Args:
-        expressions: those wanted.
-        known: the orders of those that are at hand, whatever they are made of.
-    """
+    """Expressions and all that they are made of, but for what those `known` are of, in an order of evaluation."""
     order: dict[int, Expression] = {}
     ahead = list(expressions)
     while ahead:
@@ -201,3 +202,16 @@ def substituted(
         if one.order not in new and any(of.order in new for of in one.operands):
             new[one.order] = make(one.operation, *(new.get(of.order, of) for of in one.operands))
     return [new.get(one.order, one) for one in expressions]
+
+
+def walk(
+    order: Iterable[Expression],
+    write: Callable[[Expression, Sequence[str]], str],
+    known: Mapping[int, str] = MappingProxyType({}),
+) -> dict[int, str]:
+    """The names or spellings of expressions by order of making, each written after what it is of unless known."""
+    names = dict(known)
+    for made in order:
+        if made.order not in names:
+            names[made.order] = write(made, [names[one.order] for one in made.operands])
+    return names

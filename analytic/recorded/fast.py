@@ -3,18 +3,20 @@
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
 from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers
 
-from ..solve import Solver, driven_at, solver
+from ..solve import MotionAt, Solver, solver
 from .arithmetics.in_numpy import StraightLine
 from .arithmetics.machine_code import COMPILES, MachineCode, operations
-from .arithmetics.walk import Line
-from .many import Machines, ManySolver, machines_of, many_by_line, many_solver
-from .program import Program, inputs_at, recorded
+from .expressions import Line
+from .many import Machines, ManySolver, many_solver
+from .program import Program, recorded
 
 LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
 
@@ -36,6 +38,7 @@ def fast_solver(
         InputError: as of `solver`, or there is no numba for machine code.
     """
     core = solver(scene, channels)
+    own = core.scene, core.linkage, core.stroke_ends, core.request
     if compiled and not COMPILES:
         raise InputError("compiled: expected numba to be installed, as by the extra 'compiled'")
     if compiled or (compiled is None and COMPILES):
@@ -46,30 +49,27 @@ def fast_solver(
             raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
         if count is not None and (compiled or count <= LARGEST):
             known = {path: number.value for path, number in scene.numbers.items()}
-            return FastSolver(core, program, MachineCode(program.rows, known | core.ends))
+            return FastSolver(*own, program, MachineCode(program.rows, known | core.ends))
     program = recorded(scene, frozenset(), core.request.channels)
-    return FastSolver(core, program, StraightLine(program.rows))
+    return FastSolver(*own, program, StraightLine(program.rows))
 
 
 @dataclass(frozen=True)
-class FastSolver:
+class FastSolver(Solver):
     """One topology, prepared for many calls."""
 
-    core: Solver
     program: Program
     line: Line
+    recorded_from: ClassVar = 0
 
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
+    def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises."""
-        core, position = self.core, finite_numbers("position", position)
-        instants, driven = driven_at(core.scene, position, time)
-        machine, samples = inputs_at(driven, [core.linkage.tracks])
-        rows = self.line({**core.ends, **machine}, samples)[:, 0]
-        if self.program.own or not (rows[-1] >= 0).all():
-            return core(position, time)  # which names the place, or finds it to be none
-        channels = dict(zip(self.program.channels, rows, strict=False))
-        channels |= {"time": instants, core.scene.drive_channel: position}
-        return Motion({name: channels[name] for name in self.program.names})
+        return super().__call__(finite_numbers("position", position), time, motion_at)
+
+    @cached_property
+    def recorded(self) -> tuple[tuple[str, ...], Line | None]:
+        """As of the core's solver, by the line that is at hand."""
+        return tuple(self.program.channels), None if self.program.own else self.line
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
@@ -77,7 +77,5 @@ class FastSolver:
 
     def many_solver(self, changes: Mapping[str, ArrayLike]) -> ManySolver:
         """Return `many` for many calls, with what it raises."""
-        scene = self.core.scene
-        if isinstance(self.line, MachineCode):
-            return many_by_line(scene, *machines_of(scene, changes), self.program, self.line)
-        return many_solver(scene, changes, self.core.request.channels)
+        own = (self.program, self.line) if isinstance(self.line, MachineCode) else None
+        return many_solver(self.scene, changes, self.request.channels, own)

@@ -10,10 +10,7 @@ def forward(
 ) -> dict[int, Expression]:
     """Return the changes of expressions, by order of making, of those that change.
 
-    Args:
-        make: of all of them.
-        order: the expressions, each after what it is of.
-        given: the changes of some; what those are of themselves does not matter.
+    They come each after what it is of; what those whose changes are given are of does not matter.
     """
     zero = make.constant(0.0)
     d = {expression.order: change for expression, change in given.items()}

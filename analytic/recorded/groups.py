@@ -12,10 +12,10 @@ import numpy as np
 from scenes import Scene
 from scenes.scene import GROUND
 
-from ..core.dyads import rrr_position
+from ..core.decomposition import Linkage
 from ..core.geometry import as_complex
 from ..core.group_equations import Group, size_of
-from ..core.kinematics import Linkage, Pass
+from ..core.kinematics import Pass
 from ..core.kinetostatics import Balance
 from ..core.numbers import chosen
 from .expressions import Closing, Expression, Recorder, needed, substituted
@@ -34,14 +34,14 @@ class RecordedPass(Pass):
     """Places everything as expressions."""
 
     def __init__(self, make: Recorder, scene: Scene, linkage: Linkage, driven: Any) -> None:
-        super().__init__(scene, linkage, driven, rates=True, rrr=rrr_position)
+        super().__init__(scene, linkage, driven)
         self.make = make
         self.closed: dict[Group, Expression] = {}
         self.by_time = {driven.position.x: driven.rate.x}
         if driven.rate.x.sampled:
             self.by_time[driven.rate.x] = driven.acceleration.x
 
-    def larger(self, group: Group, position: Any) -> None:  # noqa: ARG002 - where Newton's method begins is an input
+    def larger(self, group: Group) -> None:
         """Place a larger group."""
         make, k = self.make, self.k
         begin, allowed, branch = inputs_of(group)

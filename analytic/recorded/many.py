@@ -24,9 +24,8 @@ from ..solve import Solver, driven_at, not_reached, prepared, where_open
 from ..way.motion_range import in_line
 from ..way.slider import furthest
 from .arithmetics.in_numpy import StraightLine
-from .arithmetics.walk import Line
 from .branches import branches
-from .expressions import Expression
+from .expressions import Expression, Line
 from .program import Program, inputs_at, recorded, stroke_end_input
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
@@ -46,11 +45,7 @@ class Machines:
     reason: Sequence[str]  # why the status is not ok; empty where it is
 
     def __getitem__(self, channel: str) -> Samples:
-        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.model.motion.UNITS`.
-
-        Raises:
-            KeyError: there is no such channel; the message names the nearest one.
-        """
+        """Return the samples of a channel by its name, shape (m, n), in the unit of `scenes.model.motion.UNITS`."""
         return Motion(self.samples)[channel]
 
     def __contains__(self, channel: str) -> bool:
@@ -94,12 +89,27 @@ def solve_many(
 
 
 def many_solver(
-    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
+    scene: Scene,
+    changes: Mapping[str, ArrayLike],
+    channels: AbstractSet[str] | None = None,
+    own: tuple[Program, Line] | None = None,
 ) -> "ManySolver":
-    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
-    many, numbers = machines_of(scene, changes)
+    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once.
+
+    Its line may be its `own`, of at least the numbers that differ.
+    """
     asked = None if channels is None else frozenset(names("channels", channels))
-    return many_by_line(scene, many, numbers, *_line(_Itself(scene), frozenset(numbers), asked))
+    with np.errstate(all="ignore"):  # machines that no file could describe are named
+        numbers = numbers_of(scene, changes)
+        many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
+        program, line = own or _line(_Itself(scene), frozenset(numbers), asked)
+        failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
+        try:
+            tracks = branches(scene, program, numbers, count)
+        except Failure:
+            tracks = None
+        ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
+    return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
 
 
 class _Itself:
@@ -119,32 +129,6 @@ class _Itself:
 def _line(key: _Itself, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, StraightLine]:
     program = recorded(key.scene, paths, channels)
     return program, StraightLine(program.rows)
-
-
-def machines_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> tuple[Scene, dict[str, Samples]]:
-    """A scene with many machines' numbers, and these by the one form of their paths, SI, shape (m, 1).
-
-    Raises:
-        InputError: as of `solve_many`.
-    """
-    with np.errstate(all="ignore"):  # machines that no file could describe are named
-        numbers = numbers_of(scene, changes)
-        return scene.with_numbers(numbers), numbers
-
-
-def many_by_line(
-    scene: Scene, many: Scene, numbers: Mapping[str, Samples], program: Program, line: Line
-) -> "ManySolver":
-    """Return the solver of machines, as of `machines_of`, by a line of at least the numbers that differ."""
-    count = max(map(len, numbers.values()), default=1)
-    with np.errstate(all="ignore"):
-        failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
-        try:
-            tracks = branches(scene, program, numbers, count)
-        except Failure:
-            tracks = None
-        ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
-    return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
 
 
 @dataclass(frozen=True)
@@ -172,13 +156,9 @@ class ManySolver:
         return Machines(samples, *endings.told())
 
     def block(self, rows: slice, position: Samples, time: Samples | None, endings: "Endings") -> dict[str, Samples]:
-        """The channels of some machines, in the order of the files; NaN where a machine is stopped.
+        """The channels of some machines, in the order of the files; NaN where a machine is stopped, which is noted.
 
-        Args:
-            rows: the machines.
-            position: theirs, shape (n,) or (rows, n).
-            time: likewise.
-            endings: where it is noted what stops a machine.
+        Their positions and instants have the shape (n,) or (rows, n).
         """
         numbers = {path: values[rows] for path, values in {**self.numbers, **self.stroke_ends}.items()}
         own: dict[str, Any] = {
@@ -191,8 +171,7 @@ class ManySolver:
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:
-            machine, samples = inputs_at(driven, self.tracks[rows])
-            filled = self.line({**numbers, **machine}, samples)
+            filled = self.line({**numbers, **inputs_at(driven, self.tracks[rows])})
         stopped = ~(filled[-1] >= 0)
         if stopped.any():
             filled[:, stopped] = np.nan
@@ -210,11 +189,7 @@ class ManySolver:
         return {name: channels[name] for name in self.program.names}
 
     def core(self, machine: int, tracks: Mapping[Group, Track] | None) -> Solver:
-        """The core's solver of one machine, whose larger groups are followed unless their branches are given.
-
-        Raises:
-            Failure: as of `solver`.
-        """
+        """The core's solver of one machine, whose larger groups are followed unless their branches are given."""
         one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
         whole = decompose(one)
         own = tracks and {
@@ -238,10 +213,7 @@ class Endings:
         samples: Mapping[str, Samples],
         tracks: Mapping[Group, Track] | None,
     ) -> None:
-        """Let the core fill in a machine's samples, each of the shape of the positions, and note what stops it.
-
-        No other machine is spoilt by it, and where it ends is told as of a single run.
-        """
+        """Let the core fill in a machine's samples, of the positions' shape, and note what stops it as of one run."""
         if machine in self.many.failed:
             return
         try:
@@ -284,8 +256,8 @@ def _stroke_ends(
         line, signs = StraightLine(stroke), np.frombuffer(closing)[:, np.newaxis]
 
         def displaced(rows: slice, way: Samples) -> Samples:
-            machine, samples = inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])
-            return line({**{path: values[rows] for path, values in numbers.items()}, **machine}, samples)
+            machine = {path: values[rows] for path, values in numbers.items()}
+            return line({**machine, **inputs_at(Driven(way, np.ones(()), np.zeros(())), tracks[rows])})
 
         some = [slice(first, first + TOGETHER) for first in range(0, max(count, 1), TOGETHER)]
         parts = [furthest(partial(displaced, rows), *(each[rows] for each in (signs, *extent))) for rows in some]

@@ -13,18 +13,17 @@ from scenes.drive import Driven
 from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed, PressForce
 
-from ..channels import known_channels, scalar_channels, vector_channels
+from ..channels import all_channels, known_channels
 from ..core.continuation import Track
-from ..core.decomposition import Decomposition, decompose, members
+from ..core.decomposition import Linkage, decompose, members
 from ..core.dyads import dot
 from ..core.geometry import guide_of
 from ..core.group_equations import Group
-from ..core.kinematics import Linkage
 from ..core.kinetostatics import Reactions
 from ..core.numbers import chosen
-from .expressions import Expression, Recorder
+from .expressions import Expression, Inputs, Recorder
 from .groups import RecordedBalance, RecordedPass, inputs_of
-from .traced import Traced, given, traced
+from .traced import Traced, traced
 
 
 @dataclass(frozen=True)
@@ -38,9 +37,7 @@ class Program:
     closed: Mapping[Group, Expression]  # the larger groups' coordinates
     numbers: Mapping[str, Expression]
     channels: Mapping[str, Expression]
-    strokes: Mapping[
-        int, tuple[Expression, Expression]
-    ]  # by press force: its slider's displacement, m, and the rate of it
+    strokes: Mapping[int, tuple[Expression, Expression]]  # by press force: its slider's displacement, m, and rate
     reach: Expression  # negative where a group does not reach, or its branch is open
     own: frozenset[str]  # channels wanted that are left to the core: how far larger groups are from a singular pose
 
@@ -57,27 +54,16 @@ class Program:
 
 
 def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] | None = None) -> Program:
-    """Record the core's own formulas.
-
-    Args:
-        scene: the mechanism.
-        paths: of the numbers that stay open; the others are those of the scene.
-        channels: the names of those wanted, besides the time and the drive's position; None for all.
-
-    Raises:
-        Failure: as of `decompose`.
-        InputError: there is no such channel.
-    """
+    """Record the core's own formulas of some channels, in which the numbers at `paths` stay open."""
     make = Recorder()
-    numbers = {path: given(make, path, sampled=False) for path in scene.numbers if path in paths}
+    numbers = {path: Traced(make, make.input(path, sampled=False)) for path in scene.numbers if path in paths}
     opened = scene.with_numbers(numbers)
     every = decompose(opened)
     channels = known_channels(scene, every.groups, channels)
     request = Sampling(channels=channels)
     forces = request.wants_forces(scene)
-    whole = needed(every, channels, forces=forces)
-    linkage = Linkage(whole.driver, whole.groups, whole.bodies, whole.carries, whole.arm, tracks={})
-    driven: Any = Driven(*(given(make, name, sampled=True) for name in Driven._fields))  # type: ignore[arg-type]
+    linkage = needed(every, channels, forces=forces)
+    driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
     if isinstance(opened.drive, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
     way = RecordedPass(make, opened, linkage, driven)
@@ -91,11 +77,11 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
         s, ds = (traced(make, dot(t, x)) for x in (k.z[first] - through, k.v[first]))
         strokes[number] = s.x, ds.x
     if forces:
-        ends: Any = {number: given(make, stroke_end_input(number), sampled=False) for number in presses}
+        ends: Any = {number: Traced(make, make.input(stroke_end_input(number), sampled=False)) for number in presses}
         on = RecordedBalance(opened, linkage, ends, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
-    for names, take in (*vector_channels(scene), *scalar_channels(scene, linkage.groups)):
+    for names, take in all_channels(scene, linkage.groups):
         wanted = {name for name in names if channels is None or name in channels}
         if wanted and own.isdisjoint(wanted):
             value = traced(make, take(k, on))
@@ -112,7 +98,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
 
 
-def needed(whole: Decomposition, channels: AbstractSet[str] | None, *, forces: bool) -> Decomposition:
+def needed(whole: Linkage, channels: AbstractSet[str] | None, *, forces: bool) -> Linkage:
     """A decomposition without the last groups, unless a force, or a point or body of theirs, is wanted."""
     if channels is None or forces:
         return whole
@@ -123,25 +109,20 @@ def needed(whole: Decomposition, channels: AbstractSet[str] | None, *, forces: b
     return replace(whole, groups=whole.groups[:count])
 
 
-def inputs_at(
-    driven: Driven, tracks: Sequence[Mapping[Group, Track]]
-) -> tuple[dict[str, Samples | float], dict[str, Samples]]:
-    """The inputs of a line that are no numbers of the scene: of each machine, and of each position.
+def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:
+    """The inputs of a line that are no numbers of the scene, at positions (n,), or (m, n) of machines' own.
 
-    Args:
-        driven: what the drive asks for at positions of shape (n,), or (m, n) of machines that each have their own.
-        tracks: of the larger groups, of the one machine or of each of m.
+    `tracks` are the branches of the larger groups, of the one machine or of each of m.
     """
-    numbers: dict[str, Samples | float] = {}
-    samples: dict[str, Samples] = driven._asdict()
+    given: dict[str, Samples | float] = {**driven._asdict()}
     for group in tracks[0] if tracks else ():
         begin, allowed, branch = inputs_of(group)
         each = np.broadcast_to(driven.position, (len(tracks), driven.position.shape[-1]))
         guesses = [own[group].guess(position) for own, position in zip(tracks, each, strict=True)]
-        samples |= dict(zip(begin, np.moveaxis(np.array([guess for guess, _ in guesses]), -1, 0), strict=True))
-        samples[allowed] = np.array([off for _, off in guesses])
-        numbers[branch] = np.array([[own[group].branch] for own in tracks])
-    return numbers, samples
+        given |= zip(begin, np.moveaxis(np.array([guess for guess, _ in guesses]), -1, 0), strict=True)
+        given[allowed] = np.array([off for _, off in guesses])
+        given[branch] = np.array([[own[group].branch] for own in tracks])
+    return given
 
 
 def stroke_end_input(number: int) -> str:

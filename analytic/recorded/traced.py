@@ -4,17 +4,13 @@ What the core computes with them is the straight line of its own formulas.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from .expressions import Expression, Recorder
-
-
-def given(make: Recorder, name: str, *, sampled: bool) -> "Traced":
-    """A real input: of each position, or a number."""
-    return Traced(make, make.input(name, sampled=sampled))
 
 
 def traced(make: Recorder, value: Any) -> "Traced":
@@ -68,19 +64,15 @@ class Traced(NDArrayOperatorsMixin):
         return FUNCTIONS[function.__name__](self.make, *args)
 
 
-def _real(name: str) -> Callable[..., Traced]:
+def _real(name: str, *of: Traced) -> Traced:
     """A function of real numbers."""
-    return lambda *of: Traced(of[0].make, of[0].make(name, *(one.x for one in of)))
+    return Traced(of[0].make, of[0].make(name, *(one.x for one in of)))
 
 
-def _each(name: str) -> Callable[..., Traced]:
+def _each(name: str, *of: Traced) -> Traced:
     """A function of either part by itself."""
-
-    def function(*of: Traced) -> Traced:
-        make = of[0].make
-        return Traced(make, make(name, *(one.x for one in of)), make(name, *(one.y for one in of)))
-
-    return function
+    make = of[0].make
+    return Traced(make, make(name, *(one.x for one in of)), make(name, *(one.y for one in of)))
 
 
 def _product(a: Traced, b: Traced) -> Traced:
@@ -96,7 +88,7 @@ def _quotient(a: Any, b: Any) -> Any:
 
 
 def _size(a: Any) -> Traced:
-    return _real("absolute")(a) if a.is_real else _real("sqrt")(a.real * a.real + a.imag * a.imag)
+    return _real("absolute", a) if a.is_real else _real("sqrt", a.real * a.real + a.imag * a.imag)
 
 
 def _exponential(of: Traced) -> Traced:
@@ -125,8 +117,8 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
 
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: _real(name) for name in ("sqrt", "arctan2", "minimum", "maximum", "less", "less_equal")},
-    **{name: _each(name) for name in ("add", "subtract", "negative")},
+    **{name: partial(_real, name) for name in ("sqrt", "arctan2", "minimum", "maximum", "less", "less_equal")},
+    **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
     "multiply": _product,
     "bitwise_and": _product,
     "divide": _quotient,

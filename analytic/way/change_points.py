@@ -12,9 +12,8 @@ from scenes import Failure, Scene, Status
 from scenes.arguments import refuse
 from scenes.model.motion import Samples
 
-from ..core.decomposition import Dyad, guides_cross, inner_joint
+from ..core.decomposition import Dyad, Linkage, guides_cross
 from ..core.group_equations import Group
-from ..core.kinematics import Linkage
 from ..core.newton_group import ROUGHLY, least_singular_value
 from ..core.placing import Kinematics
 from ..solve import Solver, check_reach
@@ -76,6 +75,6 @@ def _to_lock(linkage: Linkage, k: Kinematics, way: Samples) -> dict[Dyad | Group
     return {
         group: least_singular_value(*k.jacobian[group.P][::2])
         if isinstance(group, Group)
-        else np.broadcast_to(k.to_lock[inner_joint(group)], way.shape)
+        else np.broadcast_to(k.to_lock[group.P], way.shape)
         for group in linkage.groups
     }

@@ -11,9 +11,9 @@ from scenes import Scene
 from scenes.drive import Driven
 from scenes.model.motion import Samples
 
-from ..core.decomposition import Dyad, Guided, InnerSlide, guides_cross, inner_joint, kind
+from ..core.decomposition import Dyad, Guided, InnerSlide, Linkage, guides_cross, kind
 from ..core.group_equations import Group
-from ..core.kinematics import Linkage, kinematics
+from ..core.kinematics import kinematics
 from ..core.placing import Kinematics
 
 SAMPLES = 3600  # of a turn, or a driven slider's way: what changes twice between two of them is not seen
@@ -99,7 +99,7 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     """Tell in one sentence how far the drive moves, and what is in line where it stops, as it does at a position."""
     body, turns = scene.drive.body, scene.driven_slide is None
     intervals = motion_range(scene, linkage)
-    stops = {inner_joint(group): in_line(group) for group in linkage.groups} | {"": "the end of its way"}
+    stops = {group.P: in_line(group) for group in linkage.groups} | {"": "the end of its way"}
     if not intervals and not _unreached(scene, linkage, np.array([scene.drive.start]))[0]:
         least, most = scene.drive.extent
         if not turns and not least <= position <= most:

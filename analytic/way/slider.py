@@ -14,10 +14,10 @@ from scenes.arguments import finite_numbers
 from scenes.model.motion import Samples
 from scenes.scene import PressForce
 
-from ..core.decomposition import decompose
+from ..core.decomposition import Linkage, decompose
 from ..core.dyads import dot
 from ..core.geometry import guide_of
-from ..core.kinematics import Linkage, followed
+from ..core.kinematics import followed
 from .motion_range import SAMPLES, changes, describe, motion_at, zeros
 
 STILL = 1e-12  # of the longest arm: roundings of a slider that stands still

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import ceil, inf, isqrt, nan
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -11,22 +12,20 @@ from scenes.model.motion import Samples
 
 from ...core.group_equations import length_of
 from ...core.newton_group import Correction, refine, solved
-from ..expressions import Closing, Expression, needed
-from .walk import SIGNS, walk
+from ..expressions import SIGNS, Closing, Expression, Inputs, needed, walk
 
 BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time
 OF_FEWER = ("where", "less", "less_equal", "sin", "cos")  # often of all machines alike: arrays of their own shape
 
 
 class StraightLine:
-    """The values of expressions, for many calls: a `walk.Line`."""
+    """The values of expressions, for many calls: an `expressions.Line`."""
 
     def __init__(self, expressions: Sequence[Expression]) -> None:
         self._evaluate, self._count = function_of(expressions), len(expressions)
 
-    def __call__(self, numbers: Mapping[str, Samples | float], samples: Mapping[str, Samples]) -> Samples:
-        """The values, as of a `walk.Line`."""
-        given = {**numbers, **samples}
+    def __call__(self, given: Inputs) -> Samples:
+        """The values."""
         m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
         rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
         height = max(1, BLOCK // n) if n else m
@@ -72,14 +71,12 @@ class NewtonsMethod:
         return flat[:, :k], flat[:, k:].reshape(-1, k, k)
 
 
-def function_of(expressions: Sequence[Expression], known: Mapping[int, str] | None = None) -> Any:
+def function_of(expressions: Sequence[Expression], known: Mapping[int, str] = MappingProxyType({})) -> Any:
     """The function of what is given, by name, and of an array, into whose rows it writes the values of expressions.
 
-    Args:
-        expressions: those wanted.
-        known: by order of making the names of those that are given.
+    Of those `known`, by order of making, the names are given.
     """
-    code = _Code(expressions, known or {})
+    code = _Code(expressions, known)
     run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, "solutions": solutions, **code.methods}
     exec(compile("\n".join(code.lines), "<straight line>", "exec"), run)  # of names made here alone
     return run["evaluate"]
@@ -98,7 +95,7 @@ class _Code:
         self.methods: dict[str, NewtonsMethod] = {}
         self.free: list[str] = []
         self.arrays = 0
-        names = walk(order, self, {at: f"given[{name!r}]" for at, name in known.items()})
+        names = walk(order, self.write, {at: f"given[{name!r}]" for at, name in known.items()})
         for row, expression in enumerate(expressions):
             name = names[expression.order]
             if name not in (f"row[{row}]", "0.0"):

@@ -17,9 +17,8 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ..expressions import Expression, needed
+from ..expressions import SIGNS, Expression, Inputs, needed, walk
 from .in_numpy import BLOCK
-from .walk import SIGNS, walk
 
 CHUNK = 256  # positions: their results stay in the second cache, and go to memory in long rows
 LANES = 8  # positions in a vector instruction, or a multiple of theirs
@@ -39,28 +38,23 @@ Kernel: TypeAlias = Callable[[Samples, Samples, Samples, Samples, int, int], Non
 
 
 class MachineCode:
-    """The values of expressions, for many calls: a `walk.Line`."""
+    """The values of expressions, for many calls: an `expressions.Line`."""
 
     def __init__(self, expressions: Sequence[Expression], known: Mapping[str, float]) -> None:
-        """Write the code, and make it unless it was made before.
-
-        Args:
-            expressions: those wanted.
-            known: the numbers that they are of, where a call does not give others.
-        """
+        """Write the code, and make it unless it was made before, of numbers that are `known` where no others come."""
         self._code = _Code(expressions)
         self._known = np.array([[known[name] for name in self._code.numbers]])
         self._kernel = kernel_of("\n".join(self._code.lines()))
 
-    def __call__(self, numbers: Mapping[str, Samples | float], samples: Mapping[str, Samples]) -> Samples:
-        """The values, as of a `walk.Line`."""
+    def __call__(self, given: Inputs) -> Samples:
+        """The values."""
         code = self._code
-        m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in (*numbers.values(), *samples.values())))
+        m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
         machines = np.repeat(self._known, m, axis=0)
         for column, name in enumerate(code.numbers):
-            if name in numbers:
-                machines[:, column] = np.ravel(numbers[name])
-        driven = [(function, np.atleast_2d(samples[name])) for function, name in code.drive]
+            if name in given:
+                machines[:, column] = np.ravel(given[name])
+        driven = [(function, np.atleast_2d(given[name])) for function, name in code.drive]
         filled = np.empty((code.rows, m, n))
         height = max(1, BLOCK // n) if n else m
         for top in range(0, m, height):
@@ -112,7 +106,7 @@ class _Code:
         self.of_machine: list[str] = []
         self.of_position: list[str] = []
         self.arcs: list[tuple[int, str, str]] = []  # row, and what it is the arc of
-        names = walk(order, self)
+        names = walk(order, self.write)
         late = {row for row, _, _ in self.arcs} | self.same.keys()
         self.outputs = [(row, names[made.order]) for row, made in enumerate(expressions) if row not in late]
 
