@@ -121,8 +121,7 @@ class Track:
 def follow(scene: Scene, group: Group, bodies: Mapping[str, RigidBody], placed: PlacedAt) -> Track:
     """Follow the sketch's branch round the turn, along a driven slider's way, or to where it ends on both sides.
 
-    Raises:
-        Failure: `cannot_assemble` at the sketch; `unsupported` when a crank turns all the way and ends in another pose.
+    Failure is `cannot_assemble` at the sketch, `unsupported` when a crank turns all the way and ends in another pose.
     """
     first = _begun(scene, group, bodies, placed)
     start, step, turn = scene.sketch.drive, first.step, first.turn

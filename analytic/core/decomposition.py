@@ -18,7 +18,8 @@ from scenes.arguments import scene_of
 from scenes.scene import GROUND
 
 from .continuation import Track
-from .geometry import RigidBody, as_complex, cross, longest_arm, rigid_body, sketched, sketched_attitude
+from .dyads import cross
+from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
 from .group_equations import Group, PinJoint, SlideJoint
 from .numbers import Number, Vector, chosen
 
@@ -107,9 +108,6 @@ def decompose(scene: Scene) -> Linkage:
 
 def route(scene: Scene) -> str:
     """Return how a scene is solved: `closed form: crank, RRR, RRP` or `crank, RRR, Newton on one-plate-two-three`.
-
-    Args:
-        scene: the mechanism.
 
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.

@@ -8,6 +8,7 @@ from itertools import combinations
 from scenes import InputError
 from scenes.scene import GROUND, Body, Scene
 
+from .dyads import cross
 from .numbers import Number, Vector, chosen, largest, least, root, samples
 
 
@@ -15,11 +16,6 @@ def as_complex(vector: tuple[Number, Number]) -> Vector:
     """Return the plane vector (x, y) as x + iy."""
     x, y = vector
     return x + 1j * y
-
-
-def cross(a: Vector, b: Vector) -> Number:
-    """Return the z component of a x b."""
-    return (a.conjugate() * b).imag
 
 
 def twice_area(a: Number, b: Number, c: Number) -> Number:
@@ -49,10 +45,6 @@ class RigidBody:
     def arm(self, foot: str, tip: str) -> Vector:
         """Return the vector from one point of the body to another, body frame, m."""
         return self.local[tip] - self.local[foot]
-
-    def com_arm(self, foot: str) -> Vector:
-        """Return the vector from a point of the body to its centre of mass, body frame, m."""
-        return self.com - self.local[foot]
 
 
 def rigid_body(scene: Scene, body: Body) -> RigidBody:
@@ -107,16 +99,10 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
 
 
 def guide_of(scene: Scene, point: str) -> tuple[Vector, Vector]:
-    """The direction, and a point, of the guide on the ground along which a point runs.
-
-    Raises:
-        InputError: the point is on no body that slides on the ground.
-    """
-    guided = scene.guided(point)
-    if guided is None:
+    """The direction, and a point, of the guide on the ground along which a point runs, or InputError."""
+    if (guided := scene.guided(point)) is None:
         raise InputError(f"{point} is on no body that slides on the ground")
-    _, slide = guided
-    return samples(as_complex(slide.along)), as_complex(slide.through)
+    return samples(as_complex(guided[1].along)), as_complex(guided[1].through)
 
 
 def sketched(scene: Scene) -> dict[str, Vector]:

@@ -18,8 +18,8 @@ from scenes.scene import Force, ForceTable, Load
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned
 from .dyads import Vectors, cross, dot, inner_force
 from .geometry import as_complex, guide_of
-from .group_equations import Group, stacked
-from .newton_group import joint_forces
+from .group_equations import Group, coordinates, stacked
+from .newton_group import solved
 from .numbers import Number, chosen, samples
 from .placing import Kinematics
 
@@ -147,11 +147,14 @@ class Balance:
     # --- larger groups, driver
 
     def larger(self, group: Group) -> None:
-        """Balance a larger group, by the transpose of its Jacobian."""
-        equations, _, J = self.k.jacobian[group.P]
+        """Balance a larger group by the transpose of its Jacobian: J^T forces + loads = 0, by virtual work."""
+        _, _, J = self.k.jacobian[group.P]
         applied = [self.applied(body, self.scene.bodies[body].points[0]) for body in group.bodies]
-        force, moment = stacked(J.shape[:-2], *zip(*applied, strict=True))
-        self.spread(group, *(np.moveaxis(each, -1, 0) for each in joint_forces(equations, J, force, moment)))
+        loads = coordinates(*stacked(J.shape[:-2], *zip(*applied, strict=True)))
+        forces = np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0)
+        p, s = len(group.pins), len(group.slides)
+        x, y, guide_force, guide_moment = np.split(forces, [p, 2 * p, 2 * p + s])
+        self.spread(group, x + 1j * y, guide_force, guide_moment)
 
     def spread(self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any) -> None:
         """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider."""
@@ -191,7 +194,7 @@ class Balance:
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""
         rigid, k = self.linkage.bodies[body], self.k
-        r = k.u[body] * rigid.com_arm(foot)
+        r = k.u[body] * (rigid.com - rigid.local[foot])
         force = -rigid.mass * (k.a[foot] + r * k.rate[body])
         moment = cross(r, force) - rigid.inertia * k.alpha[body]
         if self.scene.gravity is not None:

@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from .group_equations import Complex, FramePoses, GroupEquations, Placed, coordinates, in_plane, length_of
+from .group_equations import FramePoses, GroupEquations, Placed, coordinates, in_plane, length_of
 
 CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
 LONGEST = 0.1  # of the group's size: a rough sketch must not throw the bodies about
 ITERATIONS = 200  # from the sketch
 
-Correction: TypeAlias = Callable[
-    [Samples], Samples
-]  # coordinates, shape (..., m) -> what Newton's method takes off them
+Correction: TypeAlias = Callable[[Samples], Samples]  # of coordinates (..., m): what Newton's method takes off them
 
 
 def assemble(correction: Correction, q: Samples, size: float | Samples) -> Samples:
@@ -78,20 +76,6 @@ def rates(equations: GroupEquations, pose: FramePoses, everywhere: Samples, plac
 def own_jacobian(equations: GroupEquations, pose: FramePoses) -> Samples:
     """Return dC / dq, shape (..., m, m)."""
     return equations.jacobian(pose)[..., : 3 * equations.bodies]
-
-
-def joint_forces(
-    equations: GroupEquations, J: Samples, force: Complex, moment: Samples
-) -> tuple[Complex, Samples, Samples]:
-    """The forces of each pin on the body pinned, N, shape (..., p), of each guide on the slider, N and N m.
-
-    By J^T forces + Q = 0 (virtual work); `force` and `moment` about the first point, shape (..., b), are what the
-    bodies carry without these joints, inertia included.
-    """
-    multipliers = solved(np.swapaxes(J, -1, -2), -coordinates(force, moment))
-    p, s = len(equations.S), len(equations.T)
-    x, y, guide_force, guide_moment = np.split(multipliers, [p, 2 * p, 2 * p + s], axis=-1)
-    return x + 1j * y, guide_force, guide_moment
 
 
 def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:

@@ -126,25 +126,16 @@ class Recorder:
         """Return an operation of which some are negative: signs go outwards, where sums take them in."""
         signs = [one.operation == "negative" for one in of]
         bare = [one.of[0] if sign else one for one, sign in zip(of, signs, strict=True)]
-        match operation, signs:
-            case "negative", _:
-                return bare[0]
-            case (("multiply" | "divide"), _):
-                return self("negative", self(operation, *bare)) if signs[0] != signs[1] else self(operation, *bare)
-            case "add", [True, True]:
-                return self("negative", self("add", *bare))
-            case "add", [True, False]:
-                return self("subtract", bare[1], bare[0])
-            case "add", [False, True]:
-                return self("subtract", *bare)
-            case "subtract", [True, True]:
-                return self("subtract", bare[1], bare[0])
-            case "subtract", [True, False]:
-                return self("negative", self("add", *bare))
-            case "subtract", [False, True]:
-                return self("add", *bare)
-            case "absolute", _:
-                return self("absolute", *bare)
+        if operation in ("negative", "absolute"):
+            return bare[0] if operation == "negative" else self("absolute", *bare)
+        if operation in ("multiply", "divide"):
+            share = self(operation, *bare)
+            return self("negative", share) if signs[0] != signs[1] else share
+        if operation in ("add", "subtract"):
+            less = signs[1] != (operation == "subtract")
+            if signs[0] != less:
+                return self("subtract", *(bare if less else bare[::-1]))
+            return self("negative", self("add", *bare)) if less else self("add", *bare)
         return self._ordered(operation, of)
 
     def _ordered(self, operation: str, of: tuple[Expression, ...]) -> Expression:

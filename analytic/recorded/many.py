@@ -1,9 +1,10 @@
 """Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
-from functools import cache, lru_cache, partial
+from functools import cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,6 +30,8 @@ from .expressions import Expression, Line
 from .program import Program, inputs_at, recorded, stroke_end_input
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
+
+LINES: deque[Any] = deque(maxlen=4)  # block after block of machines of one scene are solved
 
 Ending: TypeAlias = tuple[Status, str]  # and why, empty where it is ok
 
@@ -102,7 +105,7 @@ def many_solver(
     with np.errstate(all="ignore"):  # machines that no file could describe are named
         numbers = numbers_of(scene, changes)
         many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
-        program, line = own or _line(_Itself(scene), frozenset(numbers), asked)
+        program, line = own or _line(scene, frozenset(numbers), asked)
         failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
         try:
             tracks = branches(scene, program, numbers, count)
@@ -112,23 +115,14 @@ def many_solver(
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
 
 
-class _Itself:
-    """A scene as a key: no other is the same, whatever it holds."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-
-    def __hash__(self) -> int:
-        return id(self.scene)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Itself) and other.scene is self.scene
-
-
-@lru_cache(maxsize=4)  # block after block of machines of one scene are solved
-def _line(key: _Itself, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, StraightLine]:
-    program = recorded(key.scene, paths, channels)
-    return program, StraightLine(program.rows)
+def _line(scene: Scene, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, Line]:
+    """The line of a very scene, as it was recorded for the last block of machines."""
+    kept = (own for of, *key, own in LINES if of is scene and key == [paths, channels])
+    if (found := next(kept, None)) is None:
+        program = recorded(scene, paths, channels)
+        found = program, StraightLine(program.rows)
+        LINES.append((scene, paths, channels, found))
+    return found
 
 
 @dataclass(frozen=True)
@@ -188,15 +182,6 @@ class ManySolver:
         channels |= {name: np.broadcast_to(values, shape) for name, values in drive.items()}
         return {name: channels[name] for name in self.program.names}
 
-    def core(self, machine: int, tracks: Mapping[Group, Track] | None) -> Solver:
-        """The core's solver of one machine, whose larger groups are followed unless their branches are given."""
-        one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
-        whole = decompose(one)
-        own = tracks and {
-            g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()
-        }
-        return prepared(one, whole, self.program.request.channels, own)
-
 
 class Endings:
     """How each machine ends: the first thing that stops it."""
@@ -218,7 +203,7 @@ class Endings:
             return
         try:
             if machine not in self._cores:
-                self._cores[machine] = self.many.core(machine, tracks)
+                self._cores[machine] = self._core(machine, tracks)
         except Failure as failure:
             self.failed.setdefault(machine, (failure.status, failure.reason))
             return
@@ -237,6 +222,16 @@ class Endings:
             values[reached] = motion[channel]
         if not all(np.isfinite(motion[channel]).all() for channel in samples):
             self.failed.setdefault(machine, (Status.nonfinite, "a channel holds values that are not finite"))
+
+    def _core(self, machine: int, tracks: Mapping[Group, Track] | None) -> Solver:
+        """The core's solver of one machine, whose larger groups are followed unless their branches are given."""
+        many = self.many
+        one = many.scene.with_numbers({path: float(values[machine, 0]) for path, values in many.numbers.items()})
+        whole = decompose(one)
+        own = tracks and {
+            g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()
+        }
+        return prepared(one, whole, many.program.request.channels, own)
 
     def told(self) -> tuple[tuple[Status, ...], tuple[str, ...]]:
         """Return each machine's status, and why it is not ok."""

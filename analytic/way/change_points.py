@@ -25,10 +25,7 @@ MEET = 64 * np.finfo(float).eps  # of the largest coordinate: a distance that is
 
 
 def check_way(solver: Solver) -> None:
-    """Look for singular configurations over the drive's range.
-
-    Args:
-        solver: of the scene, and of the channels whose groups are looked at.
+    """Look for singular configurations over the drive's range, of the groups that a solver's channels need.
 
     Raises:
         Failure: `cannot_assemble` at a singular configuration, or where the bodies do not reach.
@@ -48,11 +45,7 @@ def check_way(solver: Solver) -> None:
 
 
 def _look_closer(scene: Scene, linkage: Linkage, nearest: Dyad | Group, way: Samples) -> None:
-    """Look between two positions, where one group is nearest to a singular configuration, at all of them.
-
-    Raises:
-        Failure: one is singular, but for round-off.
-    """
+    """Look between two positions, where one group is nearest to a singular configuration, at all of them."""
     size = max(abs(complex(*place)) for place in scene.sketch.points.values())
     singular: Dyad | Group | None = None
     for _ in range(ROUNDS):

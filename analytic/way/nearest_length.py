@@ -27,14 +27,9 @@ CLOSE = 1e-5  # of the group's size: the last step to an extreme, which leaves l
 
 
 def to_lock(equations: GroupEquations, pose: FramePoses) -> Samples:
-    """Return by how much the nearest length of a group would have to be off for the group to be singular.
+    """Return by how much, m, the nearest length of a group would have to be off for the group to be singular.
 
-    Args:
-        equations: of the group.
-        pose: all frames, of shape (..., frames), NaN where the joints do not close.
-
-    Returns:
-        A length, m, shape (...), NaN where the pose is.
+    Of all frames, of shape (..., frames), NaN where the joints do not close, and the length of shape (...) likewise.
     """
     least = np.full(pose.z.shape[:-1], np.nan)
     closed = np.asarray(~np.isnan(pose.z).any(axis=-1))

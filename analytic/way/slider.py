@@ -96,11 +96,7 @@ def dead_points(displaced: Displaced, least: float, most: float) -> Samples:
 
 
 def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
-    """The displacement of a slider's point along its guide from `through`, with its derivatives by the drive.
-
-    Raises:
-        InputError: the point is on no body that slides on the ground.
-    """
+    """The displacement of a slider's point along its guide from `through`, with its derivatives by the drive."""
     t, through = guide_of(scene, point)
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
@@ -111,21 +107,12 @@ def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
 
 
 def stroke_end(scene: Scene, linkage: Linkage, number: int) -> float:
-    """Find how far a cycle of the drive takes a press force's slider in its closing direction, m.
-
-    Args:
-        scene: the mechanism.
-        linkage: its groups.
-        number: of the load.
-    """
+    """Find how far a cycle of the drive takes a press force's slider in its closing direction, m."""
     load = scene.loads[number]
     assert isinstance(load, PressForce)
     displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
-
-    def of_one(way: Samples) -> list[Samples]:
-        return [samples[np.newaxis] for samples in displaced(way[0])]
-
-    return float(furthest(of_one, load.closing, *scene.drive.extent)[0])
+    ends = furthest(lambda way: [each[np.newaxis] for each in displaced(way[0])], load.closing, *scene.drive.extent)
+    return float(ends[0])
 
 
 def furthest(
@@ -133,11 +120,8 @@ def furthest(
 ) -> Samples:
     """Find a slider's displacement at the dead point, or end of the drive's way, that is furthest, shape (m,), m.
 
-    Args:
-        displaced: the displacement, m, and its rate, at positions of m machines, shape (m, n).
-        closing: the sign of the displacement in which the slider closes; one, or that of each machine, shape (m, 1).
-        least: the drive's least position, rad or m, likewise.
-        most: its largest, likewise.
+    `displaced` gives the displacement, m, and its rate, at positions of m machines, shape (m, n). The sign of it in
+    which the slider closes, and the drive's least and largest positions, are one, or each machine's, shape (m, 1).
     """
     closing, least, most = (np.reshape(given, (-1, 1)) for given in (closing, least, most))
     way = least + (most - least) * np.linspace(0, 1, SAMPLES + 1)

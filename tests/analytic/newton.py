@@ -1,9 +1,31 @@
-"""A linkage of dyads with some of them as one larger group, which the core solves by Newton's method."""
+"""A linkage as the core has it: followed over its way, how far it moves, or some of its dyads as one larger group."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from analytic.core.decomposition import Linkage, _Placed, decompose, larger_group, members
+from analytic.core.kinematics import followed
+from analytic.way.motion_range import Interval, motion_range
+from analytic.way.slider import Displaced, displacement
 from scenes import Scene
+from scenes.model.motion import Samples
+
+
+def assert_close(found: Mapping[str, Samples], expected: Mapping[str, Samples], share: float) -> None:
+    """Compare channels to a share of each one's peak, and where they are not numbers."""
+    for channel, samples in expected.items():
+        allowed = share * max(np.nanmax(np.abs(samples)), 1e-9)
+        np.testing.assert_allclose(found[channel], samples, rtol=0, atol=allowed, err_msg=channel)
+
+
+def intervals(scene: Scene) -> list[Interval]:
+    return motion_range(scene, followed(scene, decompose(scene)))
+
+
+def displaced(scene: Scene, point: str) -> Displaced:
+    return displacement(scene, followed(scene, decompose(scene)), point)
 
 
 def as_one_group(scene: Scene, kept: int = 0) -> Linkage:

@@ -12,6 +12,8 @@ from scenes import Failure, Motion
 from scenes.model.motion import channels as known
 from tests.comparisons import SLOW
 
+from .newton import assert_close
+
 # Of a channel's peak: roundings in another order, times the conditioning of the worst shipped pose, the clamps' next to
 # their lock. There both routes are 1.2e-13 off the 50-digit oracle; elsewhere they are within 1e-14 of each other.
 SAME = 5e-13
@@ -23,11 +25,9 @@ def _kernels_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
 
-def assert_same(found: Motion, expected: Motion) -> None:
+def assert_same(found: Motion | analytic.Machines, expected: Motion | analytic.Machines) -> None:
     assert set(found.samples) == set(expected.samples)
-    for channel, samples in expected.samples.items():
-        off = np.abs(found[channel] - samples).max()
-        assert off <= SAME * max(np.abs(samples).max(), 1e-9), channel
+    assert_close(found.samples, expected.samples, SAME)
 
 
 @pytest.mark.parametrize("name", scenes.shipped())
@@ -56,10 +56,7 @@ def test_one_machine_and_many(*, compiled: bool) -> None:
     many, core = fast.many(changes, position), analytic.solve_many(scene, changes, position)
     assert many.status == core.status
     assert many.reason == core.reason
-    for channel, samples in core.samples.items():
-        assert np.array_equal(np.isnan(many[channel]), np.isnan(samples)), channel
-        off = np.nanmax(np.abs(many[channel] - samples))
-        assert off <= SAME * max(np.nanmax(np.abs(samples)), 1e-9), channel
+    assert_same(many, core)
 
 
 def test_what_does_not_reach_is_named_by_the_core() -> None:

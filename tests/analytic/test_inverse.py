@@ -7,11 +7,11 @@ import pytest
 
 import analytic
 import scenes
-from analytic.core.decomposition import decompose
-from analytic.core.kinematics import followed
-from analytic.way.slider import InverseStroke, displacement
+from analytic.way.slider import InverseStroke
 from scenes import Failure, InputError, Scene, Status
 from tests import scene_files
+
+from .newton import displaced
 
 
 def test_slider_crank_by_hand() -> None:
@@ -33,8 +33,7 @@ def test_there_and_back(toggle_press: Scene) -> None:
     assert len(strokes) == 2
     assert np.degrees([stroke.start for stroke in strokes]) == pytest.approx([12.8, 208.6], abs=0.05)
     up = strokes[0]
-    displaced = displacement(toggle_press, followed(toggle_press, decompose(toggle_press)), "P5")
-    slope = np.abs(displaced(angle)[1]).min()  # m a radian: a rounding of s is this much angle
+    slope = np.abs(displaced(toggle_press, "P5")(angle)[1]).min()  # m a radian: a rounding of s is this much angle
     assert np.abs(up.position - angle).max() <= 4 * 2.3e-16 / slope
     assert np.abs(up.rate - 2 * np.pi).max() <= 1e-10  # that angle error, times s'' / s'
     assert np.abs(up.acceleration).max() <= 1e-8  # and once more
@@ -43,9 +42,8 @@ def test_there_and_back(toggle_press: Scene) -> None:
 
 
 def test_strokes_end_at_dead_points_and_out_of_reach_is_not_a_number(toggle_press: Scene) -> None:
-    displaced = displacement(toggle_press, followed(toggle_press, decompose(toggle_press)), "P5")
     for stroke in analytic.inverse(toggle_press, [-1.2, -1.0, -0.9]):
-        assert np.abs(displaced(np.array([stroke.start, stroke.end]))[1]).max() <= 1e-14
+        assert np.abs(displaced(toggle_press, "P5")(np.array([stroke.start, stroke.end]))[1]).max() <= 1e-14
         assert np.isnan([stroke.position, stroke.rate]).tolist() == [[True, False, True]] * 2
 
 
@@ -81,7 +79,7 @@ def driven_as_told(scene: Scene, stroke: InverseStroke, moved: np.ndarray[tuple[
 
     Position, velocity and acceleration follow from displacements by chain rule: s, s' x', s' x'' + s'' x'^2.
     """
-    s, ds, dds = displacement(scene, followed(scene, decompose(scene)), scene.output)(stroke.position)
+    s, ds, dds = displaced(scene, scene.output)(stroke.position)
     told = np.array([s, ds * stroke.rate, ds * stroke.acceleration + dds * stroke.rate**2])
     return float((np.abs(told - moved).max(axis=1) / np.abs(moved).max(axis=1)).max())
 

@@ -1,4 +1,4 @@
-"""Many machines at once: each as a file of its own would have it, and none spoilt by another."""
+"""Many machines at once: each as a file of its own would have it, none spoilt by another; reductions of them."""
 
 import warnings
 from dataclasses import replace
@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike
 import analytic
 import scenes
 from analytic.core import continuation
-from analytic.core.decomposition import decompose
-from analytic.core.kinematics import followed
-from analytic.way.motion_range import motion_range
 from scenes import Failure, InputError, Scene, Status
 from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files
+
+from .newton import assert_close, intervals
 
 GROUPS = ("class_iii_among_dyads", "slotted_class_iii")  # of class III as the shipped one; the last one locks
 COUNT = 5
@@ -44,9 +43,11 @@ def test_each_machine_is_as_one_of_a_file(name: str) -> None:
         numbers = {path: float(values[machine]) for path, values in changes.items()}
         one = analytic.solve(scenes.load(scene_files.path(name), numbers), position, time)
         assert many.status[machine] is Status.ok, many.reason[machine]
-        for channel, samples in one.samples.items():
-            off = np.abs(many[channel][machine] - samples).max()
-            assert off <= CLOSE * max(np.abs(samples).max(), 1e-9), channel
+        assert_close(of_machine(many, machine), one.samples, CLOSE)
+
+
+def of_machine(many: analytic.Machines, machine: int) -> dict[str, np.ndarray]:
+    return {channel: samples[machine] for channel, samples in many.samples.items()}
 
 
 def test_one_part_of_a_direction_turns_the_guide() -> None:
@@ -54,8 +55,7 @@ def test_one_part_of_a_direction_turns_the_guide() -> None:
     along, position = "bodies.slider.slides.along.0", np.linspace(0, 6, 7)
     many = analytic.solve_many(scenes.load("toggle_press"), {along: [0.0, 0.1]}, position)
     one = analytic.solve(scenes.load("toggle_press", {along: 0.1}), position)
-    for channel, samples in one.samples.items():
-        assert np.abs(many[channel][1] - samples).max() <= CLOSE * max(np.abs(samples).max(), 1e-9), channel
+    assert_close(of_machine(many, 1), one.samples, CLOSE)
 
 
 def test_a_machine_that_fails_spoils_no_other() -> None:
@@ -101,14 +101,13 @@ def test_larger_groups_that_fail_spoil_no_other() -> None:
         assert many.reason[machine].startswith(caught.value.reason.partition("; the crank")[0])
     for machine in (0, 3):
         assert many.status[machine] is Status.ok, many.reason[machine]
-        for channel, samples in analytic.solve(alone[machine], position).samples.items():
-            assert np.abs(many[channel][machine] - samples).max() <= CLOSE * np.abs(samples).max(), channel
+        assert_close(of_machine(many, machine), analytic.solve(alone[machine], position).samples, CLOSE)
     assert np.isnan(many["D.y"][2]).all()
     reached = np.isfinite(many["D.y"][1])
     inside = analytic.solve(alone[1], position[reached])
     assert 0 < reached.sum() < len(position)
     assert np.abs(many["D.y"][1, reached] - inside["D.y"]).max() <= 1e-12  # m, roundings
-    (interval,) = motion_range(alone[1], followed(alone[1], decompose(alone[1])))
+    (interval,) = intervals(alone[1])
     turned = interval.start + np.remainder(position - interval.start, 2 * np.pi)
     assert np.array_equal(reached, turned <= interval.end)
 
@@ -145,22 +144,20 @@ def test_blocks_do_not_show() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("path", "near"),
-    [
-        ("bodies.rocker.lengths.O-P4", "O-P3"),
-        ("bodies.rokcer.mass", "bodies.rocker.mass"),
-        ("sketch.P2.0", "expected the path of a number"),
-    ],
-)
-def test_paths_of_no_number(path: str, near: str) -> None:
-    with pytest.raises(InputError, match=near):
-        analytic.solve_many(scenes.load("toggle_press"), {path: [1.0]}, [0.0])
+ROCKER, ROD = "bodies.rocker.lengths.O-P3", "bodies.rod.mass"
+REFUSED: list[tuple[dict[str, list[float]], str]] = [
+    ({"bodies.rocker.lengths.O-P4": [1.0]}, "O-P3"),
+    ({"bodies.rokcer.mass": [1.0]}, "bodies.rocker.mass"),
+    ({"sketch.P2.0": [1.0]}, "expected the path of a number"),
+    ({ROD: [1.0, 2], "drive.speed": [3.0]}, "one number a machine"),
+    ({ROCKER: [300.0], "bodies.rocker.lengths.P3-O": [300.0]}, "two of the paths lead to the same one"),
+]
 
 
-def test_numbers_for_every_machine() -> None:
-    with pytest.raises(InputError, match="one number a machine"):
-        analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [1.0, 2], "drive.speed": [3.0]}, [0.0])
+@pytest.mark.parametrize(("changes", "words"), REFUSED, ids=[words for _, words in REFUSED])
+def test_numbers_that_are_refused(changes: dict[str, list[float]], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        analytic.solve_many(scenes.load("toggle_press"), changes, [0.0])
 
 
 def test_a_press_force_without_a_part_along_its_guide_is_refused() -> None:
@@ -203,12 +200,6 @@ def test_a_direction_that_no_file_may_have_is_refused() -> None:
     assert all(f"{along}: expected a direction of a size" in why for why in many.reason[1:])
 
 
-def test_two_paths_of_one_number_are_refused() -> None:
-    rocker = {f"bodies.rocker.lengths.{pair}": [300.0] for pair in ("O-P3", "P3-O")}
-    with pytest.raises(InputError, match="two of the paths lead to the same one"):
-        analytic.solve_many(scenes.load("toggle_press"), rocker, [0.1])
-
-
 @pytest.mark.parametrize(
     ("position", "time"), [(0.1, None), (np.zeros((3, 4)), None), (np.zeros(4), np.zeros(3)), (np.zeros(4), 0.1)]
 )
@@ -231,3 +222,51 @@ def test_no_positions_are_no_samples() -> None:
     many = analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [60.0, 61]}, [])
     assert many["P5.y"].shape == (2, 0)
     assert many.ok.all()
+
+
+# --- reductions of blocks ---------------------------------------------------------------------------------------------
+
+LENGTHS = {ROCKER: np.array([300, 200, 301.0])}  # the second does not assemble all the way
+
+
+@pytest.mark.parametrize("count", [50, 9001])
+def test_reductions_are_of_all_samples(count: int) -> None:
+    scene = scenes.load("toggle_press")
+    grid = analytic.Grid(0.5, 6.5, count)
+    at = np.linspace(0.5, 6.5, count)
+    extremes, integral = analytic.Extremes("P5.vy", 3), analytic.Integral("drive.torque", 3)
+    histogram = analytic.Histogram("P5.vy", np.linspace(-5, 5, 11))
+    told: list[int] = []
+    status, reason = analytic.reduce_many(
+        scene, LENGTHS, grid, [extremes, integral, histogram], lambda done, of: told.append(of - done)
+    )
+    whole = analytic.solve_many(scene, LENGTHS, at)
+    assert (tuple(status), tuple(reason)) == (whole.status, whole.reason)
+    v, torque = whole["P5.vy"], whole["drive.torque"]
+    assert extremes.largest == pytest.approx(np.nanmax(v, axis=1), rel=1e-13)  # positions differ by roundings
+    assert extremes.least == pytest.approx(np.nanmin(v, axis=1), rel=1e-13)
+    assert extremes.least_at == pytest.approx(at[np.nanargmin(v, axis=1)], abs=1e-12)
+    fine = [0, 2]
+    assert integral.total[fine] == pytest.approx(np.trapezoid(torque[fine], at, axis=1), rel=1e-10)
+    assert np.isnan(integral.total[1])
+    assert np.abs(histogram.counts - np.histogram(v[np.isfinite(v)], histogram.edges)[0]).max() <= 1  # at an edge
+    assert told[-1] == 0
+
+
+def test_reductions_of_one_machine() -> None:
+    extremes = analytic.Extremes("P5.y")
+    (status,), _ = analytic.reduce_many(scenes.load("toggle_press"), {}, [0.1, 0.2, 0.3], [extremes])
+    assert status is scenes.Status.ok
+    highest = analytic.solve(scenes.load("toggle_press"), [0.1, 0.2, 0.3])["P5.y"].max()
+    assert extremes.largest == pytest.approx(highest, rel=1e-14)  # roundings
+
+
+def test_reductions_of_larger_groups() -> None:
+    """The crank of the second machine is so long that it locks."""
+    scene, changes = scenes.load("class_iii"), {LONG: [scenes.numbers_in("class_iii", (LONG,))[0], 200]}
+    extremes, at = analytic.Extremes("D.x", 2), np.linspace(0, 6, 9001)
+    status, reason = analytic.reduce_many(scene, changes, at, [extremes])
+    whole = analytic.solve_many(scene, changes, at, channels={"D.x"})
+    assert (tuple(status), tuple(reason)) == (whole.status, whole.reason)
+    assert [one.name for one in status] == ["ok", "cannot_assemble"]
+    assert np.array_equal(extremes.largest, np.nanmax(whole["D.x"], axis=1))

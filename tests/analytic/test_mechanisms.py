@@ -16,6 +16,7 @@ from scenes.scene import Slide
 from tests import absolute_coordinates, scene_files
 from tests.agreement import errors, off_50_digits
 from tests.comparisons import References
+from tests.linkages import xy
 
 # A slot that the file declares from the other side, on a body that is not placed yet when the block is, or is.
 FLIPPED = {
@@ -30,14 +31,12 @@ NAMES = (*scene_files.MECHANISMS, "two_blocks", "carried_yoke", *scenes.shipped(
 
 
 def flipped(scene: Scene, block: str, on: str) -> Scene:
-    """Return the scene with a slot declared from the other side; both bodies are given by points."""
+    """Return the scene with a slot declared from the other side: the other's first point along a line of the block."""
     slider, other = scene.bodies[block], scene.bodies[on]
     assert slider.slide is not None
-    assert slider.local is not None
-    assert other.local is not None
-    first = [np.array(body.local[body.points[0]]) for body in (slider, other) if body.local is not None]
-    x, y = first[0] + first[1] - slider.slide.through
-    turned = replace(other, slide=Slide(block, (float(x), float(y)), slider.slide.along))
+    first = [complex(*body.local[body.points[0]]) for body in (slider, other) if body.local is not None]
+    through = sum(first) - complex(*slider.slide.through)  # the first point of a body given by lengths is its origin
+    turned = replace(other, slide=Slide(block, xy(through), slider.slide.along))
     return replace(scene, bodies={**scene.bodies, block: replace(slider, slide=None), on: turned})
 
 

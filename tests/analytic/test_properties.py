@@ -19,12 +19,12 @@ from scenes.scene import (
     Drive,
     MotionLaw,
     PressForce,
-    Slide,
 )
 from tests.agreement import MOTION, assert_agree, attitude, instants, kind, solve, where
 from tests.linkage_scenes import drawn_linkages, linkages
-from tests.linkages import Path, directions, numbers, signs, vectors, xy
+from tests.linkages import Path, directions, numbers, signs, vectors
 
+from .test_mechanisms import flipped
 from .views import Change
 
 often = settings(max_examples=12, deadline=None, derandomize=True)
@@ -179,7 +179,7 @@ def test_a_slot_may_be_declared_from_either_side(data: st.DataObject, scene: Sce
     block = data.draw(st.sampled_from(slots))
     assert block.slide is not None
     rocker = scene.bodies[block.slide.on]
-    other = seen_from_the_other_side(scene, block, rocker)
+    other = flipped(scene, block.name, rocker.name)
     motion = solve(scene)
     normal = 1j * attitude(scene, motion, rocker.name) * complex(*block.slide.along)
     force = normal * motion[f"{block.name}.guide_force"]
@@ -188,19 +188,3 @@ def test_a_slot_may_be_declared_from_either_side(data: st.DataObject, scene: Sce
     expected[f"{rocker.name}.guide_force"] = -motion[f"{block.name}.guide_force"]
     expected[f"{rocker.name}.guide_moment"] = -motion[f"{block.name}.guide_moment"] - (apart.conj() * force).imag
     assert_agree(other, solve(other), expected)
-
-
-def seen_from_the_other_side(scene: Scene, block: Body, rocker: Body) -> Scene:
-    """Return the scene with the rocker sliding on the block: its first point along a line of the block's frame."""
-    slide = block.slide
-    assert slide is not None
-    through = first(block) + first(rocker) - complex(*slide.through)
-    turned = {
-        block.name: replace(block, slide=None),
-        rocker.name: replace(rocker, slide=Slide(block.name, xy(through), slide.along)),
-    }
-    return replace(scene, bodies={**scene.bodies, **turned})
-
-
-def first(body: Body) -> complex:
-    return complex(*body.local[body.points[0]]) if body.local is not None else 0j

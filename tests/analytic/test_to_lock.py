@@ -13,13 +13,12 @@ import analytic
 import scenes
 from analytic.core.decomposition import decompose
 from analytic.core.group_equations import Group
-from analytic.core.kinematics import followed
-from analytic.way.motion_range import motion_range
 from scenes import Failure, Motion, Scene
-from scenes.scene import Slide
 from tests import scene_files
 from tests.agreement import solve, where
+from tests.linkages import xy
 
+from .newton import intervals
 from .test_class_iii import LONG_CRANK
 from .views import Change
 
@@ -72,7 +71,7 @@ def test_transmission_is_the_angle_of_two_lines(case: str) -> None:
 def test_transmission_is_nothing_in_a_lock_and_whole_where_square() -> None:
     """Coupler and rocker are in line at both ends, and square where the crank's tip is hypot(1.5, 1.2) from C."""
     scene = scene_files.load("triple_rocker")
-    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
+    (interval,) = intervals(scene)
     square = np.arccos((2**2 + 3**2 - 1.5**2 - 1.2**2) / (2 * 2 * 3))
     found = analytic.solve(scene, [interval.start, interval.end, square])["B.transmission"]
     assert found[:2] == pytest.approx([0, 0], abs=1e-6)  # the square root of an angle's roundings
@@ -82,30 +81,29 @@ def test_transmission_is_nothing_in_a_lock_and_whole_where_square() -> None:
 # --- lengths to a lock ------------------------------------------------------------------------------------------------
 
 
-def longer(body: str, by: float) -> Callable[[Scene], Scene]:
-    """Return a function that makes a bar longer, which is given by its length."""
-
-    def change(scene: Scene) -> Scene:
-        old = scene.bodies[body]
-        assert old.lengths is not None
-        ((pair, length),) = old.lengths.items()
-        bar = replace(old, lengths=MappingProxyType({pair: length + by}))
-        return replace(scene, bodies={**scene.bodies, body: bar})
-
-    return change
+def with_body(scene: Scene, name: str, **parts: Any) -> Scene:
+    return replace(scene, bodies={**scene.bodies, name: replace(scene.bodies[name], **parts)})
 
 
-def moved(slider: str, by: float) -> Callable[[Scene], Scene]:
-    """Return a function that moves a guide along its own normal."""
+def longer(scene: Scene, body: str, by: float) -> Scene:
+    """Return the scene with a bar longer, which is given by its length."""
+    ((pair, length),) = (scene.bodies[body].lengths or {}).items()
+    return with_body(scene, body, lengths=MappingProxyType({pair: length + by}))
 
-    def change(scene: Scene) -> Scene:
-        old = scene.bodies[slider]
-        assert old.slide is not None
-        through = complex(*old.slide.through) + by * 1j * complex(*old.slide.along)
-        slide = Slide(old.slide.on, (through.real, through.imag), old.slide.along)
-        return replace(scene, bodies={**scene.bodies, slider: replace(old, slide=slide)})
 
-    return change
+def moved(scene: Scene, slider: str, by: float) -> Scene:
+    """Return the scene with a guide moved along its own normal."""
+    slide = scene.bodies[slider].slide
+    assert slide is not None
+    through = complex(*slide.through) + by * 1j * complex(*slide.along)
+    return with_body(scene, slider, slide=replace(slide, through=xy(through)))
+
+
+def turned(scene: Scene, slider: str, by: float) -> Scene:
+    """Return the scene with a guide turned about its own point."""
+    slide = scene.bodies[slider].slide
+    assert slide is not None
+    return with_body(scene, slider, slide=replace(slide, along=xy(complex(*slide.along) * np.exp(1j * by))))
 
 
 NEAREST = {
@@ -132,7 +130,7 @@ def test_a_length_changed_by_that_much_locks(case: str) -> None:
     def left(longer_by: float) -> float | None:
         try:
             # that channel alone: what hangs on the group may lock before
-            motion = analytic.solve(change(body, longer_by)(scene), [position], channels={channel})
+            motion = analytic.solve(change(scene, body, longer_by), [position], channels={channel})
             return float(motion[channel][0])
         except Failure:
             return None
@@ -146,19 +144,6 @@ def test_a_length_changed_by_that_much_locks(case: str) -> None:
     assert sorted(reach.values()) == [False, True]
     locks = 1 if reach[-1] else -1
     assert left(locks * by * (1 - hair)) == pytest.approx(hair * by, rel=1e-4)  # a difference of lengths, rounded
-
-
-def turned(slider: str, by: float) -> Callable[[Scene], Scene]:
-    """Return a function that turns a guide about its own point."""
-
-    def change(scene: Scene) -> Scene:
-        old = scene.bodies[slider]
-        assert old.slide is not None
-        along = complex(*old.slide.along) * np.exp(1j * by)
-        slide = replace(old.slide, along=(along.real, along.imag))
-        return replace(scene, bodies={**scene.bodies, slider: replace(old, slide=slide)})
-
-    return change
 
 
 # scene, joint, a guide, the linkage's longest arm, m: the crank's O-T; the yoke's Y-T
@@ -175,7 +160,7 @@ def test_a_guide_turned_by_that_much_at_the_longest_arm_locks(case: str) -> None
     channel, scene = f"{joint}.to_lock", scene_files.load(name)
 
     def left(by: float) -> float:
-        return float(analytic.solve(turned(slider, by)(scene), [1.0], channels={channel})[channel][0])
+        return float(analytic.solve(turned(scene, slider, by), [1.0], channels={channel})[channel][0])
 
     angle = np.arcsin(left(0.0) / arm)
     near = min(left(sign * angle * (1 - 1e-9)) for sign in (1, -1))
@@ -195,7 +180,7 @@ def test_the_longest_arm_may_be_a_guide_off_a_pin_or_the_way_of_a_drive() -> Non
 def test_a_larger_group_has_a_length_alone() -> None:
     """It falls to zero at either end of the range, as the angle that is left."""
     scene = scene_files.load("class_iii", LONG_CRANK)
-    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
+    (interval,) = intervals(scene)
     left = np.array([1e-3, 4e-3])  # rad; far more than the end is known to, 1e-8
     for angles in (interval.start + left, interval.end - left):
         motion = analytic.solve(scene, angles)
@@ -253,7 +238,7 @@ class HungPlate:
 @pytest.mark.parametrize("left", [0.01, 0.57, 5, 15, 36, 60])  # deg of the crank to its lock; of 73 in all
 def test_a_larger_group_locks_with_its_nearest_length_off_by_that_much(left: float) -> None:
     scene = scene_files.load("class_iii", LONG_CRANK)
-    (interval,) = motion_range(scene, followed(scene, decompose(scene)))
+    (interval,) = intervals(scene)
     angle = interval.end - np.radians(left)
     plate = HungPlate(scene, angle)
     nearest = min(plate.until_it_locks(bar, sense) for bar in range(3) for sense in (1, -1))

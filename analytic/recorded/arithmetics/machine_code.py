@@ -5,7 +5,7 @@ cosines of what the drive asks for, after it the arcs that nothing else is of: N
 """
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
@@ -37,6 +37,30 @@ SPELLINGS = {
 Kernel: TypeAlias = Callable[[Samples, Samples, Samples, Samples, int, int], None]
 
 
+MODULE = """from math import atan2, cos, inf, nan, sin, sqrt
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, error_model="numpy")
+def kernel(number, drive, row, arc, top, left):
+    buffer = np.empty(({buffers}, {width}))  # of a size that is known; rows apart in the cache
+    for m in range(number.shape[0]):
+        own = m if drive.shape[0] > 1 else 0
+{of_machine}        for first in range(0, arc.shape[2], {chunk}):
+            count = min({chunk}, arc.shape[2] - first)
+            whole = (count + {more}) // {lanes} * {lanes}
+            for i in range(whole):
+{of_position}            for r in range({rows}):
+                for i in range(count):
+                    row[r, top + m, left + first + i] = buffer[r, i]
+            for r in range({arcs}):
+                for i in range(count):
+                    arc[r, m, first + i] = buffer[{rows} + r, i]
+"""
+
+
 class MachineCode:
     """The values of expressions, for many calls: an `expressions.Line`."""
 
@@ -44,7 +68,7 @@ class MachineCode:
         """Write the code, and make it unless it was made before, of numbers that are `known` where no others come."""
         self._code = _Code(expressions)
         self._known = np.array([[known[name] for name in self._code.numbers]])
-        self._kernel = kernel_of("\n".join(self._code.lines()))
+        self._kernel = kernel_of(self._code.text())
 
     def __call__(self, given: Inputs) -> Samples:
         """The values."""
@@ -135,40 +159,18 @@ class _Code:
             self.drive.append((function, name))
         return f"drive[own, {self.drive.index((function, name))}, first + i]"
 
-    def lines(self) -> Iterator[str]:
-        """Yield the lines of the module."""
-        count = self.rows + len(self.arcs)
-        yield from (
-            "from math import atan2, cos, inf, nan, sin, sqrt",
-            "",
-            "import numpy as np",
-            "from numba import njit",
-            "",
-            "",
-            '@njit(cache=True, error_model="numpy")',
-            "def kernel(number, drive, row, arc, top, left):",
-            f"    buffer = np.empty(({count}, {CHUNK + LANES}))",  # of a size that is known; rows apart in the cache
-            "    for m in range(number.shape[0]):",
-            "        own = m if drive.shape[0] > 1 else 0",
-        )
-        yield from (f"        {text}" for text in self.of_machine)
-        yield f"        for first in range(0, arc.shape[2], {CHUNK}):"
-        yield f"            count = min({CHUNK}, arc.shape[2] - first)"
-        yield f"            whole = (count + {LANES - 1}) // {LANES} * {LANES}"
-        yield "            for i in range(whole):"
-        yield from (f"                {text}" for text in self.of_position)
-        yield from (f"                buffer[{row}, i] = {text}" for row, text in self.outputs)
+    def text(self) -> str:
+        """The text of the module."""
+        places = [*self.outputs]
         for beside, (row, y, x) in enumerate(self.arcs, self.rows):  # rows for what the arcs are of
-            yield f"                buffer[{row}, i] = {y}"
-            yield f"                buffer[{beside}, i] = {x}"
-        yield "                pass"
-        yield f"            for r in range({self.rows}):"
-        yield "                for i in range(count):"
-        yield "                    row[r, top + m, left + first + i] = buffer[r, i]"
-        yield f"            for r in range({len(self.arcs)}):"
-        yield "                for i in range(count):"
-        yield f"                    arc[r, m, first + i] = buffer[{self.rows} + r, i]"
-        yield ""
+            places += [(row, y), (beside, x)]
+        kept = [f"buffer[{row}, i] = {text}" for row, text in places]
+        return MODULE.format(
+            of_machine="".join(f"        {text}\n" for text in self.of_machine),
+            of_position="".join(f"                {text}\n" for text in (*self.of_position, *kept, "pass")),
+            **{"rows": self.rows, "arcs": len(self.arcs), "buffers": self.rows + len(self.arcs)},
+            **{"chunk": CHUNK, "lanes": LANES, "width": CHUNK + LANES, "more": LANES - 1},
+        )
 
 
 @cache
