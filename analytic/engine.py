@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from scenes import Motion, Request, Sampling, Scene, Settings
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 
 from .core.decomposition import Linkage
 from .core.dyads import Vectors, cross, turned

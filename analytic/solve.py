@@ -72,10 +72,7 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
 
 
 def prepared(
-    scene: Scene,
-    whole: Linkage,
-    channels: AbstractSet[str] | None = None,
-    tracks: Mapping[Group, Track] | None = None,
+    scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None, tracks: Mapping[Group, Track] | None = None
 ) -> "Solver":
     """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed.
 

@@ -189,9 +189,6 @@ class _Placed:
         return sketched_attitude(self.scene, leg.body, self.bodies) * leg.t
 
 
-# --- dyads -----------------------------------------------------------------------------------------------------------
-
-
 def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
     scene = placed.scene
@@ -241,9 +238,6 @@ def _sign(value: Number, why_not: str) -> Number:
     if value == 0:
         raise Failure(Status.unsupported, f"the sketch leaves the assembly branch open: {why_not}")
     return 1 if value > 0 else -1
-
-
-# --- larger groups ---------------------------------------------------------------------------------------------------
 
 
 def _fewest(placed: _Placed, left: list[str]) -> Group:

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
 from .continuation import Track, follow
@@ -79,8 +78,6 @@ class Pass(Placing):
         k.z[first] = (driver.G + driver.t * driven.position).astype(self.complex)
         k.v[first], k.a[first] = ((driver.t * rate).astype(self.complex) for rate in spin)
         self.place_on_guide(driver, first)
-
-    # --- dyads
 
     def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
         """Place two bars; P follows from the three sides of their triangle."""
@@ -181,8 +178,6 @@ class Pass(Placing):
             k.v[first] = v + 1j * k.omega[one.on] * r
             k.a[first] = a + turned(k.omega[one.on], k.alpha[one.on]) * r
         self.place_on_guide(one, first)
-
-    # --- larger groups
 
     def larger(self, group: Group) -> None:
         """Place a larger group by Newton's method from the nearest pose of its branch."""

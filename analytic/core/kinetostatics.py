@@ -77,8 +77,6 @@ class Balance:
         joints = {channel.rpartition(".")[0] for channel in wanted & set(force_channels(self.scene))}
         return joints <= known | set(self.reactions.guide)
 
-    # --- dyads
-
     def inner_pin(self, dyad: InnerPin) -> None:
         """Balance a dyad with an inner pin."""
         one, two = dyad.legs
@@ -144,8 +142,6 @@ class Balance:
         sign = 1 if leg.slider == leg.body else -1
         self.reactions.guide[leg.slider] = sign * N, sign * M
 
-    # --- larger groups, driver
-
     def larger(self, group: Group) -> None:
         """Balance a larger group by the transpose of its Jacobian: J^T forces + loads = 0, by virtual work."""
         _, _, J = self.k.jacobian[group.P]
@@ -188,8 +184,6 @@ class Balance:
         """Add the inner pin's force to what the body already takes from the bodies that hang on that pin."""
         pin = self.reactions.pin
         pin[point, body] = pin[point, body] + force if (point, body) in pin else force
-
-    # --- everything but the joints of a body's own group
 
     def applied(self, body: str, foot: str) -> tuple[Vectors, Samples]:
         """Return the force on a body, and its moment about `foot`, of all but the joints of its own group."""

@@ -7,8 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
 from .decomposition import Guided, Linkage
@@ -78,8 +77,6 @@ class Placing:
         """Return a vector that is the same at all positions."""
         return samples(value).astype(self.complex)
 
-    # --- guides
-
     def guide_through(self, leg: Guided, P: str) -> Plane:
         """Return where P is, fixed to what the leg slides on, while the leg's displacement is zero."""
         return self.fixed(leg.on, leg.G + (self.linkage.bodies[leg.body].local[P] - leg.F))
@@ -116,8 +113,6 @@ class Placing:
         a1, a2 = one[2] + self.coriolis(on_1, ds1 * t1), two[2] + self.coriolis(on_2, ds2 * t2)
         dds1, _ = closing(a2 - a1, *closure)
         return one[0], one[1] + ds1 * t1, a1 + dds1 * t1
-
-    # --- bodies
 
     def place_on_guide(self, leg: Guided, foot: str) -> None:
         """Carry a leg's own points along with its placed point `foot`; it turns with what it slides on."""

@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from scenes import Scene
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 
 from ..core.continuation import SAME, Track
 from ..core.decomposition import decompose

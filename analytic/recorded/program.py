@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from scenes import Sampling, Scene
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 from scenes.scene import ConstantSpeed, PressForce
 
 from ..channels import all_channels, known_channels

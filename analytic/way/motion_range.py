@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.drive import Driven
-from scenes.model.motion import Samples
+from scenes.drive import Driven, Samples
 
 from ..core.decomposition import Dyad, Guided, InnerSlide, Linkage, guides_cross, kind
 from ..core.group_equations import Group

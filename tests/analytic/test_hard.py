@@ -18,9 +18,6 @@ from .newton import as_one_group
 EPS = 2.0**-52
 
 
-# --- many turns -------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", ["toggle_press", "class_iii", "quick_return"])
 def test_the_error_is_the_same_in_every_turn(name: str) -> None:
     """10,000 turns and not a digit less: 6e4 rad off by one in their last place would be 7e-12, 30,000 times eps."""
@@ -37,18 +34,12 @@ def test_the_error_is_the_same_in_every_turn(name: str) -> None:
     assert error[9_999] <= 100 * EPS
 
 
-# --- small beside large -----------------------------------------------------------------------------------------------
-
-
 def test_a_block_without_inertia_takes_no_moment() -> None:
     """The lever's balance, of some hundred N m, would leave a rounding of its own over."""
     scene = scenes.load("quick_return")
     assert scene.bodies["block"].inertia is None
     assert len(scene.bodies["block"].points) == 1  # a point mass
     assert (analytic.solve(scene, np.linspace(0, 2 * np.pi, 73))["block.guide_moment"] == 0).all()
-
-
-# --- larger groups close to a lock ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["lock_rrp", "lock_rrr", "lock_rrr_folded"])

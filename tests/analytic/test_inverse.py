@@ -71,9 +71,6 @@ def test_a_point_that_tells_nothing_of_the_drive(changes: scene_files.Changes, r
         analytic.inverse(scene_files.load("slider_crank", changes), 1.4)
 
 
-# --- not round the turn -----------------------------------------------------------------------------------------------
-
-
 def driven_as_told(scene: Scene, stroke: InverseStroke, moved: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
     """Return how far the drive that a stroke asks for is from moving the output as it moved, relative to its range.
 

@@ -131,9 +131,6 @@ def test_what_is_asked_does_not_change_what_is_answered(scene: Scene, data: st.D
         assert np.array_equal(part[channel], whole[channel]), channel
 
 
-# --- other routes to the same answer ----------------------------------------------------------------------------------
-
-
 @seldom
 @given(linkages())
 def test_against_absolute_coordinates(scene: Scene) -> None:

@@ -210,10 +210,7 @@ def test_positions_and_instants_of_another_shape(position: ArrayLike, time: Arra
     with pytest.raises(InputError, match="expected the shape"):
         analytic.solve(scene, position, time)
     if np.ndim(position) < 2:
-        for route in (
-            analytic.fast_solver(scene),
-            lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at),
-        ):
+        for route in (analytic.fast_solver(scene), lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at)):
             with pytest.raises(InputError, match="expected the shape"):
                 route(position, time)
 
@@ -223,8 +220,6 @@ def test_no_positions_are_no_samples() -> None:
     assert many["P5.y"].shape == (2, 0)
     assert many.ok.all()
 
-
-# --- reductions of blocks ---------------------------------------------------------------------------------------------
 
 LENGTHS = {ROCKER: np.array([300, 200, 301.0])}  # the second does not assemble all the way
 

@@ -103,9 +103,6 @@ def test_rpp_never_locks() -> None:
     assert np.abs(analytic.solve(scene, TURN)["Y.x"] - by_hand).max() <= 1e-15  # m, rounding
 
 
-# --- a driven slider --------------------------------------------------------------------------------------------------
-
-
 def driven(start: float, end: float) -> Scene:
     """Return the slider-crank driven by its slider, without masses."""
     drive = {"body": "slider", "speed": 1 if end > start else -1, "start": start, "end": end}
@@ -138,9 +135,6 @@ def test_driven_slider_in_words(ends: tuple[float, float]) -> None:
     scene = driven(*ends)
     assert len(intervals(scene)) == (ends == (3, 5))
     assert reason(scene, [3.2, 4.25]) == OF_SLIDERS[ends]
-
-
-# --- never, and part of a turn ----------------------------------------------------------------------------------------
 
 
 HIGH_GUIDE = {**SHORT_ROD, "bodies.slider.slides.through": [0, 9]}
@@ -184,8 +178,6 @@ def test_the_first_position_that_fails_is_named() -> None:
     assert reason(scene, asked).startswith("B cannot be reached at crank angle 1.745329 rad")
 
 
-# --- by how much it fails to close ------------------------------------------------------------------------------------
-
 B = 1 + 2j - 0.6 * np.exp(3.5j)  # of the loaded four-bar
 IN_LINE = {
     "bodies.crank.points.A": [10, 0],
@@ -193,6 +185,11 @@ IN_LINE = {
     "sketch": {"angle": pi, "A": [-10, 0], "B": [-2, 0.2], "C": [-1, 0.1], "D": [0, 0]},
 }
 MISFITS: dict[str, tuple[str, scene_files.Changes, float, str]] = {
+    "a lock in the sketch": ("parallel_bars", {}, 0.0, ""),
+    "a sketch that cannot close": (
+        *("class_iii", {"bodies.lower.lengths.F-D": 23}, 0.0),
+        "coupler, plate, upper, lower do not close near the sketch, at crank angle 60.0000 deg",
+    ),
     # B is at 0.6 from A, C at 0.05 from D and at |2.1 + 0.3i| from B: too long a coupler.
     "RRR": (
         *("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05}, 3.5),

@@ -32,9 +32,6 @@ def end_of_stroke(scene: Scene) -> float:
     return float(stroke_end(scene, followed(scene, decompose(scene)), scene.loads.index(load)))
 
 
-# --- by hand ----------------------------------------------------------------------------------------------------------
-
-
 def test_dead_points_of_an_offset_slider_crank() -> None:
     """Crank and rod are in line there: the rod's end is 3 + 1, or 3 - 1, from the crank's pivot, and 0.8 above it."""
     scene = scene_files.load("slider_crank", OFFSET)
@@ -46,26 +43,30 @@ def test_dead_points_of_an_offset_slider_crank() -> None:
     assert np.abs(ds).max() <= 1e-14
 
 
-@pytest.mark.parametrize(("force", "reach"), [(-50.0, 4), (50.0, 2)])
-def test_a_stroke_ends_at_the_dead_point_that_the_force_looks_at(force: float, reach: float) -> None:
-    """A force against the guide's direction is met by a slider that moves along it, and the other way round."""
-    scene = scene_files.load("slider_crank", OFFSET | pressed(force))
-    assert end_of_stroke(scene) == pytest.approx(sqrt(reach**2 - 0.8**2) - 0.5, abs=1e-15)
-
-
 def x_of(angle: float) -> float:
     return cos(angle) + sqrt(9 - sin(angle) ** 2)
 
 
-@pytest.mark.parametrize(
-    ("start", "end", "furthest"),
-    [(0.3, 1.2, x_of(0.3)), (1.2, 0.3, x_of(0.3)), (-0.4, 1.2, 4.0), (6.0, 6.2, x_of(6.2))],
-)
-def test_a_stroke_ends_with_the_drive(start: float, end: float, furthest: float) -> None:
-    """A cycle that never comes to the dead point ends its stroke at one of its own ends."""
-    speed = 10 if end > start else -10
-    scene = scene_files.load("slider_crank", pressed(speed=speed, start=start, end=end))
-    assert end_of_stroke(scene) == pytest.approx(furthest, abs=1e-15)
+def part(start: float, end: float) -> scene_files.Changes:
+    return pressed(speed=10 if end > start else -10, start=start, end=end)
+
+
+# A force against the guide's direction is met by a slider that moves along it, and the other way round. A cycle that
+# never comes to the dead point ends its stroke at one of its own ends.
+STROKES: dict[str, tuple[scene_files.Changes, float]] = {
+    "outer dead point": (OFFSET | pressed(-50.0), sqrt(4**2 - 0.8**2) - 0.5),
+    "inner dead point": (OFFSET | pressed(50.0), sqrt(2**2 - 0.8**2) - 0.5),
+    "start": (part(0.3, 1.2), x_of(0.3)),
+    "end": (part(1.2, 0.3), x_of(0.3)),
+    "dead point within": (part(-0.4, 1.2), 4.0),
+    "end before it": (part(6.0, 6.2), x_of(6.2)),
+}
+
+
+@pytest.mark.parametrize("case", STROKES)
+def test_a_stroke_ends_at_its_dead_point_or_with_the_drive(case: str) -> None:
+    changes, furthest = STROKES[case]
+    assert end_of_stroke(scene_files.load("slider_crank", changes)) == pytest.approx(furthest, abs=1e-15)
 
 
 def test_a_stroke_ends_where_a_law_turns_back() -> None:
@@ -85,9 +86,6 @@ def test_the_end_of_a_driven_platen_is_its_lock() -> None:
     (dead,) = dead_points(displaced(scene, "C"), *scene.drive.extent)
     furthest = sqrt((0.352 + 0.457) ** 2 - 0.06347340844382656**2)
     assert displaced(scene, "C")(np.array([dead]))[0] == pytest.approx(furthest, abs=1e-15)
-
-
-# --- where it acts ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("speed", [10, -10])
@@ -137,9 +135,6 @@ def test_a_stroke_of_nothing_but_a_larger_group(start: float, end: float) -> Non
     angle = np.linspace(*scene.drive.extent, 801)
     furthest = analytic.solve(scene, angle)["E.x"].max()
     assert 0 <= end_of_stroke(scene) - furthest <= 1e-7  # a dead point between two angles: s'' h^2 / 8
-
-
-# --- whose guide ------------------------------------------------------------------------------------------------------
 
 
 def test_the_guide_is_that_on_the_ground() -> None:

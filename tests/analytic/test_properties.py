@@ -12,14 +12,7 @@ import analytic
 from scenes import Motion, Scene
 from scenes.file.consistency import check
 from scenes.model.motion import Samples, channels
-from scenes.scene import (
-    GROUND,
-    Body,
-    ConstantSpeed,
-    Drive,
-    MotionLaw,
-    PressForce,
-)
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, MotionLaw, PressForce
 from tests.agreement import MOTION, assert_agree, attitude, instants, kind, solve, where
 from tests.linkage_scenes import drawn_linkages, linkages
 from tests.linkages import Path, directions, numbers, signs, vectors
@@ -41,8 +34,6 @@ def test_the_drawing_is_what_is_solved(drawn: tuple[Scene, Samples, dict[str, Pa
     for point, z in path.items():
         assert np.abs(motion[f"{point}.x"] + 1j * motion[f"{point}.y"] - z).max() <= MOTION * np.abs(z).max(), point
 
-
-# --- another frame, other units ---------------------------------------------------------------------------------------
 
 CHANGES = {
     "turned": st.builds(Change, turn=directions()),
@@ -93,9 +84,6 @@ def reversed_drive(drive: Drive) -> Drive:
         return replace(drive, times=times, positions=drive.positions[::-1])
     ends = drive.start + drive.advance, None if drive.end is None else drive.start
     return ConstantSpeed(drive.body, -drive.speed, *ends)
-
-
-# --- other names, another order ---------------------------------------------------------------------------------------
 
 
 def on_bodies(scene: Scene, motion: Motion) -> dict[tuple[str, str], Path]:
@@ -159,9 +147,6 @@ def test_names_and_order_do_not_matter(data: st.DataObject, scene: Scene) -> Non
         force = forces[pin.point, pin.second]
         expected |= {f"{pin.channel}.fx": force.real, f"{pin.channel}.fy": force.imag}
     assert_agree(other, solve(other), expected)
-
-
-# --- a slot, seen from either side ------------------------------------------------------------------------------------
 
 
 @often

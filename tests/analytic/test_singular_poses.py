@@ -109,9 +109,6 @@ def test_next_to_parallel_guides_every_channel_is_right() -> None:
     assert max(error.max() for error in found.values()) <= 20 * EPS / radians(apart) ** 2
 
 
-# --- larger groups ----------------------------------------------------------------------------------------------------
-
-
 def by_newton(scene: Scene) -> Solver:
     """Return a solver that takes the last dyad for a larger group."""
     return prepared(scene, as_one_group(scene, -1))

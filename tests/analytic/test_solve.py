@@ -54,9 +54,6 @@ def test_one_angle_at_a_time(name: str, channel: str) -> None:
     assert np.abs(far[channel] - whole[channel]).max() <= 1e5 * 2 * pi * 2.3e-16
 
 
-# --- the triangle, where it is flat -----------------------------------------------------------------------------------
-
-
 def _exact_16_k2(a: float, b: float, c: float) -> Fraction:
     a_, b_, c_ = Fraction(a), Fraction(b), Fraction(c)
     return (a_ + b_ + c_) * (-a_ + b_ + c_) * (a_ - b_ + c_) * (a_ + b_ - c_)
@@ -72,9 +69,6 @@ def test_the_area_keeps_its_digits(r1: float, r2: float, short: float, stretched
         assert abs(Fraction(computed) - exact) <= exact * Fraction(12 * 2.3e-16)
     else:
         assert computed <= 0
-
-
-# --- worked by hand ---------------------------------------------------------------------------------------------------
 
 
 def test_slider_crank_by_hand() -> None:
