@@ -14,7 +14,7 @@ from scenes.scene import GROUND
 
 from .continuation import Track, follow
 from .decomposition import Guided, InnerPin, InnerSlide, Linkage, Pinned, kind
-from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach, turned
+from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
 from .group_equations import FramePoses, Group, Placed, in_plane, stacked
 from .newton_group import rates
 from .numbers import samples
@@ -169,14 +169,10 @@ class Pass(Placing):
         closure = k.closure[dyad.P] = Closure(t1, t2, cross(t1, t2))
         k.to_lock[dyad.P] = self.linkage.arm * dyad.branch * closure.det
         C1, C2 = self.fixed(one.on, one.G), self.fixed(two.body, inner.G - (inner.F - one.F))
-        z, v, a = self.crossing(closure, one.on, C1, two.body, C2)
-        body = self.linkage.bodies[one.body]
         first = self.scene.bodies[one.body].points[0]
-        r = k.u[one.on] * (body.first - one.F)
-        k.z[first] = z + r
-        if self.rates:
-            k.v[first] = v + 1j * k.omega[one.on] * r
-            k.a[first] = a + turned(k.omega[one.on], k.alpha[one.on]) * r
+        r = k.u[one.on] * (self.linkage.bodies[one.body].first - one.F)
+        crossing = self.crossing(closure, one.on, C1, two.body, C2)
+        k.z[first], k.v[first], k.a[first] = self.carried(one.on, crossing, r)
         self.place_on_guide(one, first)
 
     def larger(self, group: Group) -> None:

@@ -176,9 +176,8 @@ class Balance:
             self.reactions.pin[leg.A, leg.body] = -force
             self.reactions.effort = -moment
         else:
-            t = self.k.direction(leg)
-            self.reactions.effort = -dot(t, force)
-            self.reactions.guide[leg.body] = -cross(t, force), -moment
+            self.reactions.effort = -dot(self.k.direction(leg), force)
+            self.outer_guide(leg, force, moment)
 
     def hold(self, body: str, point: str, force: Vectors) -> None:
         """Add the inner pin's force to what the body already takes from the bodies that hang on that pin."""

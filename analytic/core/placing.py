@@ -87,9 +87,7 @@ class Placing:
             return self.constant(local), self.still, self.still
         k, foot = self.k, self.k.foot[body]
         r = k.u[body] * (local - self.linkage.bodies[body].local[foot])
-        if not self.rates:
-            return k.z[foot] + r, self.still, self.still
-        return k.z[foot] + r, k.v[foot] + 1j * k.omega[body] * r, k.a[foot] + k.rate[body] * r
+        return self.carried(body, (k.z[foot], k.v.get(foot, self.still), k.a.get(foot, self.still)), r)
 
     def carried(self, body: str, C: Plane, r: Vectors) -> Plane:
         """Return the point fixed to a body that is off another such point by r."""

@@ -6,7 +6,7 @@ An arithmetic is one file in `arithmetics`: how operations are spelled, and what
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, isqrt, sin, sqrt
+from math import atan2, cos, sin, sqrt
 from operator import add, mul, neg, sub, truediv
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -88,11 +88,6 @@ class Recorder:
         if system.operation == "constant":
             return system
         return self._make("component", (system, self.constant(i)), sampled=True)
-
-    @staticmethod
-    def unknowns(system: Expression) -> int:
-        """Return how many unknowns linear equations have."""
-        return (isqrt(1 + 4 * len(system.of)) - 1) // 2
 
     def constant(self, value: float) -> Expression:
         """Return a number."""

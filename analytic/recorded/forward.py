@@ -1,6 +1,7 @@
 """Forward differentiation of expressions: what each changes by, while some of them change as given."""
 
 from collections.abc import Mapping, Sequence
+from math import isqrt
 
 from .expressions import Expression, Recorder, needed
 
@@ -73,7 +74,7 @@ def _rule(make: Recorder, y: Expression, d: Sequence[Expression]) -> Expression:
 
 def _system(make: Recorder, system: Expression, d: Sequence[Expression]) -> Expression:
     """Return the system of the change of A x = b: A dx = db - dA x."""
-    m = make.unknowns(system)
+    m = isqrt(len(d))  # of m^2 + m
     x = [make.component(system, i) for i in range(m)]
     change = list(d[m * m :])
     for i in range(m):

@@ -111,10 +111,12 @@ NEAREST = {
     "RRP on a moving guide": ("carried_block", "P", 2.0, longer, "bar"),
     "RPR": ("slotted_lever", "block", 2.0, moved, "block"),
     "RPR in a quick return": ("shaper", "block", 1.0, moved, "block"),
-    "class III": ("class_iii", "B", 1.80, longer, "lower"),  # 0.8 deg before its lock
+    **{f"III at {at}": ("class_iii", "B", at, longer, "lower") for at in (1.814, 1.80455, 1.7272)},  # rad, to its lock
+    **{f"III at {at}": ("class_iii", "B", at, longer, "coupler") for at in (1.5527, 1.1862, 0.7673, 0.587, 0.5357)},
     "class III with a slot": ("slotted_class_iii", "P0", -0.9, moved, "block"),
 }
-SCENES: dict[str, dict[str, Any]] = {"RRR folded": {"bodies.coupler.lengths.A-B": 2.5}, "class III": LONG_CRANK}
+FOLDED = {"bodies.coupler.lengths.A-B": 2.5}
+BARS = ("coupler", "upper", "lower")  # of class III
 
 
 @pytest.mark.parametrize("case", NEAREST)
@@ -122,9 +124,9 @@ def test_a_length_changed_by_that_much_locks(case: str) -> None:
     """One way by a little more it does not reach, and by less it has just that left; the other way it does."""
     name, joint, position, change, body = NEAREST[case]
     channel = f"{joint}.to_lock"
-    scene = scene_files.load(name, SCENES.get(case, {}))
+    scene = scene_files.load(name, FOLDED if case == "RRR folded" else LONG_CRANK if name == "class_iii" else {})
 
-    def left(longer_by: float) -> float | None:
+    def left(longer_by: float, body: str = body) -> float | None:
         try:
             # that channel alone: what hangs on the group may lock before
             motion = analytic.solve(change(scene, body, longer_by), [position], channels={channel})
@@ -141,6 +143,9 @@ def test_a_length_changed_by_that_much_locks(case: str) -> None:
     assert sorted(reach.values()) == [False, True]
     locks = 1 if reach[-1] else -1
     assert left(locks * by * (1 - hair)) == pytest.approx(hair * by, rel=1e-4)  # a difference of lengths, rounded
+    if name == "class_iii":  # no other length locks it sooner, and it has a length alone
+        assert all(left(sign * by, bar) for bar in BARS if bar != body for sign in (1, -1))
+        assert "B.transmission" not in analytic.solve(scene, [position])
 
 
 # scene, joint, a guide, the linkage's longest arm, m: the crank's O-T; the yoke's Y-T
@@ -172,62 +177,6 @@ def test_the_longest_arm_may_be_a_guide_off_a_pin_or_the_way_of_a_drive() -> Non
     least, most = scene_files.load("wedge_of_points").drive.extent
     flat = {f"bodies.{body}.slides.through": [0, 0] for body in ("wedge", "block", "follower")}
     assert decompose(scene_files.load("wedge_of_points", flat)).arm == most - least
-
-
-class HungPlate:
-    """The plate of class III on its three bars, by the squares of their lengths: x is B and the plate's angle."""
-
-    def __init__(self, scene: Scene, angle: float) -> None:
-        motion = analytic.solve(scene, [angle])
-        at = {point: complex(where(scene, motion, point)[0]) for point in "ABCD"}
-        self.feet = np.array([at["A"], *(complex(*scene.ground[point]) for point in "EF")])
-        tips = np.array([at[point] for point in "BCD"])
-        self.arms, self.lengths = tips - tips[0], np.abs(tips - self.feet)
-        self.start = np.array([tips[0].real, tips[0].imag, 0.0])
-
-    def bars(self, x: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
-        """Return the bars as vectors, shape (3,), and half the derivatives of their squares, shape (3, 3)."""
-        turned = self.arms * np.exp(1j * x[2])
-        bars = complex(x[0], x[1]) + turned - self.feet
-        return bars, np.stack([bars.real, bars.imag, (bars.conj() * 1j * turned).real], axis=-1)
-
-    def assembled(self, x: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """Return the pose of the same sense near x, by Newton's method, if there is one."""
-        before, side = x, np.linalg.det(self.bars(x)[1])
-        for _ in range(20):
-            bars, half = self.bars(x)
-            step = np.linalg.solve(half, (np.abs(bars) ** 2 - lengths**2) / 2)
-            x = x - step
-            if np.abs(step).max() < 1e-13:
-                near = np.abs(x - before).max() < 0.05  # m, rad; else it has jumped
-                return x if near and np.linalg.det(self.bars(x)[1]) * side > 0 else None
-        return None
-
-    def until_it_locks(self, bar: int, sense: int) -> float:
-        """Return by how much a bar can be longer, or shorter, m: in steps that are halved where one fails."""
-        x, off, step = self.start, 0.0, 1e-3
-        while step > 1e-10:
-            lengths = self.lengths.copy()
-            lengths[bar] += sense * (off + step)
-            further = self.assembled(x, lengths)
-            if further is None:
-                step /= 2
-            else:
-                x, off = further, off + step
-        return off
-
-
-@pytest.mark.parametrize("left", [0.01, 0.57, 5, 15, 36, 60, -0.06, -3])  # deg to either lock; of 73 in all
-def test_a_larger_group_locks_with_its_nearest_length_off_by_that_much(left: float) -> None:
-    scene = scene_files.load("class_iii", LONG_CRANK)
-    (interval,) = intervals(scene)
-    angle = (interval.end if left > 0 else interval.start) - np.radians(left)
-    plate = HungPlate(scene, angle)
-    nearest = min(plate.until_it_locks(bar, sense) for bar in range(3) for sense in (1, -1))
-    # Newton's method fails a little before a fold, where its last step meets roundings: some 1e-9 m
-    motion = analytic.solve(scene, [angle])
-    assert motion["B.to_lock"] == pytest.approx([nearest], rel=1e-6, abs=3e-9)
-    assert "B.transmission" not in motion
 
 
 def test_a_larger_group_is_as_far_from_its_lock_from_any_view() -> None:

@@ -142,7 +142,7 @@ class _Code:
 
 def solutions(shape: tuple[int, ...], entries: Sequence[Samples | float]) -> Samples:
     """The x of A x = b, shape (k, m, n), given the entries of A, row by row, and of b."""
-    k = (isqrt(1 + 4 * len(entries)) - 1) // 2
+    k = isqrt(len(entries))  # of k^2 + k
     rows = np.empty((*shape, k * k + k))
     for column, entry in enumerate(entries):
         rows[..., column] = entry
