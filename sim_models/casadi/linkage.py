@@ -19,7 +19,7 @@ from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes import Scene
 from scenes.loads import Force, ForceTable, Load, Spring
-from scenes.model.motion import Samples
+from scenes.model.motion import force_channels, kinematic_channels
 from scenes.scene import GROUND
 
 from ..coordinates.bodies import framed_body, linkage_size
@@ -31,11 +31,7 @@ class SymbolicLinkage:
     """The symbols of one scene, whose numbers may be symbols too; nothing is compiled before it is asked for."""
 
     def __init__(self, scene: Scene, size: float | None = None) -> None:
-        """Set up the symbols; the size, m, changes nothing but roundings, and is needed where lengths are symbols.
-
-        Raises:
-            Failure: see `bodies`.
-        """
+        """Set up the symbols; the size, m, changes nothing but roundings, and is needed where lengths are symbols."""
         self.scene = scene
         self.index = {name: number for number, name in enumerate(scene.bodies)}
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
@@ -46,12 +42,10 @@ class SymbolicLinkage:
         self._q = self.x * self.units
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size
         sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
-        first = 2 * len(scene.pins)
-        self.rows_of_slides = {name: [first + 2 * row, first + 2 * row + 1] for row, name in enumerate(sliders)}
         pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
         self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
         rows = vertcat(*pins, *map(self._slide, sliders), self.drive_position)
-        self.constraints, self.rows = rows / self.row_units, len(self.row_units)
+        self.constraints = rows / self.row_units
 
     # --- geometry -----------------------------------------------------------------------------------------------------
 
@@ -144,28 +138,15 @@ class SymbolicLinkage:
         closes = load.closing * jtimes(x, self.x, self.v) > 0
         return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)
 
-    # --- functions ----------------------------------------------------------------------------------------------------
-
     @cached_property
-    def gaps(self) -> Function:
-        """C(x)."""
-        return Function("gaps", [self.x], [self.constraints])
-
-    @cached_property
-    def jacobian(self) -> Function:
-        """C_x."""
-        return Function("jacobian", [self.x], [jacobian(self.constraints, self.x)])
-
-    @cached_property
-    def bend(self) -> Function:
-        """(C_x v)_x v."""
+    def functions(self) -> tuple[Function, Function, Function]:
+        """C(x), C_x, and (C_x v)_x v."""
         rate = jtimes(self.constraints, self.x, self.v)
-        return Function("bend", [self.x, self.v], [jtimes(rate, self.x, self.v)])
-
-    @cached_property
-    def needed(self) -> Function:
-        """C_x^T l, from x, v, a and the stroke ends."""
-        return Function("needed", [self.x, self.v, self.a, self.stroke_ends], [self.required])
+        return (
+            Function("gaps", [self.x], [self.constraints]),
+            Function("jacobian", [self.x], [jacobian(self.constraints, self.x)]),
+            Function("bend", [self.x, self.v], [jtimes(rate, self.x, self.v)]),
+        )
 
     @property
     def shortest_spring(self) -> Any:
@@ -179,6 +160,17 @@ def _is_zero(number: Any) -> bool:
     return isinstance(number, (int, float)) and number == 0
 
 
-def table(function: Function, *arguments: Any) -> Samples:
-    """Return the values of a function of columns at n columns, shape (rows, n)."""
-    return np.array(function(*arguments), dtype=np.float64)
+def channels(linkage: SymbolicLinkage, multipliers: Any) -> dict[str, Any]:
+    """All channels but the time, by coordinates, their rates and the multipliers of the constraints."""
+    scene, x, v, a = linkage.scene, linkage.x, linkage.v, linkage.a
+    values = [linkage.drive_position]
+    for point in scene.moving_points:
+        place = linkage.point(scene.owners[point][0], point)
+        velocity = jtimes(place, x, v)
+        for vector in (place, velocity, jtimes(velocity, x, v) + jtimes(velocity, v, a)):
+            values += casadi.vertsplit(vector)
+    for body in scene.turning:
+        values += [level[3 * linkage.index[body] + 2] for level in (x, v, a)]
+    if scene.has_masses:
+        values += casadi.vertsplit(multipliers / linkage.row_units)
+    return dict(zip((*kinematic_channels(scene)[1:], *force_channels(scene)), values, strict=True))

@@ -13,8 +13,7 @@ from ..coordinates.settings import PoseSettings
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.start import SCENES, Start, begun
 from ..coordinates.system import ClosedPose
-from .channels import channels
-from .linkage import table
+from .linkage import channels
 from .system import SOLVER, CasadiSystem, Compiled
 
 SHORTEST_SPRING = 1e-12  # of the linkage's size; a shorter one's direction is round-off
@@ -47,9 +46,10 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         self._poses = self._integrated() if self._steps else [*self._through()]
         x = np.transpose([pose.x for pose in self._poses])
         try:
-            *rows, self._shortest = table(self._sampled, x, self._driven.rate[None], self._driven.acceleration[None])
+            table = self._sampled(x, self._driven.rate[None], self._driven.acceleration[None])
         except RuntimeError:
             raise Failure(Status.not_converged, "the linkage is singular at one of the samples") from None
+        *rows, self._shortest = np.array(table, dtype=np.float64)
         self._channels = dict(zip(self._wanted, rows, strict=True))
         self.counters = self._follower.counters
 
@@ -89,7 +89,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
 
     def _step(self) -> Compiled:
         """Return the function of a pose and a step of the drive, over its unit, that gives the next pose."""
-        jacobian, count = self._system.linkage.jacobian, len(self._start.x)
+        (_, jacobian, _), count = self._system.linkage.functions, len(self._start.x)
         x, h, drive_row = MX.sym("x", count), MX.sym("h"), np.eye(count)[:, -1]
         k = [casadi.solve(jacobian(x), drive_row, SOLVER)]
         for part in (1 / 2, 1 / 2, 1):
@@ -99,17 +99,19 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
     def _compiled(self) -> Function:
         """Return the channels and the shortest spring as a function of x and the drive's rate and acceleration."""
         linkage, count = self._system.linkage, len(self._start.x)
+        _, jacobian, bend = linkage.functions
         x, rate, acceleration = MX.sym("x", count), MX.sym("rate"), MX.sym("acceleration")
-        J, unit = linkage.jacobian(x), np.eye(count)[:, -1] / linkage.drive_unit
+        J, unit = jacobian(x), np.eye(count)[:, -1] / linkage.drive_unit
         v = casadi.solve(J, unit * rate, SOLVER)
         a = multipliers = MX.zeros(count)
         if self._forces or any(quantity(channel) in ("ax", "ay", "alpha") for channel in self._wanted):
-            a = casadi.solve(J, unit * acceleration - linkage.bend(x, v), SOLVER)
+            a = casadi.solve(J, unit * acceleration - bend(x, v), SOLVER)
         if self._forces:
-            multipliers = casadi.solve(J.T, linkage.needed(x, v, a, self._ends), SOLVER)
-        held, known = SX.sym("l", count), [linkage.x, linkage.v, linkage.a]
+            known = [linkage.x, linkage.v, linkage.a, linkage.stroke_ends]
+            needed = Function("needed", known, [linkage.required])
+            multipliers = casadi.solve(J.T, needed(x, v, a, self._ends), SOLVER)
+        held = SX.sym("l", count)
         all_channels = channels(linkage, held)
         rows = casadi.vertcat(*map(all_channels.__getitem__, self._wanted), linkage.shortest_spring)
-        return Function(
-            "sample", [x, rate, acceleration], [Function("channels", [*known, held], [rows])(x, v, a, multipliers)]
-        )
+        sampled = Function("channels", [linkage.x, linkage.v, linkage.a, held], [rows])
+        return Function("sample", [x, rate, acceleration], [sampled(x, v, a, multipliers)])

@@ -52,19 +52,15 @@ class CasadiSystem(System):
     """The constraints of one linkage."""
 
     def __init__(self, scene: Scene) -> None:
-        """Differentiate the constraints.
-
-        Raises:
-            Failure: see `coordinates.bodies`.
-        """
+        """Differentiate the constraints."""
         super().__init__(scene)
-        self.linkage = linkage = SymbolicLinkage(scene)
-        self._gaps, self._jacobian, self._bend = map(Compiled, (linkage.gaps, linkage.jacobian, linkage.bend))
+        self.linkage = SymbolicLinkage(scene)
+        self._gaps, self._jacobian, self._bend = map(Compiled, self.linkage.functions)
 
     @cached_property
     def _compiled(self) -> Compiled:
         """The pose and Jacobian where a step ends, its first correction, the last, and the way predicted."""
-        gaps, jacobian, bend = self.linkage.gaps, self.linkage.jacobian, self.linkage.bend
+        gaps, jacobian, bend = self.linkage.functions
         x, g = MX.sym("x", len(self.units)), MX.sym("g", len(self.row_units))
         J = jacobian(x)
         rate = casadi.solve(J, g - gaps(x), SOLVER)

@@ -21,12 +21,8 @@ def applied(
 ) -> Iterator[tuple[End, Any]]:
     """Yield where and with what force, N, as a complex number, loads and springs act, at one time or at many.
 
-    Args:
-        scene: the linkage.
-        ends: of the press forces' strokes, m, by load.
-        slid: of a slider on the ground the displacement, m, and the velocity, m/s, along its guide.
-        way: from one point to another, m, as a complex number.
-        shortest: length, m, of a spring that has a direction.
+    By the ends of the press forces' strokes, m, a load; how far, m, and fast, m/s, a slider on the ground is along its
+    guide; the way from one point to another, m; and the length, m, from which a spring has a direction.
 
     Raises:
         Failure: `nonfinite`, a spring has no direction.

@@ -96,13 +96,8 @@ class PathFollower:
 
         A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
 
-        Args:
-            poses: those at the positions.
-            positions: of the drive, rad or m, shape (n,).
-            promise: the relative error that rounding may make.
-
         Raises:
-            Failure: `not_converged`, rounding alone may break the promise.
+            Failure: `not_converged`, rounding alone may break the promise, a relative error.
         """
         travel = 1.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
         gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))

@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from math import remainder, tau
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -21,12 +21,8 @@ ACCURACY = 1e-9  # of the drive's position, rad or of its travel; a stroke's dis
 SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
 
 
-class Start(NamedTuple):
-    """What all runs of a scene begin with."""
-
-    poses: PathFollower
-    pose: ClosedPose  # at the drive's start
-    ends: Samples  # of the press forces' strokes, m, by load
+# What all runs of a scene begin with: its poses, that at the drive's start, and the ends of press forces' strokes, m.
+Start: TypeAlias = tuple[PathFollower, ClosedPose, Samples]
 
 
 def begun(system: System) -> Start:
@@ -50,7 +46,7 @@ def begun(system: System) -> Start:
     if poses.repeated(pose, drawn):
         raise _apart(poses, pose, drawn)
     pose = next(poses.through(pose, drawn, [system.scene.drive.start]))
-    return Start(poses, pose, stroke_ends(poses, pose))
+    return poses, pose, stroke_ends(poses, pose)
 
 
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:

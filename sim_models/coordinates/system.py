@@ -23,6 +23,7 @@ FITTING = 0.1  # of a step: the largest first correction
 ITERATIONS = 20
 CONVERGED = 1e-9  # the last correction, from where only rounding may stop the next ones from shrinking
 ROUND_OFF = 1e-15
+solved: Any = np.linalg.solve  # A^-1 b; LinAlgError where A is singular
 
 
 class GuideLine(NamedTuple):
@@ -65,11 +66,7 @@ class System:
     """
 
     def __init__(self, scene: Scene, *, slides: bool = False) -> None:
-        """Set up bodies and units; `slides` are coordinates.
-
-        Raises:
-            Failure: see `bodies`.
-        """
+        """Set up bodies and units; `slides` are coordinates."""
         self.scene = scene
         self.bodies = {name: framed_body(scene, body) for name, body in scene.bodies.items()}
         self.size = linkage_size(scene, self.bodies)
@@ -241,12 +238,3 @@ class System:
 
         for end, force in applied(self.scene, ends, slid, way, shortest):
             yield end[0], place(end), force
-
-
-def solved(A: Samples, b: Samples) -> Samples:
-    """A^-1 b, shape (n,).
-
-    Raises:
-        LinAlgError: A is singular.
-    """
-    return np.asarray(np.linalg.solve(A, b), np.float64)

@@ -1,5 +1,6 @@
 """One run: steps in time from a little before the first sample, and the channels from what they leave."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -7,17 +8,16 @@ import mujoco
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Request, Scene, Status
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, force_channels
 from scenes.scene import GROUND
 
-from ..coordinates.bodies import End
+from ..coordinates.bodies import End, MovingBody
 from ..coordinates.loads import applied
 from ..coordinates.simulation import CoordinateSimulation
 from ..coordinates.start import SCENES, Start, begun
 from ..coordinates.system import System
-from .channels import forces
+from .engine import MujocoSettings
 from .model import MujocoUnits, model
-from .settings import MujocoSettings
 
 PRE_ROLL = 6  # steps before the first sample, after which the gaps are those that a step opens
 LARGEST_GAP = 0.05  # over the linkage's size, from where the run is no longer one of it
@@ -29,10 +29,10 @@ SECONDS = 120.0  # of processor time, for each cycle
 def _begun(scene: Scene) -> tuple[System, Start]:
     """Return the constraints of a scene and its start, with the whole way of the drive followed once."""
     system = System(scene, slides=True)
-    start = begun(system)
+    follower, pose, ends = begun(system)
     for end in scene.drive.extent:
-        _ = [*start.poses.through(start.pose, scene.drive.start, [end])]
-    return system, start
+        _ = [*follower.through(pose, scene.drive.start, [end])]
+    return system, (follower, pose, ends)
 
 
 class MujocoSimulation(CoordinateSimulation[System]):
@@ -136,3 +136,33 @@ class MujocoSimulation(CoordinateSimulation[System]):
         held: Samples = self._data.efc_force[self._in_plane] * self._units.force
         held[-1] *= self._system.size / self._system.drive_unit
         return held
+
+
+def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Samples) -> dict[str, Samples]:
+    """Return the force channels, from what pins and drive hold, N or N m, shape (n, rows), and ends of strokes, m.
+
+    A guide is a joint of MuJoCo's tree, which has no constraint: what it exerts is what Newton's and Euler's equations
+    of the slider leave.
+    """
+    scene = system.scene
+    exerted: list[tuple[str, Any, Any, Any]] = [(*load, 0.0) for load in system.applied(moving, ends)]
+    channels = {force_channels(scene)[-1]: held[:, -1]}
+    for pin, fx, fy in zip(scene.pins, held[:, :-1:2].T, held[:, 1:-1:2].T, strict=True):
+        channels |= {f"{pin.channel}.fx": fx, f"{pin.channel}.fy": fy}
+        for body, force in ((pin.first, -fx - 1j * fy), (pin.second, fx + 1j * fy)):
+            exerted.append((body, moving[body].place(system.arms[body, pin.point]), force, 0.0))
+    for name in (name for name in reversed(system.carriers_first()) if name in system.guides):
+        carrier, _, along, first = system.guides[name]
+        of, rigid = moving[name], system.bodies[name]
+        foot, (com, _, acceleration) = of.place(first), of.at(complex(*rigid.com))
+        needed = rigid.mass * (acceleration - complex(*(scene.gravity or (0, 0))))
+        moment = rigid.inertia * of.alpha + ((com - foot).conjugate() * needed).imag
+        for on, at, force, couple in exerted:
+            if on == name:
+                needed = needed - force
+                moment = moment - couple - ((at - foot).conjugate() * force).imag
+        across = 1j * along * moving[carrier].turn
+        normal = (np.conj(across) * needed).real
+        channels |= {f"{name}.guide_force": normal, f"{name}.guide_moment": moment}
+        exerted.append((carrier, foot, -across * normal, -moment))
+    return channels

@@ -18,15 +18,10 @@ class Closures(System):
     """The constraints of one tree, as many as coordinates, or there is no one motion: loops' joints and the drive."""
 
     def __init__(self, scene: Scene) -> None:
-        """Span the tree.
-
-        Raises:
-            Failure: see `coordinates.bodies`.
-        """
+        """Span the tree."""
         super().__init__(scene)
         self.tree = Tree(self)
-        in_tree = {joint.name for joint in self.tree.joints}
-        anchors = self.tree.anchors
+        in_tree, anchors = {joint.name for joint in self.tree.joints}, self.tree.anchors
         self.arms = {end: arm - anchors[end[0]] for end, arm in self.arms.items()}
         for name, guide in self.guides.items():
             through, first = guide.through - anchors[guide.carrier], guide.first - anchors[name]
@@ -49,7 +44,7 @@ class Closures(System):
     def moved(self, x: Samples, v: Samples | None = None, a: Samples | None = None) -> dict[str, MovingBody]:
         """Return how bodies move, by Pinocchio's recursions."""
         q, *rates = (np.zeros(len(self.units)) if of is None else self.units * of for of in (x, v, a))
-        return self.tree.at_rest(q) if v is None else self.tree.moved(q, *rates)
+        return self.tree.moved(q, *(rates if v is not None else ()))
 
     def jacobian(self, x: Samples) -> Samples:
         """Return C_x, shape (m, n), by Pinocchio's Jacobians of the bodies."""
@@ -62,14 +57,7 @@ class Closures(System):
     ) -> dict[str, float]:
         """Return the force channels: of closed loops by their multipliers, of the tree's joints by the recursion.
 
-        Args:
-            motion: the coordinates and their two derivatives, each of shape (n,).
-            J: the Jacobian there, shape (n, n).
-            bodies: how they move.
-            ends: of the press forces' strokes, m, by load.
-
-        Raises:
-            Failure: `nonfinite`, a spring has no direction.
+        `motion` has the coordinates and their two derivatives, each of shape (n,); J is the Jacobian there.
         """
         motion = [self.units * of for of in motion]
         loads = [Wrench(*load) for load in self.applied(bodies, ends, SHORTEST_SPRING * self.size)]
@@ -81,7 +69,10 @@ class Closures(System):
         channels = dict(zip([*names, force_channels(self.scene)[-1]], multipliers, strict=True))
         first_of = {pin.channel: pin.first for pin in self.scene.pins}
         for joint in self.tree.joints:
-            force, moment = self.tree.joint_force(joint, bodies)
+            exerted = self.tree.data.f[
+                self.tree.number[joint.child]
+            ]  # by the parent on the child, in the child's frame
+            force, moment = complex(*exerted.linear[:2]) * bodies[joint.child].turn, exerted.angular[2]
             if joint.turns:
                 on_second = force if first_of[joint.name] == joint.parent else -force
                 channels |= {f"{joint.name}.fx": on_second.real, f"{joint.name}.fy": on_second.imag}

@@ -67,17 +67,14 @@ class Tree:
         self.turns = np.array([*turns.values()])  # of every body by coordinate: 0 or 1
         self.data: Any = self.model.createData()
 
-    def moved(self, q: Samples, v: Samples, a: Samples) -> dict[str, MovingBody]:
-        """Return how bodies move, by joint coordinates and their rates, each of shape (n,)."""
-        pinocchio.forwardKinematics(self.model, self.data, q, v, a)
-        rates = [*map(self._velocity, self.number.values())], (self.turns @ v).tolist()
-        changes = [*map(self._acceleration, self.number.values())], (self.turns @ a).tolist()
-        return dict(zip(self.number, map(MovingBody, *self._places(q), *rates, *changes), strict=True))
-
-    def at_rest(self, q: Samples) -> dict[str, MovingBody]:
-        """Return where the bodies are."""
-        pinocchio.forwardKinematics(self.model, self.data, q)
-        return dict(zip(self.number, map(MovingBody, *self._places(q)), strict=True))
+    def moved(self, q: Samples, *rates: Samples) -> dict[str, MovingBody]:
+        """Return how bodies move, by joint coordinates, and by their rates and accelerations or none, of shape (n,)."""
+        pinocchio.forwardKinematics(self.model, self.data, q, *rates)
+        levels = self._places(q)
+        for rate, of in zip(rates, (pinocchio.getVelocity, pinocchio.getClassicalAcceleration), strict=False):
+            linear = (of(self.model, self.data, number, WORLD).linear for number in self.number.values())
+            levels += [complex(*vector[:2]) for vector in linear], (self.turns @ rate).tolist()
+        return dict(zip(self.number, map(MovingBody, *levels), strict=True))
 
     def by_coordinate(self, q: Samples) -> dict[str, MovingBody]:
         """Return the bodies with the velocities, shape (n,), that each coordinate gives them at a rate of 1."""
@@ -101,22 +98,11 @@ class Tree:
             forces[number] = pinocchio.Force(_space(own), np.array([0.0, 0.0, angular[body]]))
         return np.asarray(pinocchio.rnea(self.model, self.data, *motion, forces))
 
-    def joint_force(self, joint: TreeJoint, bodies: Mapping[str, MovingBody]) -> tuple[complex, float]:
-        """Return the last force, and moment about the joint's frame, that the parent exerts on the child."""
-        exerted = self.data.f[self.number[joint.child]]
-        return complex(*exerted.linear[:2]) * bodies[joint.child].turn, exerted.angular[2]
-
-    def _places(self, q: Samples) -> tuple[list[complex], list[float], list[complex]]:
+    def _places(self, q: Samples) -> tuple[list[Any], ...]:
         """Return origins, angles and exp(i angle) of the joints' frames."""
         places = [self.data.oMi[number] for number in self.number.values()]
         origins = [complex(*place.translation[:2]) for place in places]
         return origins, (self.turns @ q).tolist(), [complex(*place.rotation[:2, 0]) for place in places]
-
-    def _velocity(self, number: int) -> complex:
-        return complex(*pinocchio.getVelocity(self.model, self.data, number, WORLD).linear[:2])
-
-    def _acceleration(self, number: int) -> complex:
-        return complex(*pinocchio.getClassicalAcceleration(self.model, self.data, number, WORLD).linear[:2])
 
     def _add(self, joint: TreeJoint) -> int:
         """Add a joint with its child, and return its number."""

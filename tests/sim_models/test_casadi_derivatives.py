@@ -15,8 +15,7 @@ from tests.comparisons import SLOW
 
 casadi = pytest.importorskip("casadi")
 
-from sim_models.casadi.channels import channels  # noqa: E402  (its engine is there)
-from sim_models.casadi.linkage import SymbolicLinkage  # noqa: E402
+from sim_models.casadi.linkage import SymbolicLinkage, channels  # noqa: E402  (its engine is there)
 from sim_models.casadi.system import CasadiSystem  # noqa: E402
 from sim_models.coordinates.start import begun  # noqa: E402
 
