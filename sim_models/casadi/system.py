@@ -10,7 +10,7 @@ from casadi import MX, Function
 from scenes import Scene
 from scenes.model.motion import Samples
 
-from ..coordinates.system import CONVERGED, FITTING, ClosedPose, Reached, System
+from ..coordinates.system import CONVERGED, FITTING, ClosedPose, System
 from .linkage import SymbolicLinkage
 
 SOLVER = "qr"  # CasADi's own, by Householder reflections; it raises RuntimeError where a pivot is zero
@@ -73,14 +73,14 @@ class CasadiSystem(System):
         quality = casadi.vertcat(corrections[0], corrections[-1], casadi.norm_inf(way))
         return Compiled(Function("step", [x, g], [reached, jacobian(reached), quality]))
 
-    def step(self, pose: ClosedPose, goal: Samples) -> Reached:
+    def step(self, pose: ClosedPose, goal: Samples) -> tuple[ClosedPose | None, int]:
         """Go from a pose to C(x) = goal by one compiled function."""
         try:
             x, J, (first, last, way) = self._compiled(pose.x, goal)
         except RuntimeError:
-            return Reached(None, 0)
+            return None, 0
         good = first <= FITTING * way + CONVERGED and last <= CONVERGED
-        return Reached(ClosedPose(x, J.reshape(-1, len(self.units), order="F")) if good else None, CORRECTIONS)
+        return ClosedPose(x, J.reshape(-1, len(self.units), order="F")) if good else None, CORRECTIONS
 
     def gaps(self, x: Samples) -> Samples:
         """C(x), shape (m,)."""

@@ -26,11 +26,7 @@ ROUNDING = float(np.finfo(float).eps) / 2
 
 
 class Stuck(Exception):  # noqa: N818 - a way that ends is no error
-    """No step leads on from this pose."""
-
-    def __init__(self, pose: ClosedPose) -> None:
-        super().__init__()
-        self.pose = pose
+    """No step leads on from a pose, which is its argument."""
 
 
 class PathFollower:
@@ -38,13 +34,12 @@ class PathFollower:
 
     def __init__(self, system: System) -> None:
         self.system, self.scene = system, system.scene
-        self.counters = {"steps": 0, "newton_iterations": 0}
         self.begin(1)
 
     def begin(self, turns: int) -> None:
         """Start the clock and the counters of the build, or of a run of so many turns."""
         self.budget = ProcessorBudget(SECONDS * turns, "the way of the linkage")
-        self.counters = dict.fromkeys(self.counters, 0)
+        self.counters = {"steps": 0, "newton_iterations": 0}
 
     def pose(self, x: Samples) -> ClosedPose:
         """Return the pose at coordinates."""
@@ -63,7 +58,7 @@ class PathFollower:
                 try:
                     pose = self.follow(pose, self.goal(part))
                 except Stuck as stuck:
-                    raise self._locked(stuck.pose, position) from None
+                    raise self._locked(stuck.args[0], position) from None
             here = position
             yield pose
 
@@ -122,11 +117,11 @@ class PathFollower:
         ahead = [goal]
         for _ in range(PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")
-            reached = self.system.step(pose, ahead[-1])
+            reached, iterations = self.system.step(pose, ahead[-1])
             self.counters["steps"] += 1
-            self.counters["newton_iterations"] += reached.iterations
-            if reached.pose is not None and reached.pose.branch == pose.branch:
-                pose = reached.pose
+            self.counters["newton_iterations"] += iterations
+            if reached is not None and reached.branch == pose.branch:
+                pose = reached
                 ahead.pop()
                 if not ahead:
                     return pose

@@ -42,7 +42,7 @@ def begun(system: System) -> Start:
         for share in np.linspace(0, 1, CLOSING + 1)[1:]:
             pose = poses.follow(pose, gaps + share * (poses.goal(drawn) - gaps))
     except Stuck as stuck:
-        raise _apart(poses, stuck.pose, drawn) from None
+        raise _apart(poses, stuck.args[0], drawn) from None
     if poses.repeated(pose, drawn):
         raise _apart(poses, pose, drawn)
     pose = next(poses.through(pose, drawn, [system.scene.drive.start]))

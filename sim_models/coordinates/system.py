@@ -47,13 +47,6 @@ class ClosedPose(NamedTuple):
         return float(np.linalg.slogdet(self.J)[0])
 
 
-class Reached(NamedTuple):
-    """What a step came to."""
-
-    pose: ClosedPose | None  # None where it is too long
-    iterations: int  # of Newton's method
-
-
 class System:
     """The constraints C(x) = e s of n coordinates; s is the drive's position, e the last unit vector.
 
@@ -175,8 +168,8 @@ class System:
 
     # --- steps --------------------------------------------------------------------------------------------------------
 
-    def step(self, pose: ClosedPose, goal: Samples) -> Reached:
-        """Go from a pose to C(x) = goal."""
+    def step(self, pose: ClosedPose, goal: Samples) -> tuple[ClosedPose | None, int]:
+        """Return the pose where C(x) = goal, None where the step is too long, and the iterations of Newton's method."""
         iterations = 0
         try:
             rate = solved(pose.J, goal - self.gaps(pose.x))
@@ -187,14 +180,14 @@ class System:
                 correction = solved(J, goal - self.gaps(x))
                 length = np.abs(correction).max()
                 if not (length <= largest or length <= CONVERGED):
-                    return Reached(None, iterations)
+                    return None, iterations
                 x = x + correction
                 if length <= ROUND_OFF or (length <= CONVERGED and length > largest):
                     break
                 largest = CONTRACTION * length
-            return Reached(ClosedPose(x, self.jacobian(x)) if length <= CONVERGED else None, iterations)
+            return ClosedPose(x, self.jacobian(x)) if length <= CONVERGED else None, iterations
         except np.linalg.LinAlgError:
-            return Reached(None, iterations)
+            return None, iterations
 
     # --- what bodies do -----------------------------------------------------------------------------------------------
 

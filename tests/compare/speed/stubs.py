@@ -31,7 +31,6 @@ class Clock:
 
     def __init__(self, tick: float = 0.0) -> None:
         self.now, self.tick = 0.0, tick
-        self.turns = ""
 
     def __call__(self) -> float:
         self.now += self.tick
@@ -47,13 +46,8 @@ def table(*rows: tuple[str, str, float, float], **columns: Any) -> list[SpeedRow
     found = []
     for number, (engine, setting, seconds, error) in enumerate(rows):
         own = {name: value[number] if isinstance(value, list) else value for name, value in columns.items()}
-        known: dict[str, Any] = {
-            "engine": engine,
-            "setting": setting,
-            "solve_min_s": seconds,
-            "errors": {"reaction_max": error},
-        }
-        found.append(replace(ROW, **known, **own))
+        known = replace(ROW, engine=engine, setting=setting, solve_min_s=seconds, errors={"reaction_max": error})
+        found.append(replace(known, **own))
     return found
 
 
@@ -108,9 +102,8 @@ class StubRun:
     def solve(self) -> None:
         if self.settings.label == "fails":
             raise Failure(Status.diverged, "it ran away")
-        self.engine.clock.now += (
-            next(self.engine.slowness) * 1e-3 * self.steps * (3 if self.settings.label == "in space" else 1)
-        )
+        slowness = next(self.engine.slowness) * (3 if self.settings.label == "in space" else 1)
+        self.engine.clock.now += slowness * 1e-3 * self.steps
 
     def read(self) -> Motion:
         reference = self.engine.reference

@@ -29,15 +29,9 @@ class Job:
 
 
 def turns(
-    jobs: Sequence[Job],
-    budget: Budget,
-    in_doubt: Callable[[Sequence[float]], Sequence[int]],
-    first: float = 0.0,
+    jobs: Sequence[Job], budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]], first: float = 0.0
 ) -> tuple[list[Times], str]:
-    """Return the times, and the engines in the order in which they ran; a bar ends each batch.
-
-    The runs that warmed everything up took `first` s.
-    """
+    """The times, and the engines in the order in which they ran, a bar after each batch; warming up took `first` s."""
     ran: list[str] = []
     runs = [Run(job.engine, None, Status.ok, build_s=0.0, solve_s=first, read_s=0.0) for job in jobs]
 
@@ -45,50 +39,51 @@ def turns(
         ran.extend((*(jobs[number].engine for number in numbers), "|"))
         return [jobs[number].run() for number in numbers]
 
-    times = take_turns(runs, again, budget, quiet, in_doubt)
-    return times, "".join(ran)
+    return take_turns(runs, again, budget, quiet, in_doubt), "".join(ran)
 
 
 def all_of(times: Sequence[float]) -> Sequence[int]:
     return range(len(times))
 
 
-def test_settings_take_turns_in_batches_of_one_engine() -> None:
-    _, ran = turns([Job(engine, [1.0]) for engine in "aabc"], Budget(10, inf), all_of)
-    assert ran == "aa|b|c|" * 3
+def none_of(_: Sequence[float]) -> Sequence[int]:
+    return ()
+
+
+NEVER_KNOWN = [n / 20 for n in range(1, 99)]  # s; three of them are taken in any case
+ALIKE, UNLIKE = ("a", [1.0]), ("b", [3.0, 1.0, 2.0, 1.01, 5.0, 1.019, 1.0])  # known after 3 rounds, and after 6
+SLOW, BATCH = [("a", [0.3]), ("b", [2.0])], [("a", [0.02, 0.015, 0.01])] * 3
+Jobs = Sequence[tuple[str, Sequence[float]]]
+
+
+@pytest.mark.parametrize(
+    ("jobs", "budget", "in_doubt", "rounds", "order"),
+    [
+        ([(engine, [1.0]) for engine in "aabc"], Budget(10, inf), all_of, [3] * 4, "aa|b|c|" * 3),
+        ([ALIKE, UNLIKE], Budget(100, inf), all_of, [3, 6], "a|b|" * 3 + "b|" * 3),
+        ([("a", [1.0, 0.5, 1.0])], Budget(8, inf), all_of, [8], "a|" * 8),  # a lucky time has to come again
+        ([("a", NEVER_KNOWN)], Budget(0, 0.0), all_of, [3], "a|" * 3),
+        ([("a", NEVER_KNOWN)], Budget(99, 0.35), all_of, [5], "a|" * 5),
+        ([("a", NEVER_KNOWN)], Budget(5, inf), all_of, [5], "a|" * 5),
+        # Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for, or one.
+        (SLOW, Budget(20, 2.0), none_of, [3, 1], "a|b|a|a|"),
+        (SLOW, Budget(20, 9.0), none_of, [3, 2], "a|b|a|b|a|"),
+        (SLOW, Budget(20, 12.0), none_of, [3, 3], "a|b|" * 3),
+        # Two of three settings, of 0.01 s each, begin within 0.015 s: a batch ends with the budget.
+        (BATCH, Budget(99, 0.015), all_of, [4, 4, 3], "aaa|aaa|aaa|aa|"),
+    ],
+)
+def test_rounds_go_on_until_the_fastest_time_is_known_or_the_budget_ends(
+    jobs: Jobs, budget: Budget, in_doubt: Callable[[Sequence[float]], Sequence[int]], rounds: list[int], order: str
+) -> None:
+    times, ran = turns([Job(*job) for job in jobs], budget, in_doubt)
+    assert ([len(of) for of in times], ran) == (rounds, order)
 
 
 def test_build_and_solve_are_timed_apart() -> None:
     (times,), _ = turns([Job("a", [2.0], build=1.0)], Budget(10, inf), all_of)
     assert [(run.build_s, run.solve_s, run.wall_s) for run in times] == [(1.0, 2.0, 4.0)] * 3
     assert times.spent == 9
-
-
-def test_rounds_go_on_until_the_fastest_time_is_known() -> None:
-    """`a` is known after 3 rounds and drops out; of `b` the three fastest agree after 6."""
-    jobs = [Job("a", [1.0]), Job("b", [3.0, 1.0, 2.0, 1.01, 5.0, 1.019, 1.0])]
-    times, ran = turns(jobs, Budget(100, inf), all_of)
-    assert [len(of) for of in times] == [3, 6]
-    assert ran == "a|b|" * 3 + "b|" * 3
-
-
-def test_a_lucky_time_has_to_come_again() -> None:
-    (times,), _ = turns([Job("a", [1.0, 0.5, 1.0])], Budget(8, inf), all_of)
-    assert len(times) == 8
-
-
-@pytest.mark.parametrize(("budget", "runs"), [(Budget(0, 0.0), 3), (Budget(99, 0.35), 5), (Budget(5, inf), 5)])
-def test_what_a_budget_ends(budget: Budget, runs: int) -> None:
-    """Solves of 0.05, 0.1, 0.15 ... seconds are never known; three of them are taken in any case."""
-    (times,), _ = turns([Job("a", [n / 20 for n in range(1, 99)])], budget, all_of)
-    assert len(times) == runs
-
-
-def test_slow_settings_have_fewer_rounds_than_the_least() -> None:
-    """Of two settings each has half of the time: three rounds of 0.3 s, of 2 s as many as it lasts for, or one."""
-    for budget, rounds in ((Budget(20, 2.0), 1), (Budget(20, 9.0), 2), (Budget(20, 12.0), 3)):
-        times, _ = turns([Job("a", [0.3]), Job("b", [2.0])], budget, lambda _: ())
-        assert [len(of) for of in times] == [3, rounds]
 
 
 def test_a_setting_whose_first_run_took_its_share_is_timed_where_it_decides() -> None:
@@ -105,14 +100,6 @@ def test_a_setting_whose_first_run_took_its_share_is_timed_where_it_decides() ->
     assert [run.solve_s for run in times] == [0.4] * 3
 
 
-def test_a_batch_ends_with_the_budget() -> None:
-    """Two of three settings, of 0.01 s each, begin within 0.015 s."""
-    jobs = [Job("a", [0.02, 0.015, 0.01]) for _ in range(3)]
-    times, ran = turns(jobs, Budget(99, 0.015), all_of)
-    assert [len(of) for of in times] == [4, 4, 3]
-    assert ran == "aaa|aaa|aaa|aa|"
-
-
 def test_only_what_is_in_doubt_is_timed_longer() -> None:
     """`a` and `c` are never known; `b` decides until its fastest solve is 4 s, `c` never."""
     seen = []
@@ -123,6 +110,5 @@ def test_only_what_is_in_doubt_is_timed_longer() -> None:
         return [1] if times[1] > 4 else []
 
     times, ran = turns(jobs, Budget(10, inf), in_doubt)
-    assert ran == "a|b|c|" * 3 + "b|"
-    assert [len(of) for of in times] == [3, 4, 3]
+    assert ([len(of) for of in times], ran) == ([3, 4, 3], "a|b|c|" * 3 + "b|")
     assert seen[:2] == [[1.0, 5.0, 1.0], [1.0, 4.0, 1.0]]

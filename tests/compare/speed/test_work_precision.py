@@ -129,76 +129,66 @@ def test_settings_with_a_note_compete_apart() -> None:
     assert found["1e-6", "b", ""].ratio == 1
 
 
-def order_of(points: Sequence[SpeedRow], floor: float = 0.0) -> tuple[float, float, int]:
-    (row,) = orders(points, {"reaction": floor})
-    return row.order, row.residual, row.points
-
-
-def local_orders(points: Sequence[SpeedRow]) -> list[float]:
-    (row,) = orders(points, {})
-    return list(row.local_orders)
-
-
 def errors_of(local: Sequence[float], steps: Sequence[int] = (100, 200, 400, 800)) -> list[float]:
     """Return errors, from 1e-2 on, that have the given orders from each number of steps to the next."""
     return [1e-2, *(1e-2 * np.cumprod([2.0**-order for order in local]))][: len(steps)]
 
 
-def test_an_order_that_has_not_settled_is_none() -> None:
-    """The three local orders that were once shown as an order of 3.26."""
-    points = family((100, 200, 400, 800), errors_of((4.03, 1.70, 6.77)))
-    assert np.isnan(order_of(points)[0])
-    assert order_of(points)[1] > 0.1  # the residual stays
-    assert local_orders(points) == pytest.approx([4.03, 1.70, 6.77])
+@pytest.mark.parametrize(
+    ("local", "settled", "residual"),
+    [
+        ((2.1, 1.9), True, 0.0),
+        ((2.12, 1.88), True, 0.0),
+        ((2.2, 1.8), False, 0.01),
+        ((1.0, 2.0, 2.0), True, 0.0),
+        ((4.03, 1.70, 6.77), False, 0.1),  # that were once shown as an order of 3.26
+    ],
+)
+def test_an_order_settles_where_the_last_local_orders_agree(
+    local: Sequence[float], settled: bool, residual: float
+) -> None:
+    (row,) = orders(family((100, 200, 400, 800)[: len(local) + 1], errors_of(local)), {})
+    assert row.local_orders[-2:] == pytest.approx([*local[-2:]])
+    assert row.order == pytest.approx(2, abs=1e-9) if settled else np.isnan(row.order)
+    assert row.residual > residual, "it stays"
+
+
+MANY = (72, 144, 360, 720, 1440, 7200, 14400)
+ON_A_LINE = 1e-4 / np.array([1, 4, 16]) * 10 ** np.array([0.01, -0.02, 0.01])  # as many decades off
 
 
 @pytest.mark.parametrize(
-    ("local", "settled"), [((2.1, 1.9), True), ((2.12, 1.88), True), ((2.2, 1.8), False), ((1.0, 2.0, 2.0), True)]
+    ("steps", "errors", "floor", "order", "residual", "points"),
+    [
+        *((STEPS, [3.0 * n**-order for n in STEPS], 0.0, order, 0.0, range(6, 7)) for order in (1.0, 2.0, 3.0, 4.0)),
+        ((100, 200, 400), ON_A_LINE, 0.0, 2.0, 0.01 * 2**0.5, range(3, 4)),
+        # A floor of the family's own, which shows in its errors, or the reference's.
+        (MANY, [n**-2.0 + 1e-8 for n in MANY], 0.0, 2.0, None, range(3, 7)),
+        (MANY, [n**-2.0 + 1e-8 for n in MANY], 1e-8, 2.0, None, range(3, 7)),
+        (MANY, [n**-2.0 for n in MANY], 1e-7, 2.0, None, range(3, 7)),
+        # An error of second order, less one of fourth order that counts at 72 steps: 29 % there, 7 % at 144.
+        (STEPS, [n**-2.0 - 1500 * n**-4.0 for n in STEPS], 0.0, 2.0, None, range(5, 6)),
+    ],
 )
-def test_an_order_settles_where_the_last_local_orders_agree(local: Sequence[float], settled: bool) -> None:
-    points = family((100, 200, 400, 800)[: len(local) + 1], errors_of(local))
-    assert local_orders(points)[-2:] == pytest.approx([*local[-2:]])
-    assert bool(order_of(points)[0] == pytest.approx(2, abs=1e-9)) is settled
-
-
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_orders(order: int) -> None:
-    found, residual, points = order_of(family(STEPS, [3.0 * n**-order for n in STEPS]))
-    assert found == pytest.approx(order, abs=1e-12)
-    assert residual <= 1e-12
-    assert points == len(STEPS)
-
-
-def test_the_residual_of_an_order() -> None:
-    """Errors 0.01 decades above a line, twice that below it, and as much above it again."""
-    errors = np.array([1e-4, 1e-4 / 4, 1e-4 / 16]) * 10 ** np.array([0.01, -0.02, 0.01])
-    found, residual, points = order_of(family((100, 200, 400), errors))
-    assert found == pytest.approx(2, abs=1e-12)
-    assert residual == pytest.approx(0.01 * np.sqrt(2), rel=1e-9)
-    assert points == 3
-
-
-def test_too_coarse_settings_are_left_out() -> None:
-    """An error of second order, less one of fourth order that counts at 72 steps: 29 % there, 7 % at 144."""
-    found, residual, points = order_of(family(STEPS, [n**-2.0 - 1500 * n**-4.0 for n in STEPS]))
-    assert points == len(STEPS) - 1
-    assert found == pytest.approx(2, abs=0.02)
-    assert residual <= 0.02
-
-
-@pytest.mark.parametrize(("floor", "of_reference"), [(1e-8, 0.0), (1e-8, 1e-8), (0.0, 1e-7)])
-def test_orders_are_fitted_above_the_floor(floor: float, of_reference: float) -> None:
-    """A floor of the family's own, which shows in its errors, or the reference's."""
-    steps = (72, 144, 360, 720, 1440, 7200, 14400)
-    found, _, points = order_of(family(steps, [n**-2.0 + floor for n in steps]), of_reference)
-    assert points < len(steps)
-    assert found == pytest.approx(2, abs=0.02)
+def test_orders_are_fitted_above_the_floor_and_past_too_coarse_settings(
+    steps: Sequence[int],
+    errors: Sequence[float],
+    floor: float,
+    order: float,
+    residual: float | None,
+    points: range,
+) -> None:
+    (row,) = orders(family(steps, errors), {"reaction": floor})
+    assert row.points in points
+    assert row.order == pytest.approx(order, abs=0.02 if residual is None else 1e-12)
+    assert row.residual <= 0.02 if residual is None else row.residual == pytest.approx(residual, rel=1e-9, abs=1e-12)
 
 
 def test_growing_round_off_is_below_the_floor() -> None:
     errors = [n**-4.0 + 3e-13 * n for n in STEPS]  # least at 360, and more than ten times that at 7200
     assert above_floor(np.array(STEPS, float), np.array(errors), 0.0) == 2
-    assert np.isnan(order_of(family(STEPS, errors))[0]), "of two points there is no residual"
+    (row,) = orders(family(STEPS, errors), {})
+    assert np.isnan(row.order), "of two points there is no residual"
 
 
 def test_what_a_step_costs() -> None:
