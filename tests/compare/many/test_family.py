@@ -84,10 +84,14 @@ def test_a_stopped_family_keeps_what_is_done_and_does_not_replace_a_complete_one
     assert list(tmp_path.iterdir()) == [place]
 
 
+def page_of(folder: Path, vary: str) -> str:
+    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(folder / "out"), "--vary", vary]
+    assert main(arguments) == 0
+    return (folder / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+
+
 def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
-    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--vary", "bodies.rod.lengths.A-B=20:30:2"]) == 0
-    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    page = page_of(tmp_path, "bodies.rod.lengths.A-B=20:30:2")
     assert "Members that do not run: 2 of 2, first A-B = 20 (cannot_assemble)." in page
     assert "cannot_assemble" in page
 
@@ -95,9 +99,7 @@ def test_a_family_without_any_member_that_runs(tmp_path: Path) -> None:
 def test_many_members_are_drawn_in_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("figures.family", "pages.many"):
         monkeypatch.setattr(f"compare.report.{module}.MOST_LINES", 5)
-    arguments = [str(CRANK_SLIDER), "--engines", "analytic", "--out", str(tmp_path / "out")]
-    assert main([*arguments, "--vary", "drive.speed=10:17:8"]) == 0
-    page = (tmp_path / "out" / "offset_slider_crank" / "family.html").read_text(encoding="utf-8")
+    page = page_of(tmp_path, "drive.speed=10:17:8")
     assert "5 of the 8 members that run" in page
     curves = unpacked(page)[1]
     drawn = {value for value in range(10, 18) if f'"name":"drive.speed = {value}"' in curves}

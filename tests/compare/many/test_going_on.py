@@ -114,14 +114,8 @@ def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[flo
     changes = grid([variation("drive.speed=10:40:4")])
     packed = b64encode(pickle.dumps(Bomb(tmp_path / "ran"))).decode()
     kept = kept_members(tmp_path, scene, Asked(scene.file, ["analytic"], sampling))
-    hostile: list[Any] = [
-        packed,
-        [packed, {}],
-        None,
-        {},
-        {"pathlib:Path": {}},
-        encoded([Member({}, "ok", ""), {}]),
-    ]
+    other = encoded([Member({}, "ok", ""), {}])
+    hostile: list[Any] = [packed, [packed, {}], None, {}, {"pathlib:Path": {}}, other]
     hostile += [{kind: ["os", "system"]} for kind in ("os:system", "tuple", "dict", "array", "settings")]
     for data in hostile:
         kept.add(str(changes[0]), data)

@@ -11,7 +11,7 @@ from compare.measure.many.machines import SolvedMachines
 from scenes.model.motion import Samples
 from tests import scene_files
 
-from .machines_of import file, many, reference
+from .runs import file, many, reference
 
 # path -> a step that is small against how far it is to anything, in the unit of the file
 PRESS = {
@@ -28,16 +28,13 @@ TURNING = {"bodies.rod.slides.through.1": 0.1, "bodies.block.com.1": 0.1, "sprin
 PLACED = 1e-6  # of a change: extremes are placed to 1e-6 rad or better
 
 
-@pytest.mark.parametrize(
-    ("name", "steps"),
-    [
-        ("toggle_press", PRESS),
-        ("double_toggle_clamp", CLAMP),
-        ("offset_slider_crank", SLIDER),
-        ("walking_leg", PATH),
-        ("swinging_block", TURNING),
-    ],
-)
+STEPS = {
+    **{"toggle_press": PRESS, "double_toggle_clamp": CLAMP, "offset_slider_crank": SLIDER},
+    **{"walking_leg": PATH, "swinging_block": TURNING},
+}
+
+
+@pytest.mark.parametrize(("name", "steps"), STEPS.items())
 def test_against_differences(name: str, steps: dict[str, float]) -> None:
     """Of fourth order, with steps where neither the fifth derivative nor rounding matters."""
     derivatives, numbers = of_the_drawing(name, [*steps])

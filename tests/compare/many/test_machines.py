@@ -1,28 +1,48 @@
-"""The numbers of many machines at once: those of each alone from its own file, and formulas written here."""
+"""Machines: drawn as the scene has it; the numbers of many, those of each alone, and formulas written here."""
 
-from math import acos
+from math import acos, sqrt
 
 import numpy as np
 import pytest
 
 import scenes
-from compare.measure.many.machines import SolvedMachines, draws
+from compare.measure.many.machines import draws
 from scenes import Status
 from scenes.model.motion import Samples
 
-from .machines_of import alone, many
+from .runs import ROCKER, alone, many
 
 SAME = 1e-11  # of a number: extremes are placed to 1e-5 of a step, the dwell by quintics over steps of 2 deg
+MASS = "bodies.toggle.mass"
 JUMP = 1e-6  # where a force comes or goes: that is placed to 1e-5 of a step, 4e-7 rad
+
+
+def test_they_are_distributed_as_the_scene_has_it() -> None:
+    """A Sobol sequence of 4096: each number is stratified, so that its moments are exact to about one in as many."""
+    machines = draws(scenes.load("toggle_press"), 7, 0, 4096)
+    rocker, mass = machines[ROCKER], machines[MASS]
+    assert rocker.mean() == pytest.approx(300, abs=1e-5)
+    assert rocker.std() == pytest.approx(0.05 / 3, rel=1e-3)  # the tail is cut at 3.7 deviations
+    assert np.mean(np.abs(rocker - 300) < 0.05) == pytest.approx(0.9973, abs=5e-4)  # two of them more or less
+    assert mass.mean() == pytest.approx(250, abs=1e-3)
+    assert mass.std() == pytest.approx(5 / sqrt(3), rel=1e-3)
+    assert 245 <= mass.min() < 245.01
+    assert 254.99 < mass.max() <= 255
+    table = np.corrcoef([*machines.values()])
+    assert np.abs(table - np.eye(len(machines))).max() < 0.01  # independent: 1 / sqrt(4096) of random ones
+
+
+def test_a_machine_is_the_same_whatever_others_are_asked_for() -> None:
+    scene = scenes.load("toggle_press")
+    whole, part, other = draws(scene, 3, 0, 300), draws(scene, 3, 123, 45), draws(scene, 4, 0, 300)
+    for path, values in whole.items():
+        assert (values[123:168] == part[path]).all()
+        assert (values != other[path]).all()
 
 
 @pytest.mark.parametrize(
     ("name", "count"),
-    [
-        ("toggle_press", 20),
-        ("double_toggle_clamp", 4),
-        pytest.param("double_toggle_clamp", 20, marks=pytest.mark.slow),
-    ],
+    [("toggle_press", 20), ("double_toggle_clamp", 4), pytest.param("double_toggle_clamp", 20, marks=pytest.mark.slow)],
 )
 def test_machines_agree_with_single_runs(name: str, count: int) -> None:
     """Picked by seed from a thousand."""
@@ -58,7 +78,7 @@ def test_a_slider_crank_by_its_formulas() -> None:
     """Crank r, rod l in line, slider of mass m at r w^2 (1 + r/l) where both are stretched out, load of 50 N."""
     r, rod, mass = np.array([1.0, 1.1, 0.9]), np.array([3.0, 2.9, 3.2]), np.array([2.0, 2.1, 2.3])
     changes = {"bodies.crank.points.A.0": r, "bodies.rod.lengths.A-B": rod, "bodies.slider.mass": mass}
-    q = by_name(many("slider_crank", changes))
+    q = {number.name: number.value for number in many("slider_crank", changes).numbers}
     assert q["stroke"] == pytest.approx(2 * r, rel=SAME)
     assert q["closed dead point"] == pytest.approx(rod + r, rel=SAME)
     peak = 100 * r * (1 + r / rod)
@@ -83,7 +103,3 @@ def test_a_machine_that_cannot_assemble_spoils_no_other() -> None:
         assert (number.value == alike.value).all()
     nothing = many("slider_crank", {"bodies.rod.lengths.A-B": rod[[1, 3]]})
     assert (len(nothing.running), len(nothing.numbers)) == (0, 0)
-
-
-def by_name(solved: SolvedMachines) -> dict[str, Samples]:
-    return {number.name: number.value for number in solved.numbers}

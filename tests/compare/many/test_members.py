@@ -28,10 +28,8 @@ PINS = ("O", "P1", "P2", "P3", "P4", "P5")  # of the toggle press
 def test_members_that_cannot_run_are_rows_in_their_place() -> None:
     family = run("toggle_press", [f"{ROCKER}=-100:500:7"])
     assert [member.changes[ROCKER] for member in family] == [-100, 0, 100, 200, 300, 400, 500]
-    assert [member.status for member in family] == [
-        *("invalid", "invalid", "cannot_assemble", "cannot_assemble"),
-        *("ok", "ok", "cannot_assemble"),
-    ]
+    statuses = ["invalid"] * 2 + ["cannot_assemble"] * 2 + ["ok"] * 2 + ["cannot_assemble"]
+    assert [member.status for member in family] == statuses
     for member in family:
         assert (member.cycle is None) == (member.status != "ok")
         assert bool(member.reason) == (member.status != "ok")
@@ -58,13 +56,19 @@ def test_every_member_is_cross_checked() -> None:
         assert [gate.met for gate in member.judgement.held] == ["met"]
 
 
+def pair(*engines: str) -> Family:
+    """Two members that run, 300 and 310."""
+    vary = f"{ROCKER}=300:310:2"
+    return Family(scenes.load("toggle_press"), [variation(vary)], engines, run("toggle_press", [vary], engines))
+
+
+def lacking(engine: str, patch: pytest.MonkeyPatch) -> None:
+    patch.setitem(registry.ENTRIES, engine, replace(registry.ENTRIES[engine], package="no_such_package"))
+
+
 def test_an_engine_that_fails_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = replace(registry.ENTRIES["pymunk"], package="no_such_package")
-    monkeypatch.setitem(registry.ENTRIES, "pymunk", entry)
-    vary = [variation(f"{ROCKER}=300:310:2")]
-    family = Family(
-        scenes.load("toggle_press"), vary, ["pymunk"], run("toggle_press", [f"{ROCKER}=300:310:2"], ["pymunk"])
-    )
+    lacking("pymunk", monkeypatch)
+    family = pair("pymunk")
     assert "closed dead point [mm]" in family_tables.overview(family)[0], "at -1.1 m, as finely as the stroke"
     assert [row["pymunk error"] for row in family_tables.overview(family)] == ["unsupported", "unsupported"]
     floor, *failures = family_tables.notes(family)
@@ -97,8 +101,7 @@ def test_the_verdict_is_that_on_the_worst_member(
 
 @pytest.fixture(scope="module")
 def two() -> Family:
-    vary, engines = f"{ROCKER}=300:310:2", ["analytic", "pymunk"]
-    return Family(scenes.load("toggle_press"), [variation(vary)], engines, run("toggle_press", [vary], engines))
+    return pair("analytic", "pymunk")
 
 
 def test_a_member_keeps_no_samples_but_its_curves() -> None:
@@ -117,11 +120,8 @@ def test_a_member_keeps_no_samples_but_its_curves() -> None:
 
 
 def test_without_a_certificate_none_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
-    entry = replace(registry.ENTRIES[registry.ORACLE], package="no_such_package")
-    monkeypatch.setitem(registry.ENTRIES, registry.ORACLE, entry)
-    vary = f"{ROCKER}=300:310:2"
-    rows = run("toggle_press", [vary], ["analytic"])
-    family = Family(scenes.load("toggle_press"), [variation(vary)], ["analytic"], rows)
+    lacking(registry.ORACLE, monkeypatch)
+    family = pair("analytic")
     assert [row["analytic error"] for row in family_tables.overview(family)] == ["not certified"] * 2
     assert family_tables.notes(family)[0].startswith("The reference is not certified: ")
 
@@ -131,10 +131,10 @@ def test_a_member_that_breaks_the_reference_is_a_row(monkeypatch: pytest.MonkeyP
         raise ZeroDivisionError(f"{scene.name}\nand more")
 
     monkeypatch.setattr(registry, "reference", solve)
-    rows = run("toggle_press", [f"{ROCKER}=300:310:2"])
-    assert [member.status for member in rows] == ["crashed"] * 2
-    reason = "ZeroDivisionError: toggle_press and more (tests/compare/many/test_members.py, line "
-    assert all(member.reason.startswith(reason) for member in rows)
+    for member in pair().members:
+        assert member.status == "crashed"
+        reason = "ZeroDivisionError: toggle_press and more (tests/compare/many/test_members.py, line "
+        assert member.reason.startswith(reason)
 
 
 def test_numbers_are_those_of_the_single_linkage_and_of_its_worst_joint() -> None:
@@ -144,9 +144,8 @@ def test_numbers_are_those_of_the_single_linkage_and_of_its_worst_joint() -> Non
     cycle = one("toggle_press", changes)
     assert [peak.name for peak in cycle.peaks] == list(single)
     assert cycle.numbers["stroke"].value == single["stroke"].value
-    worst = max(
-        (peak for name, peak in single.items() if name.startswith("largest force")), key=lambda peak: peak.value
-    )
+    forces = (peak for name, peak in single.items() if name.startswith("largest force"))
+    worst = max(forces, key=lambda peak: peak.value)
     assert (cycle.numbers["largest force"].of, cycle.numbers["largest force"].value) == (worst.of, worst.value)
     motion = analytic.solve(reference.scene, cycle.position)
     for name, channel in (("displacement", "P5.y"), ("velocity", "P5.vy"), ("torque", "drive.torque")):

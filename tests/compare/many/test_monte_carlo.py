@@ -18,7 +18,7 @@ from tests import scene_files
 from tests.comparisons import SLOW
 from tests.pages import unpacked, without_scripts
 
-from .machines_of import alone
+from .runs import alone
 
 VARIATIONS = [
     {"path": "bodies.crank.lengths.O-A", "plus_minus": 0.3},
