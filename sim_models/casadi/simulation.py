@@ -37,11 +37,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         self._shortest = np.empty(0)  # spring at every sample, over the linkage's size
 
     def solve(self) -> None:
-        """Find the poses, and the channels in them.
-
-        Raises:
-            Failure: the linkage locks, or two branches meet; a step led to another branch or nowhere; `timed_out`.
-        """
+        """Find the poses, and the channels in them."""
         self._follower.begin(self._turns)
         self._poses = self._integrated() if self._steps else [*self._through()]
         x = np.transpose([pose.x for pose in self._poses])
@@ -54,12 +50,7 @@ class CasadiSimulation(CoordinateSimulation[CasadiSystem]):
         self.counters = self._follower.counters
 
     def read(self) -> Motion:
-        """Hand over the channels.
-
-        Raises:
-            Failure: `nonfinite`, a spring has no direction, with the motion; `not_converged`, rounding alone may
-                break the promise.
-        """
+        """Hand over the channels."""
         motion = super().read()
         if self._forces and not self._shortest.min() > SHORTEST_SPRING:
             where = self._scene.where(self._positions[self._shortest.argmin()])

@@ -35,11 +35,7 @@ class Compiled:
             buffer.set_res(number, memory(vector))
 
     def __call__(self, *vectors: Samples | float) -> list[Samples]:
-        """Evaluate the outputs, matrices column by column.
-
-        Raises:
-            RuntimeError: a linear system is singular.
-        """
+        """Evaluate the outputs, matrices column by column; a linear system that is singular is a RuntimeError."""
         for own, vector in zip(self._inputs, vectors, strict=True):
             own[:] = vector
         self._evaluate()

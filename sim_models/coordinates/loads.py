@@ -23,9 +23,6 @@ def applied(
 
     By the ends of the press forces' strokes, m, a load; how far, m, and fast, m/s, a slider on the ground is along its
     guide; the way from one point to another, m; and the length, m, from which a spring has a direction.
-
-    Raises:
-        Failure: `nonfinite`, a spring has no direction.
     """
     for load, end in zip(scene.loads, ends.tolist(), strict=True):
         yield (load.body, load.at), _force(scene, load, end, slid)

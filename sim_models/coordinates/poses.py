@@ -46,12 +46,7 @@ class PathFollower:
         return ClosedPose(x, self.system.jacobian(x))
 
     def through(self, pose: ClosedPose, here: float, positions: Iterable[float]) -> Iterator[ClosedPose]:
-        """Yield the poses at positions of the drive, from that at `here`, one after the other.
-
-        Raises:
-            Failure: `cannot_assemble`, the linkage locks on the way; `not_converged`, two branches meet there;
-                `timed_out`.
-        """
+        """Yield the poses at positions of the drive, from that at `here`, one after the other."""
         for position in positions:
             parts = max(1, int(np.ceil(abs(position - here) / self.largest_step)))
             for part in np.linspace(here, position, parts + 1)[1:].tolist():
@@ -75,11 +70,7 @@ class PathFollower:
         return float(LARGEST if turn else LARGEST / (2 * np.pi) * np.ptp(self.scene.drive.extent))
 
     def tangent(self, pose: ClosedPose) -> tuple[Samples, Samples]:
-        """Return dx/ds and d2x/ds2, s the drive's position, rad or m.
-
-        Raises:
-            Failure: `not_converged`, the pose is singular.
-        """
+        """Return dx/ds and d2x/ds2, s the drive's position, rad or m."""
         try:
             rate = solved(pose.J, self.goal(1.0))
             return rate, -solved(pose.J, self.system.bend(pose.x, rate))
@@ -90,9 +81,6 @@ class PathFollower:
         """Return the largest gap, and how much rounding may be in accelerations, of those that the drive has.
 
         A linear system's solution is good to round-off of its largest part, and near a lock that is far larger.
-
-        Raises:
-            Failure: `not_converged`, rounding alone may break the promise, a relative error.
         """
         travel = 1.0 if self.scene.driven_slide is None else float(np.ptp(self.scene.drive.extent))
         gaps, parts = np.zeros(len(poses)), np.zeros(len(poses))
@@ -108,12 +96,7 @@ class PathFollower:
         return {"constraints": float(gaps.max()), "rounding": rounding}
 
     def follow(self, pose: ClosedPose, goal: Samples) -> ClosedPose:
-        """Return the pose where C(x) is the goal, by as many steps of halved length as it takes.
-
-        Raises:
-            Stuck: no pose follows.
-            Failure: `timed_out`.
-        """
+        """Return the pose where C(x) is the goal, by as many steps of halved length as it takes, or be stuck."""
         ahead = [goal]
         for _ in range(PARTS):
             self.budget.check(f"{self.counters['steps']} steps are done")

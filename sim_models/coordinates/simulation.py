@@ -22,11 +22,7 @@ class CoordinateSimulation(ABC, Generic[S]):
     def __init__(
         self, begun: Callable[[Scene], tuple[S, Start]], scene: Scene, steps: int | None, request: Request
     ) -> None:
-        """Begin with a scene's start, for a run of at least so many steps a cycle, or of none.
-
-        Raises:
-            Failure: as of `begun`; `unsupported`, steps of the time cannot meet positions of the drive.
-        """
+        """Begin with a scene's start, for a run of at least so many steps a cycle, or of none."""
         self._samples = 1 if steps is None else equal_steps(request).samples  # a cycle
         self._turns = request.turns if isinstance(request, Sampling) else 1
         self._each = -(-(steps or 0) // self._samples)  # steps from a sample to the next

@@ -35,11 +35,7 @@ class MujocoUnits:
 
 
 def model(linkage: System, h: float, *, hard: bool = True) -> Any:
-    """MuJoCo's model for steps of h cycles over 2 pi, in which gaps are closed, or with its defaults for constraints.
-
-    Raises:
-        Failure: `unsupported`, a body has no mass, or too little.
-    """
+    """MuJoCo's model for steps of h cycles over 2 pi, which close the gaps, or with its defaults for constraints."""
     scene, units = linkage.scene, MujocoUnits(linkage)
     holds = f'solref="{-(h**-2)!r} {-1 / h!r}" solimp="{IMPEDANCE} {IMPEDANCE} 1"'
     holds = holds if hard else SOFT.format(time=SOFT_TIME / units.second)

@@ -57,11 +57,7 @@ class MujocoSimulation(CoordinateSimulation[System]):
         self._first, self._branch = (second.x, (second.x - first.x) / h), second.branch
 
     def solve(self) -> None:
-        """Make the steps, and the channels from them.
-
-        Raises:
-            Failure: `diverged` or `nonfinite`, a joint opened; `wrong_branch`; `timed_out`.
-        """
+        """Make the steps, and the channels from them."""
         system, order, count = self._system, self._order, len(self._times)
         q, v, a = (np.empty((count, len(order))) for _ in range(3))
         held = np.empty((count, len(system.row_units)))

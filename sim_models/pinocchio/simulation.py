@@ -34,12 +34,7 @@ class PinocchioSimulation(CoordinateSimulation[Closures]):
         self._poses: list[ClosedPose] = []
 
     def solve(self) -> None:
-        """Find the poses, and the channels in them.
-
-        Raises:
-            Failure: the linkage locks, two branches meet, a step led to another branch or nowhere, a spring has no
-                direction, or `timed_out`.
-        """
+        """Find the poses, and the channels in them."""
         closures = self._system
         self._follower.begin(self._turns)
         self._poses, rows = [], []
@@ -54,11 +49,7 @@ class PinocchioSimulation(CoordinateSimulation[Closures]):
         self.counters = self._follower.counters
 
     def read(self) -> Motion:
-        """Hand over the channels.
-
-        Raises:
-            Failure: `not_converged`, rounding alone may break the promise.
-        """
+        """Hand over the channels."""
         if not self._steps:
             self.residuals = self._follower.residuals(self._poses, self._positions, self._settings.promise)
         return super().read()
@@ -78,9 +69,6 @@ class PinocchioSimulation(CoordinateSimulation[Closures]):
 
         With Baumgarte's terms J a = e s'' - J' v - 2 k (J v - e s') - k^2 (C - e s), by Heun's method; nothing else
         closes the loops.
-
-        Raises:
-            Failure: `diverged` or `wrong_branch`, a step left the poses near the constraints; `timed_out`.
         """
         follower, system, drive, count = self._follower, self._system, self._scene.drive, self._steps
         h = drive.cycle / self._samples / self._each

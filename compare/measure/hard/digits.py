@@ -123,11 +123,7 @@ def positions(scene: Scene, about: float) -> Samples:
 
 
 def _certified(scene: Scene, request: Request) -> Motion:
-    """Every channel as arbitrary precision has it.
-
-    Raises:
-        Failure: it has not.
-    """
+    """Every channel as arbitrary precision has it."""
     done = run(registry.ORACLE, scene, request)
     if done.motion is None or done.status is not Status.ok:
         raise Failure(done.status, done.reason)

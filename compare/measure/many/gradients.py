@@ -35,13 +35,7 @@ def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
 
 
 def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str]) -> Samples:
-    """The derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file.
-
-    Args:
-        reference: of the linkage as drawn.
-        nominal: that linkage, see `as_drawn`.
-        paths: of the numbers in the file.
-    """
+    """The derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file."""
     scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
     quantities = curves(scene, reference.scale, motion)
     terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]

@@ -38,16 +38,10 @@ class SolvedMachines:
 
 
 def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
-    """The numbers of some machines, by path, each of shape (count,), in the units of the file.
+    """The numbers of machines from the `first` on, of 0, 1 and so on, by path, shape (count,), in units of the file.
 
     A machine is the same whatever others are asked for: the points are those of a scrambled Sobol sequence, which fill
     the space of the variations more evenly than independent ones.
-
-    Args:
-        scene: with its variations.
-        seed: of the scrambling.
-        first: the number of the first machine, from 0.
-        count: of machines.
     """
     from scipy.stats.qmc import Sobol  # which takes longer than all else that is imported
 

@@ -34,13 +34,9 @@ class Spread:
 
 
 def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapping[str, float]) -> Spread:
-    """The statistics of one number.
+    """The statistics of a number of all m machines, NaN of those that do not run, and by the linear model; shape (m,).
 
-    Args:
-        number: of the linkage as drawn, of one machine.
-        values: of all machines, shape (m,); NaN of those that do not run.
-        linear: the same by the linear model.
-        gradient: by path, what a standard deviation of that number of the scene changes.
+    The gradient is by path what a standard deviation of that number of the scene changes.
     """
     kept, nominal, size = ~np.isnan(values), float(number.value[0]), float(number.size[0])
     run = values[kept] if kept.any() else np.full(1, nan)

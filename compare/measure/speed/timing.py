@@ -61,14 +61,7 @@ def take_turns(
     One round goes over all settings, so that a slow spell of the machine falls on all of them; each takes part in the
     least number of rounds as far as its share of the patience lasts. After these only those take part that are in
     doubt, given the fastest solve of every setting, s, and whose fastest time is not known yet. A stop leaves the times
-    that are known.
-
-    Args:
-        first: the run of every setting that warmed it up; the settings of one engine are neighbours.
-        again: runs settings of one engine.
-        budget: how many rounds.
-        progress: called with what is being done.
-        in_doubt: the places of the settings whose times matter.
+    that are known. `first` has the runs that warmed every setting up; those of one engine are neighbours.
     """
     times, engines = [Times() for _ in first], [run.engine for run in first]
 
