@@ -75,7 +75,6 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace, scenes: Sequence[Scene]) -> None:
-    """Raise InputError for arguments that do not fit the scenes."""
     for name in options.engines:
         if name not in registry.DEFAULT_ENGINES and (missing := registry.ENTRIES[name].missing):
             raise InputError(f"--engines {name}: {missing}")

@@ -74,7 +74,6 @@ def linkage_check(pytestconfig: pytest.Config) -> "Callable[..., CheckResult]":
 
 
 def _asked(config: pytest.Config) -> "Namespace":
-    """Return the engines and samples of the command line, or raise InputError."""
     from compare.cli.arguments import parser
 
     option = config.option
@@ -141,7 +140,6 @@ class ChannelGroup(pytest.Item):
 
     @property
     def _names(self) -> tuple[str, str]:
-        """The engine and the group."""
         engine, _, group = self.name.removesuffix("]").partition("[")
         return engine, group
 

@@ -80,7 +80,6 @@ def _end_the_group() -> None:
 
 
 def begun(seconds: int, **options: Any) -> "subprocess.Popen[bytes]":
-    """Begin a process that outlives its parent."""
     return subprocess.Popen(["sleep", str(seconds)], **options)
 
 
@@ -178,14 +177,12 @@ def children() -> list[int]:
 
 
 def alive(number: int) -> bool:
-    """Return whether there is such a process, of whatever parent."""
     with suppress(psutil.NoSuchProcess):
         return bool(psutil.Process(number).status() != psutil.STATUS_ZOMBIE)
     return False
 
 
 def within(seconds: float, true: Callable[[], bool]) -> bool:
-    """Return whether something comes true in that time."""
     end = time.monotonic() + seconds
     while not true() and time.monotonic() < end:
         time.sleep(0.02)

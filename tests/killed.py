@@ -21,8 +21,6 @@ PATIENCE = 10.0  # s, for the processes of a killed run to end
 
 @dataclass(frozen=True)
 class Killed:
-    """What a run that was killed left."""
-
     after: float  # s, of processor time
     finished: bool  # before that
     result: str  # 'older', 'new', or what is wrong with the files
@@ -39,7 +37,6 @@ def completed(job: Sequence[str]) -> float:
 
 
 def digests(folder: Path) -> Mapping[str, str]:
-    """Return a digest of every file in a folder."""
     return {path.name: sha256(path.read_bytes()).hexdigest() for path in folder.iterdir()}
 
 

@@ -88,7 +88,6 @@ class Change:
     worse: bool = False
 
     def __str__(self) -> str:
-        """Return it as it is printed."""
         return f"{'worse than' if self.worse else 'changed since'} the baseline: {self.text}"
 
 

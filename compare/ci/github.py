@@ -93,7 +93,6 @@ def _escaped(text: str, more: str = "") -> str:
 
 
 def _section(name: str, judgement: Judgement) -> Iterator[str]:
-    """The verdict, a row an engine, and what is known besides."""
     yield from ("", f"### {_plain(name)}: {judgement.agreement.word}", "", _plain(judgement.agreement.sentence), "")
     yield from _table(judgement)
     yield from (f"- {_plain(reason)}" for reason in judgement.reasons)

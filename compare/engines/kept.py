@@ -150,7 +150,6 @@ def _own(module: str) -> bool:
 
 
 def _record(module: str, name: str) -> Any:
-    """Return the class of a record."""
     of = getattr(import_module(module), name) if _own(module) else object
     if not (is_dataclass(of) or issubclass(of, (Enum, tuple))):
         raise ValueError(f"{name} of {module} is no record")

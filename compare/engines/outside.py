@@ -53,7 +53,6 @@ def entries(taken: Collection[str]) -> dict[str, Entry]:
 
 
 def _entry(point: EntryPoint) -> Entry:
-    """Return the entry of an engine, with what keeps it from running."""
     assert point.dist is not None
     known = {key: one_line(point.dist.metadata[key], 80) for key in point.dist.metadata}
     name, module = known.get("Name", "a nameless distribution"), point.value.strip()
@@ -105,7 +104,6 @@ def _offers(entry: Entry) -> Mapping[str, Any] | Ended:
 
 
 def _described(entry: Entry) -> Mapping[str, Any]:
-    """Stand-ins for an engine's offer, by name."""
     engine = imported(entry)
     tiers = {name: stand_in(getattr(engine, name)) for name in TIERS}
     ladders = {name: tuple(map(stand_in, getattr(engine, name))) for name in LADDERS}

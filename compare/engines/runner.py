@@ -108,7 +108,6 @@ run = HERE.run
 def _attempts(
     name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
 ) -> list[Run]:
-    """How runs end; MemoryError where there is not enough."""
     ended = []
     for each in settings:
         failed = Run(name, each, Status.crashed, "", "engine", registry.ENTRIES[name].version)

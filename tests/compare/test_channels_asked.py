@@ -4,6 +4,8 @@ from argparse import ArgumentTypeError
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +24,7 @@ from compare.judge.verdict import compared, judged
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Reference, uncertified
 from compare.mechanics.round_off import explain
-from compare.report.figures.curves import Panel, panels
+from compare.report.figures.curves import panels
 from compare.report.output import files as output
 from compare.report.tables import study as tables
 from scenes import Motion, Request, Sampling, Settings, Status
@@ -56,22 +58,19 @@ def test_accuracies_that_are_not(text: str) -> None:
         accuracy(text)
 
 
-# --- the whole comparison with few channels ---------------------------------------------------------------------------
-
-
-FEW = [
-    ("toggle_press", ["P5.y"]),
-    ("toggle_press", ["drive.torque"]),
-    ("toggle_press", ["P3.f?", "P3.x", "P3.y", "O.fx"]),
-    ("crank_press", ["B.fy"]),  # with a press force, whose switches the reference must know
-    ("four_bar", ["*.x", "*.y"]),
-    ("shaper", ["block.*"]),
-    ("driven_toggle", ["drive.force", "C.v?"]),
-    ("swinging_law", ["crank.omega"]),
-]
-
-
-@pytest.mark.parametrize(("name", "patterns"), FEW)
+@pytest.mark.parametrize(
+    ("name", "patterns"),
+    [
+        ("toggle_press", ["P5.y"]),
+        ("toggle_press", ["drive.torque"]),
+        ("toggle_press", ["P3.f?", "P3.x", "P3.y", "O.fx"]),
+        ("crank_press", ["B.fy"]),  # with a press force, whose switches the reference must know
+        ("four_bar", ["*.x", "*.y"]),
+        ("shaper", ["block.*"]),
+        ("driven_toggle", ["drive.force", "C.v?"]),
+        ("swinging_law", ["crank.omega"]),
+    ],
+)
 def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path: Path) -> None:
     """The channels asked for and no others, with the errors that they have among all."""
     full, few = studies(name), studies(name, *patterns)
@@ -96,21 +95,16 @@ def test_few_channels(studies: Studies, name: str, patterns: list[str], tmp_path
 
 
 def test_panels_are_of_what_is_asked_for(studies: Studies) -> None:
-    def of(*patterns: str) -> list[Panel]:
-        result = studies("toggle_press", *patterns)
-        return list(panels(result.reference, result.sampling))
-
-    titles = [panel.title for panel in of("P3.f?", "P3.x", "P3.y", "O.fx")]
-    assert [title.partition(":")[0] for title in titles] == ["Pin O", "Pin P3"]
-    (panel,) = of("P5.y")
+    pins, one = (studies("toggle_press", *of) for of in (("P3.f?", "P3.x", "P3.y", "O.fx"), ("P5.y",)))
+    titles = [panel.title.partition(":")[0] for panel in panels(pins.reference, pins.sampling)]
+    assert titles == ["Pin O", "Pin P3"]
+    (panel,) = panels(one.reference, one.sampling)
     assert [curve.name for curve in panel.curves] == ["along the guide"]
     assert panel.judged == ("P5.y",)
 
 
 def motion_of(reference: Reference, *patterns: str) -> Motion:
-    """Return a motion with only the channels that match."""
-    scene = reference.scene
-    motion = reference.at(SAMPLING.commanded(scene), SAMPLING.times(scene))
+    motion, scene = commanded(reference), reference.scene
     return Motion({c: motion[c] for c in Sampling(channels=matching(scene, patterns)).wanted(scene)})
 
 
@@ -190,21 +184,16 @@ def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
 
 def test_less_is_asked_of_the_engines(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every run of every engine, and the one that certifies the floor, is asked for these channels alone."""
-    seen = []
-    real = registry.engine
+    seen, real = [], registry.engine
 
-    class Spy:
-        def __init__(self, name: str) -> None:
-            self.name = name
+    def spied(name: str) -> Any:
+        def build(scene: scenes.Scene, settings: scenes.Settings, request: Request) -> scenes.Simulation:
+            seen.append((name, request.channels))
+            return real(name).build(scene, settings, request)
 
-        def __getattr__(self, attribute: str) -> object:
-            return getattr(real(self.name), attribute)
+        return SimpleNamespace(**{**vars(real(name)), "build": build})
 
-        def build(self, scene: scenes.Scene, settings: scenes.Settings, request: Request) -> scenes.Simulation:
-            seen.append((self.name, request.channels))
-            return real(self.name).build(scene, settings, request)
-
-    monkeypatch.setattr(registry, "engine", Spy)
+    monkeypatch.setattr(registry, "engine", spied)
     monkeypatch.setattr("compare.study.workers", lambda *_: nullcontext(runner.HERE))  # to see the engines at work
     few = frozenset({"P5.y"})
     studied(scenes.load("toggle_press"), sampling=Sampling(72, channels=few))

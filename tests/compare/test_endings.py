@@ -27,7 +27,6 @@ STOPPED, ENDED = "stopped; nothing more was written", "terminated; nothing more 
 
 
 def ended(code: str, settings: Mapping[str, str] | None = None, **options: Any) -> tuple[int, str | None, str]:
-    """Return exit status, output and errors of a program."""
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
     environment = {**os.environ, "PYTHONUNBUFFERED": "", **(settings or {})}  # a buffer is flushed at the exit
     done = subprocess.run([sys.executable, "-c", code], encoding="utf-8", env=environment, check=False, **streams)
@@ -116,7 +115,6 @@ def test_neither_what_is_heavy_nor_what_windows_lacks_is_needed_to_start() -> No
 
 
 def little_memory() -> None:
-    """Let the process have less address space than imports need."""
     resource.setrlimit(resource.RLIMIT_AS, (400 * 2**20, 400 * 2**20))
 
 

@@ -15,7 +15,6 @@ from tests.comparisons import SLOW
 
 @pytest.fixture(scope="module", params=scenes.shipped())
 def judgement(request: pytest.FixtureRequest) -> Judgement:
-    """Judge one scene once, at the default settings, which its tolerances are for."""
     return compare.check(request.param)
 
 

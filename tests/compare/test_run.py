@@ -22,7 +22,6 @@ from tests import scene_files
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Run the main job once."""
     folder = tmp_path_factory.mktemp("results")
     assert main(["--check", "--out", str(folder)]) == 0
     return folder / "toggle_press"

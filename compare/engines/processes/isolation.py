@@ -116,7 +116,6 @@ class Worker(Generic[Item, Result]):
         return _Reader(io.BytesIO(message)).load()
 
     def _beyond(self) -> Ended | None:
-        """Return which limit it is beyond."""
         if monotonic() >= self._look:
             self._look = monotonic() + LOOK
             processes = descendants(self._process.pid or 0) if LINUX else []  # one of them answers

@@ -24,7 +24,6 @@ Changes = dict[str, Callable[[Json], object]]
 
 @pytest.fixture(scope="module")
 def before() -> Json:
-    """Return a summary."""
     study = studied(scene_files.load("four_bar"), ["analytic", "pymunk"], Sampling(24))
     found: Json = json.loads(json_text(summary(study)))
     return found

@@ -61,7 +61,6 @@ def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def ended(printed: str, how: str) -> set[str]:
-    """Return the names of the tests that passed or failed."""
     return {line.split()[1] for line in printed.splitlines() if line.startswith(f"{how} ")}
 
 

@@ -30,7 +30,6 @@ class Asked:
         """Do nothing yet."""
 
     def read(self) -> Motion:
-        """Solve by the core, and spoil the result."""
         real = core.build(self.scene, core.DEFAULT, self.request)
         real.solve()
         motion = real.read()
@@ -48,8 +47,6 @@ class Fault:
     words: str = ""  # of the report
 
     def engine(self) -> Any:
-        """The engine with this fault; its runs have no counters and residuals."""
-
         def build(*of: Any) -> Asked:
             self.first(asked := Asked(self, *of))
             return asked
@@ -61,8 +58,6 @@ class Fault:
 
 
 def changed(change: Callable[[Samples], Samples], *quantities: str) -> Callable[[dict[str, Samples], Asked], Motion]:
-    """A change of the channels of some quantities, or of all."""
-
     def spoil(samples: dict[str, Samples], _: Asked) -> Motion:
         return Motion({c: change(v) if quantity(c) in (quantities or UNITS) else v for c, v in samples.items()})
 
@@ -70,12 +65,10 @@ def changed(change: Callable[[Samples], Samples], *quantities: str) -> Callable[
 
 
 def raised(error: Exception) -> NoReturn:
-    """Raise an error, where an expression is wanted."""
     raise error
 
 
 def without(samples: dict[str, Samples], reason: str | None) -> Motion:
-    """The motion without a channel, for a reason or none."""
     channel = next(c for c in samples if quantity(c) == "omega")
     kept = {c: v for c, v in samples.items() if c != channel}
     return Motion(kept, {} if reason is None else {channel: reason})

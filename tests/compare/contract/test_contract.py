@@ -22,8 +22,6 @@ CLAUSES = {
 
 
 class Reports:
-    """What pytest reports of a run of its own."""
-
     def __init__(self) -> None:
         self.passed: set[str] = set()
         self.failed: dict[str, str] = {}

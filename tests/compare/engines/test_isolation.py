@@ -57,7 +57,6 @@ def begin(how: str) -> None:
 
 
 def sleeping() -> int:
-    """Return how many of these processes there are."""
     return sum(each.info["cmdline"] == ["sleep", str(SECONDS)] for each in psutil.process_iter(["cmdline"]))
 
 
@@ -88,7 +87,6 @@ def test_all_end_when_this_process_is_killed() -> None:
 
 
 def hoard(megabytes: int) -> None:
-    """Begin two processes that have so much each."""
     code = f"import time; hoard = bytearray({megabytes} << 20); time.sleep(600)"
     for _ in range(2):
         subprocess.Popen([sys.executable, "-c", code])
@@ -114,8 +112,6 @@ def test_nothing_is_imported_for_an_answer(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_a_stop_ends_what_runs() -> None:
-    """The one that hangs would take half an hour."""
-
     def poll() -> None:
         if done:
             raise Stopped

@@ -98,7 +98,6 @@ ENDINGS = {  # what an import leaves for later
 
 @pytest.fixture(scope="module", autouse=True)
 def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Have distributions installed that offer engines, good and bad ones."""
     site = tmp_path_factory.mktemp("site")
     texts = {name: text for name, (text, *_) in (MODULES | BREAKS).items()} | ENDINGS
     texts |= {name: f"{SPOILT}def spoilt(s):\n    {body}\n" for name, (body, _) in RAISING.items()}

@@ -3,15 +3,16 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain, repeat
 from pathlib import Path
 from signal import SIGINT
-from typing import Any
+from unittest.mock import Mock, patch
 
 import pytest
 
 import scenes
+from compare.contract.test_process import digest
 from compare.engines import registry, runner
 from compare.engines.processes.inside import Ended, Limits
 from compare.engines.processes.stopping import Stopped
@@ -47,11 +48,10 @@ def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(
     stage = "read" if death in ("no motion", "samples of functions") else "solve"
     with doomed({"analytic": death}, stage), workers(["analytic", "pymunk"], quiet) as runs:
         run = runs.run("analytic", scene, SAMPLING)
-        assert (run.status, run.motion) == (status, None)
+        assert (run.status, run.motion, run.settings) == (status, None, CORE)
         assert reason in run.reason
         assert run.reason.isprintable()
         assert 0 < len(run.reason) <= 400
-        assert run.settings == CORE
         assert run.version.startswith("numpy")
         assert runs.run("pymunk", scene, SAMPLING).status is Status.ok
         if status is not Status.timed_out:  # it takes a while
@@ -60,21 +60,12 @@ def test_a_death_is_a_row_and_the_other_engines_and_scenes_go_on(
 
 
 @pytest.mark.parametrize(("death", "begun"), [("memory", 1), ("abort", 3), ("recursion", 1)])
-def test_what_was_ended_at_a_limit_is_not_asked_again(
-    death: str, begun: int, scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_was_ended_at_a_limit_is_not_asked_again(death: str, begun: int, scene: Scene) -> None:
     """What crashed is, a few times; an exception leaves the process as it was."""
-    processes: list[str] = []
-    begin = Workers.begin
-
-    def counted(self: Workers, name: str) -> Any:
-        processes.append(name)
-        return begin(self, name)
-
-    monkeypatch.setattr(Workers, "begin", counted)
-    with doomed({"analytic": death}), workers(["analytic"], quiet) as runs:
+    counted = patch.object(Workers, "begin", autospec=True, side_effect=Workers.begin)
+    with counted as begin, doomed({"analytic": death}), workers(["analytic"], quiet) as runs:
         ended = [runs.run("analytic", scene, SAMPLING) for _ in range(5)]
-    assert len(processes) == begun
+    assert begin.call_count == begun
     assert {run.status for run in ended} == {DEATHS[death][1]}
     assert ended[-1].reason.startswith("not run again, since ") == (death != "recursion")
 
@@ -99,10 +90,7 @@ def test_a_run_is_the_same_as_in_this_process(name: str, scene: Scene) -> None:
     with workers([name], quiet) as runs:
         there = runs.run(name, scene, SAMPLING, settings)
         (timed,) = runs.timed(name, scene, SAMPLING, [settings])
-    assert here.motion is not None
-    assert there.motion is not None
-    for channel, samples in here.motion.samples.items():
-        assert (there.motion[channel] == samples).all()
+    assert digest(there.motion) == digest(here.motion) != digest(None)
     assert bare(there) == bare(here) == replace(bare(timed), residuals=here.residuals)  # those are found when reading
     assert timed.motion is None
     for run in (there, timed):
@@ -110,7 +98,6 @@ def test_a_run_is_the_same_as_in_this_process(name: str, scene: Scene) -> None:
 
 
 def bare(run: Run) -> Run:
-    """Return a run without motion and times."""
     return replace(run, motion=None, build_s=0.0, solve_s=0.0, read_s=0.0, wall_s=0.0)
 
 
@@ -136,11 +123,7 @@ def test_limits_grow_with_what_is_asked(asked: Request, least: float, toggle_pre
 
 
 def test_a_stop_ends_what_runs_and_a_process_begun_anew_goes_on(scene: Scene) -> None:
-    def poll() -> None:
-        if next(asked):
-            raise Stopped
-
-    asked: Iterator[bool] = iter([True])
+    poll = Mock(side_effect=chain([Stopped], repeat(None)))
     with doomed({"exudyn": "asleep in C"}), workers(["exudyn", "analytic"], poll) as runs:
         with pytest.raises(Stopped):
             runs.run("exudyn", scene, SAMPLING)
