@@ -1,33 +1,62 @@
-"""`python -m compare.run`: from scene names to reports."""
+"""`python -m compare.run`: from scene names to reports; and what is no run: `list`, `new`, `map`, `version`."""
 
 import sys
 
-from .cli.command import command, shown_progress, starting
+from .cli.command import CONSOLE, called, command, shown_progress, starting
 
 with starting(__name__):
     import argparse
     from collections.abc import Sequence
     from contextlib import nullcontext
+    from importlib.metadata import version
+    from pathlib import Path
     from typing import Any
 
-    from scenes import InputError, Scene, load, numbers_in
+    from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
 
     from .cli import many, report
-    from .cli.arguments import parser, sampling
-    from .cli.commands import command_among, do
+    from .cli.arguments import COMMANDS, parser, sampling
     from .cli.cost import announce
     from .engines import registry
     from .measure.many.grid import grid
+
+# Other commands as options among others.
+SPELLINGS = {"--list": "list", "--new": "new", "--version": "version", "--result-mapping": "map"}
 
 
 @command
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit status: 0, 1 for a missed tolerance, 2 for bad input."""
-    name, words = command_among(sys.argv[1:] if arguments is None else arguments)
-    if name:
-        do(name, words)
-        return 0
+    words = sys.argv[1:] if arguments is None else arguments
+    for spelt in filter(SPELLINGS.get, words):
+        return _do(SPELLINGS[spelt], [word for word in words if word != spelt])
+    if words and words[0] in SPELLINGS.values():
+        return _do(words[0], words[1:])
     return _run(parser().parse_args(words))
+
+
+def _do(name: str, words: Sequence[str]) -> int:
+    """Do what a command is for, by words as `COMMANDS` has them."""
+    results = [word for word in words if "=" in word]
+    match name, [word for word in words if word not in results], results:
+        case "list", _, _:
+            width = max(map(len, (*shipped(), *registry.ENTRIES)))
+            for scene in shipped():
+                print(f"scene   {scene:{width}}  {load(scene).title}")
+            for engine, entry in registry.ENTRIES.items():
+                print(f"engine  {engine:{width}}  {entry.purpose} ({entry.missing or entry.version})")
+        case "version", _, _:
+            print(CONSOLE, version(CONSOLE))
+        case "new", [path], []:
+            print("wrote", " and ".join(map(str, write_starter(Path(path)))))
+        case "map", ([] | [_]) as given, [result]:
+            from .results.proposal import proposed  # late: slow to import
+
+            print(proposed(load((given or ["toggle_press"])[0]), result), end="")
+        case _:
+            (usage,) = (usage for usage in COMMANDS if usage.split()[0] == name)
+            raise InputError(f"arguments: expected {called()} {usage}, found '{' '.join((name, *words))}'")
+    return 0
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter, process_time
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ LIMITS = Limits(SECONDS)  # of what is no run
 LARGEST = 1e30  # of a number: its square is a double
 OF_GROUPS = ("transmission", "to_lock")  # kinds of channels that nobody has to give
 T = TypeVar("T")
+Several: TypeAlias = Sequence[Settings | None]
 TICK = 1e-6  # s, of the clock: what takes less is taken for that, since times are divided by one another
 ON_TIME = 1e-9  # of a cycle: what adding up steps loses is far less, a step too many or too few is far more
 
@@ -57,7 +58,7 @@ class Run:
         return self.build_s + self.solve_s + self.read_s
 
 
-def limits(scene: Scene, request: Request, settings: Sequence[Settings | None]) -> Limits:
+def limits(scene: Scene, request: Request, settings: Several) -> Limits:
     """The limits of runs, which grow with the rows, or steps, and channels that they have."""
     cycles = request.turns if isinstance(request, Sampling) else 1
     rows = sum(max(request.count, cycles * (getattr(each, "steps", None) or 0)) for each in settings)
@@ -88,9 +89,7 @@ class Runs:
         except MemoryError as error:
             return Ended(Status.crashed, described(error))
 
-    def _runs(
-        self, name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
-    ) -> list[Run]:
+    def _runs(self, name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
         entry = registry.ENTRIES[name]
         if entry.missing:
             return [Run(name, each, Status.unsupported, entry.missing, "engine", entry.version) for each in settings]
@@ -105,9 +104,7 @@ HERE = Runs()
 run = HERE.run
 
 
-def _attempts(
-    name: str, scene: Scene, request: Request, settings: Sequence[Settings | None], *, reads: bool
-) -> list[Run]:
+def _attempts(name: str, scene: Scene, request: Request, settings: Several, *, reads: bool) -> list[Run]:
     ended = []
     for each in settings:
         failed = Run(name, each, Status.crashed, "", "engine", registry.ENTRIES[name].version)

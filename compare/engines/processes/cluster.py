@@ -21,7 +21,7 @@ from scenes import InputError, Status
 
 from ..kept import version
 from .inside import Ended, Item, Limits, Result, answer, packed
-from .isolation import POLL, WAIT, isolated, uninterrupted
+from .isolation import POLL, WAIT, Poll, isolated, uninterrupted
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -108,11 +108,7 @@ def _greet(scheduler: str) -> None:
 
 
 def spread(
-    function: Callable[[Item], Result],
-    items: Iterable[Item],
-    client: "Client",
-    poll: Callable[[], None],
-    again: bool = True,
+    function: Callable[[Item], Result], items: Iterable[Item], client: "Client", poll: Poll, again: bool = True
 ) -> Iterator[tuple[Item, Result | Ended]]:
     """Yield every item with what the function returns for it on a worker, or how it ended, as they come.
 

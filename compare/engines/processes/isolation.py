@@ -16,7 +16,7 @@ from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import wait
 from time import monotonic
-from typing import Any, Generic
+from typing import Any, Generic, TypeAlias
 
 from scenes import InputError, Status
 
@@ -28,6 +28,7 @@ SIGNALS: Mapping[int, str] = {each.value: each.name for each in signal.Signals}
 POLL = 0.2  # s, between two looks at whether the user asked to stop
 LOOK = 1.0  # s, between two looks at what processes of an engine's own take
 PATIENCE = 2.0  # s, for a guard to end its processes
+Poll: TypeAlias = Callable[[], None]  # called again and again while something is waited for; it may raise
 WAIT = 3.0  # times the processor time: how long an item may take in all, on a busy machine or asleep
 CHUNK, HEAD = 2**20, 4  # bytes of a message that are taken at a time, and that its size has
 
@@ -58,8 +59,8 @@ class Worker(Generic[Item, Result]):
         with suppress(OSError):  # its process has died, which is the outcome
             self.connection.send_bytes(packed((limits, item)))
 
-    def wait(self, poll: Callable[[], None]) -> Result | Ended:
-        """Wait for the outcome. `poll` is called again and again; it may raise."""
+    def wait(self, poll: Poll) -> Result | Ended:
+        """Wait for the outcome."""
         wait([self.connection], POLL)
         while not self.done():
             poll()
@@ -157,12 +158,9 @@ class _Reader(pickle.Unpickler):
 
 
 def isolated(
-    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Callable[[], None]
+    function: Callable[[Item], Result], items: Sequence[Item], limits: Limits, poll: Poll
 ) -> Iterator[tuple[Item, Result | Ended]]:
-    """Yield every item with what the function returns for it, or how it ended, as they come.
-
-    `poll` is called again and again and may raise: then no more is begun, and what runs is ended.
-    """
+    """Yield every item with what the function returns for it, or how it ended; where `poll` raises, all ends."""
     left, idle, busy = list(reversed(items)), list[Worker[Item, Result]](), dict[Worker[Item, Result], Item]()
     try:
         while left or busy:

@@ -15,7 +15,7 @@ from .. import registry
 from ..runner import HERE, LIMITS, Run, Runs
 from ..threads import one_thread
 from .inside import Ended, Limits
-from .isolation import Worker
+from .isolation import Poll, Worker
 
 TRIES = 3  # processes that may crash on a scene before its engine is not begun anew
 IDLE = 20.0  # s without a task, after which processes that are kept for the next one end
@@ -26,7 +26,7 @@ T = TypeVar("T")
 class Workers(Runs):
     """Runs each engine in its process; what ends a process is a row of data."""
 
-    def __init__(self, poll: Callable[[], None]) -> None:
+    def __init__(self, poll: Poll) -> None:
         self._poll = poll
         self._workers: dict[str, Worker[Callable[[], Any], Any]] = {}
         self._scene: Scene | None = None  # that was asked for last
@@ -81,11 +81,10 @@ def _import(name: str) -> None:
 
 
 @contextmanager
-def workers(engines: Iterable[str], poll: Callable[[], None]) -> Iterator[Runs]:
+def workers(engines: Iterable[str], poll: Poll) -> Iterator[Runs]:
     """Yield what runs engines in processes of their own, which are begun now and ended afterwards.
 
-    In a process that may have none of its own, as a worker of the caller's, engines run in that. `poll` is called again
-    and again while a run is waited for; it may raise, which ends the engine's process.
+    In a process that may have none of its own, as a worker of the caller's, engines run in that.
     """
     with one_thread():
         if current_process().daemon:
