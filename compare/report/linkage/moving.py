@@ -1,8 +1,8 @@
 """What the moving picture needs: every engine's pose, forces and plotted channels at some samples, packed."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from functools import cached_property
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -19,10 +19,9 @@ from ...mechanics.axis import axis
 from ...study import Study
 from ..figures.curves import Panel, error
 from ..figures.style import DARK_GREY, colour
-from ..numbers import Units, units
+from ..numbers import units
 from ..pages.html import packed
-from .arrows import arrows
-from .drawing import Drawing
+from .drawing import Drawing, arrows
 from .shapes import outlines
 from .svg import picture
 
@@ -31,87 +30,65 @@ NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples
 WHOLE = 2**28  # what the largest number of a row of the reference is rounded to
 STEPS = 10.0 ** np.arange(1, 13)  # by which differences are magnified
 SEEN = 0.1  # of the picture: how large the largest difference is then, at most
+EFFORT = ("channel", "factor", "unit")  # what is known of the drive's
 
 
-@dataclass(frozen=True)
 class MovingPicture:
-    """The picture of a study, and its data."""
+    """The picture of a study, and its data: the reference's motion, and those of the engines that have all samples."""
 
-    study: Study
-    panels: Sequence[Panel]
-
-    @cached_property
-    def drawing(self) -> Drawing:
-        """The reference's motion as it is drawn."""
-        return Drawing(self.study.scene, self.study.motion)
-
-    @property
-    def svg(self) -> str:
-        """The picture at the first sample."""
-        return tostring(picture(self.drawing)[0], encoding="unicode")
-
-    @cached_property
-    def engines(self) -> dict[str, tuple[Measurement, Motion]]:
-        """By engine with a motion of all samples, but for the reference: its measurement and motion."""
-        return {
+    def __init__(self, study: Study, panels: Sequence[Panel]) -> None:
+        """Collect the names of what is packed of every engine: places, what is plotted, the effort, forces drawn."""
+        scene, named = study.scene, units(study.reference)
+        self.study, self.panels, self.drawing, self._newton = study, panels, Drawing(scene, study.motion), named["N"]
+        self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
+        self.engines = {
             m.run.engine: (m, m.run.motion)
-            for m in self.study.measurements
+            for m in study.measurements
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
-
-    @property
-    def names(self) -> list[str]:
-        """The reference and the engines, as they are numbered in the data."""
-        return [REFERENCE, *self.engines]
+        self.names = [REFERENCE, *self.engines]  # as they are numbered in the data
+        effort = [channel for channel in ("drive.torque", "drive.force") if channel in study.motion]  # one, or none
+        drives = (dict(zip(EFFORT, (c, *named[UNITS[quantity(c)]]), strict=True)) for c in effort)
+        self._effort = next(drives, None)
+        self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
+        plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
+        forces = [component for arrow in self.drawing.arrows for component in arrow.components]
+        self._compared = [*dict.fromkeys([*self._places, *plotted, *effort, *forces])]
+        alone = dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning)))
+        self._channels = [*self._compared, *alone]
 
     @property
     def data(self) -> str:
         """The text that the page's script unpacks."""
-        reference, others = self._tables
-        rows = self.rows
-        return _packed(self._header(), reference[:, rows], [other[:, rows] for other in others])
+        reference, *others = (table[:, self.rows] for table in self._tables)
+        return _packed(self._header(), reference, others)
 
     @cached_property
     def rows(self) -> NDArray[np.intp]:
         """Which samples are packed: all, or some, with the extremes of every channel as far as there is room."""
-        tables = [table for of in (self._tables[1], [self._tables[0]]) for table in of]
-        count, most = tables[0].shape[1], max(NUMBERS // sum(map(len, tables)), LEAST)
+        reference, *others = self._tables
+        count, most = reference.shape[1], max(NUMBERS // sum(map(len, self._tables)), LEAST)
         if count <= min(SAMPLES, most):
             return np.arange(count)
         evenly = np.linspace(0, count - 1, min(SAMPLES, most) // 2).round().astype(np.intp)
-        peaks = np.concatenate([np.where(np.isfinite(t), np.abs(t), -1.0).argmax(axis=1) for t in tables])
-        return np.unique([*evenly, *[*dict.fromkeys(peaks.tolist())][: len(evenly)]])
+        tables = [np.where(np.isfinite(t), np.abs(t), -1.0).argmax(axis=1) for t in (*others, reference)]
+        return np.unique([*evenly, *[*dict.fromkeys(np.concatenate(tables).tolist())][: len(evenly)]])
 
     @cached_property
-    def _tables(self) -> tuple[NDArray[np.float64], list[NDArray[np.float64]]]:
-        """The reference's channels, and by engine what those compared are off them, and the errors of the panels."""
-        own, compared = self._samples(self.study.motion), [*self._compared]
-        reference = np.array([own[channel] for channel in (*compared, *self._only_reference)])
-        others = []
+    def _tables(self) -> list[NDArray[np.float64]]:
+        """The reference's channels; then by engine what those compared are off them, and the errors of the panels."""
+        own = self._samples(self.study.motion)
+        tables = [np.array([own[channel] for channel in self._channels])]
         for measurement, motion in self.engines.values():
             samples = self._samples(motion)
-            off = [samples[channel] - own[channel] for channel in compared]
-            others.append(np.array([*off, *self._errors(measurement)]))
-        return reference, others
-
-    @cached_property
-    def _only_reference(self) -> tuple[str, ...]:
-        scene = self.study.scene
-        return tuple(dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning))))
-
-    @cached_property
-    def _compared(self) -> Mapping[str, None]:
-        """Names of what is packed of every engine: places, what is plotted, the drive's effort, forces drawn."""
-        places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
-        plotted = [channel for panel in self.panels for curve in panel.curves for channel in curve.factors]
-        effort = [self._effort["channel"]] if self._effort else []
-        forces = [component for arrow in self.drawing.arrows for component in arrow.components]
-        return dict.fromkeys([*places, *plotted, *effort, *forces])
+            off = [samples[channel] - own[channel] for channel in self._compared]
+            tables.append(np.array([*off, *self._errors(measurement)]))
+        return tables
 
     def _samples(self, motion: Motion) -> dict[str, Samples]:
         """What is packed of a motion by its name; NaN where it has none."""
         none = np.full(len(motion["time"]), np.nan)
-        samples = {c: motion.samples.get(c, none) for c in (*self._compared, *self._only_reference)}
+        samples = {channel: motion.samples.get(channel, none) for channel in self._channels}
         for arrow in arrows(self.study.scene, self.study.motion, motion):
             samples |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
         return samples
@@ -126,58 +103,37 @@ class MovingPicture:
                 yield np.full(len(self.study.motion["time"]), np.nan)
 
     def _header(self) -> dict[str, Any]:
-        scene, drawing = self.study.scene, self.drawing
+        scene, drawing, over = self.study.scene, self.drawing, axis(self.study.scene)
         first = {body.name: body.points[0] for body in scene.bodies.values()}
-        over = axis(scene)
+        numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}  # reference: not always
+        kept = ("name", "point", "load", "components")
         return {
             "title": scene.title,
             "axis": asdict(over) | {"title": over.title},
             "count": len(self.rows),
-            "channels": [*self._compared, *self._only_reference],
+            "channels": self._channels,
             "compared": len(self._compared),
             "engines": self.names,
-            "colours": [*self._colours],
+            "colours": [colour(numbers[name]) if name in numbers else DARK_GREY for name in self.names],
             "panels": [{"title": p.title, "curves": [asdict(curve) for curve in p.curves]} for p in self.panels],
             "perMetre": drawing.per_metre,
             "perNewton": drawing.per_newton,
-            "newton": self._units["N"],
+            "newton": self._newton,
             "corner": [drawing.corner.real, drawing.corner.imag],
             "ground": dict(scene.ground),
-            "arrows": [
-                {"name": a.name, "point": a.point, "load": a.load, "components": a.components} for a in drawing.arrows
-            ],
+            "arrows": [{name: getattr(arrow, name) for name in kept} for arrow in drawing.arrows],
             "effort": self._effort,
-            "outlines": [*outlines(drawing)],
+            "outlines": outlines(drawing),
             "marks": first | {"drive": first[scene.drive.body], scene.drive_channel: first[scene.drive.body]},
         }
-
-    @cached_property
-    def _units(self) -> Units:
-        return units(self.study.reference)
-
-    @property
-    def _colours(self) -> Iterator[str]:
-        """Yield the colours of the reference, which need not be among the engines asked for, and of the others."""
-        numbers = {m.run.engine: number for number, m in enumerate(self.study.measurements)}
-        yield from (colour(numbers[name]) if name in numbers else DARK_GREY for name in self.names)
-
-    @cached_property
-    def _effort(self) -> dict[str, Any] | None:
-        """The channel of the drive's torque or force, and its unit; nothing where there is none."""
-        for channel in ("drive.torque", "drive.force"):
-            if channel in self.study.motion:
-                factor, unit = self._units[UNITS[quantity(channel)]]
-                return {"channel": channel, "factor": factor, "unit": unit}
-        return None
 
     @property
     def magnified(self) -> Iterator[tuple[float, str]]:
         """Yield by how much differences can be magnified, and the engines whose largest one then shows."""
         by_step: dict[float, list[str]] = {}
         size = abs(self.drawing.box[1] - self.drawing.box[0])
-        places = [f"{point}.{q}" for point in self.study.scene.moving_points for q in "xy"]
         for name, (_, motion) in self.engines.items():
-            off = [np.abs(motion[place] - self.study.motion[place]).max() for place in places if place in motion]
+            off = [np.abs(motion[at] - self.study.motion[at]).max() for at in self._places if at in motion]
             fitting = STEPS[np.max(off, initial=0.0) * STEPS <= SEEN * size]
             if np.max(off, initial=0.0) > 0 and len(fitting):
                 by_step.setdefault(float(fitting[-1]), []).append(name)

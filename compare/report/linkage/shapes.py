@@ -1,6 +1,7 @@
 """The signs of a drawing: bars, plates, blocks on their guides, pins, ground, springs, arrows.
 
-Each is drawn once in the frame of its body; what is not to scale, as a pin, is in pixels (class `sign`).
+Each is drawn once in the frame of its body; what is not to scale, as a pin, is in pixels (class `sign`), and what
+scales along its x alone, as a guide, is so across (class `across`).
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -17,8 +18,7 @@ from scenes.scene import GROUND, Body
 from ...mechanics.bodies import first_point
 from ...mechanics.motion_vectors import Vectors
 from ..extremes import extremes
-from .arrows import Arrow
-from .drawing import PX, Drawing
+from .drawing import PX, Arrow, Drawing
 
 PATH = 300  # points of a path, at most
 GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
@@ -38,18 +38,15 @@ class Mover:
     stretch: Samples | None = None
     evenly: bool = False  # and across too
 
-    def transforms(self, rows: Sequence[int], *, css: bool = False) -> list[str]:
-        """The transforms at rows of the motion, as an attribute's text or that of a style."""
+    def transform(self, row: int, *, css: bool = False) -> str:
+        """The transform at a row of the motion, as an attribute's text or that of a style."""
         length, turn, gap = ("px", "deg", ",") if css else ("", "", " ")
-        texts = []
-        for row in rows:
-            text = f"translate({self.place[row].real:.1f}{length}{gap}{self.place[row].imag:.1f}{length})"
-            if self.angle is not None:
-                text += f" rotate({self.angle[row]:.2f}{turn})"
-            if self.stretch is not None:
-                text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
-            texts.append(text)
-        return texts
+        text = f"translate({self.place[row].real:.1f}{length}{gap}{self.place[row].imag:.1f}{length})"
+        if self.angle is not None:
+            text += f" rotate({self.angle[row]:.2f}{turn})"
+        if self.stretch is not None:
+            text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
+        return text
 
 
 def background(root: Element, drawing: Drawing) -> None:
@@ -60,7 +57,7 @@ def background(root: Element, drawing: Drawing) -> None:
         _line(root, "path", path[extremes(path.real, path.imag, PATH)])
     for body in scene.bodies.values():
         if body.slide is not None and body.slide.on == GROUND:
-            _guide(root, drawing.units(np.array(drawing.way(body))))
+            _guide(root, drawing.units(drawing.way(body)))
     ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
     drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
     for points in outlines(drawing):
@@ -68,36 +65,33 @@ def background(root: Element, drawing: Drawing) -> None:
         _line(ghost, "sketch", drawing.units(shown))
 
 
-def outlines(drawing: Drawing) -> Iterator[tuple[str, ...]]:
-    """Yield the points around each body; one of more than two comes back to the first."""
-    for body in drawing.scene.bodies.values():
-        if len(body.points) > 1:
-            yield _around(drawing, body)
+def outlines(drawing: Drawing) -> list[tuple[str, ...]]:
+    """The points around each body; one of more than two comes back to the first."""
+    return [_around(drawing, body) for body in drawing.scene.bodies.values() if len(body.points) > 1]
 
 
 def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
     """Draw every body with the slots of those that slide on it."""
     scene = drawing.scene
     for body in scene.bodies.values():
-        group = SubElement(root, "g", {"class": "body", "data-point": body.points[0], "data-turn": body.name})
-        if body.name == scene.drive.body:
-            group.set("class", "body driven")
+        kind = "body driven" if body.name == scene.drive.body else "body"
+        group = SubElement(root, "g", {"class": kind, "data-point": body.points[0], "data-turn": body.name})
         SubElement(group, "title").text = body.name
         own = drawing.own(body)
+        outline = np.array([own[point] for point in _around(drawing, body)])
         for slider in scene.bodies.values():
             if slider.slide is not None and slider.slide.on == body.name:
-                ends = np.array(drawing.way(slider)) - first_point(body)
-                _slot(group, drawing.per_metre * ends.conj(), [own[point] for point in _around(drawing, body)])
+                _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
         if len(body.points) > 1:
-            kind = "bar" if len(body.points) == 2 else "plate"
-            _line(group, kind, np.array([own[point] for point in _around(drawing, body)]))
+            _line(group, "bar" if len(body.points) == 2 else "plate", outline)
         if body.slide is not None:
             turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
             half = SLOT - 2 if body.slide.on != GROUND else GUIDE - 2
-            _sign(SubElement(group, "g", turn), "block", f"M{-BLOCK} {-half}H{BLOCK}V{half}H{-BLOCK}Z")
+            _path(SubElement(group, "g", turn), "sign block", f"M{-BLOCK} {-half}H{BLOCK}V{half}H{-BLOCK}Z")
         elif len(body.points) == 1:
-            _sign(group, "block", "M-11 0A11 11 0 0 0 11 0A11 11 0 0 0 -11 0Z")
-        yield Mover(group, drawing.units(drawing.places[body.points[0]]), drawing.frame(body))
+            _path(group, "sign block", "M-11 0A11 11 0 0 0 11 0A11 11 0 0 0 -11 0Z")
+        clockwise = -np.degrees(np.unwrap(drawing.state.angle(body.name)))
+        yield Mover(group, drawing.units(drawing.places[body.points[0]]), clockwise)
 
 
 def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
@@ -106,21 +100,20 @@ def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
         (_, first), (_, second) = spring.first, spring.second
         group = SubElement(root, "g", {"data-point": first, "data-to": second})
         teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
-        _across(group, "spring", f"M0 0H.2{teeth}L.8 0H1")
-        ends = drawing.units(drawing.places[first]), drawing.units(drawing.places[second])
-        way = ends[1] - ends[0]
-        yield Mover(group, ends[0], np.degrees(np.unwrap(np.angle(way))), np.maximum(np.abs(way), 1e-6))
+        _path(group, "across spring", f"M0 0H.2{teeth}L.8 0H1")
+        start, end = (drawing.units(drawing.places[point]) for point in (first, second))
+        yield Mover(group, start, np.degrees(np.unwrap(np.angle(end - start))), np.maximum(np.abs(end - start), 1e-6))
 
 
 def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
     """Draw every point as a pin with its name, upright, and a fixed one on hatched ground."""
-    around = list(outlines(drawing))
+    around = outlines(drawing)
     for point in drawing.scene.owners:
         group = SubElement(root, "g", {"data-point": point})
         if point in drawing.scene.ground:
-            _sign(group, "", "M0 0L-11 18H11Z M-17 18H17")
-            _sign(group, "hatch", " ".join(f"M{x} 18l-6 7" for x in range(-13, 18, 6)))
-        _sign(group, "pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
+            _path(group, "sign", "M0 0L-11 18H11Z M-17 18H17")
+            _path(group, "sign hatch", " ".join(f"M{x} 18l-6 7" for x in range(-13, 18, 6)))
+        _path(group, "sign pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
         side = _free(drawing, point, around)
         anchor = "middle" if abs(side.real) < 0.5 else "start" if side.real > 0 else "end"
         at = {"x": f"{TO_NAME * side.real * 0.8:.1f}", "y": f"{5 + TO_NAME * side.imag:.1f}", "text-anchor": anchor}
@@ -132,17 +125,16 @@ def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
     """Draw a force as an arrow from where it attacks, or a load as one that ends there."""
     place = drawing.units(drawing.places[force.point])
     way = drawing.per_metre * drawing.per_newton * np.conj(force.force)
-    kind, length = "force load" if force.load else "force", np.abs(way)
-    group = SubElement(root, "g", {"class": kind})
+    group, length = SubElement(root, "g", {"class": "force load" if force.load else "force"}), np.abs(way)
     SubElement(group, "title").text = force.name
     shaft, head = SubElement(group, "g"), SubElement(group, "g")
     start, end = (-1, 0) if force.load else (0, 1)  # a filled strip: browsers blur a line that is stretched by itself
-    SubElement(shaft, "path", {"class": "head across", "d": f"M{start} -1.25H{end}V1.25H{start}Z"})
-    _sign(head, "head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
-    still, tip = np.zeros(len(place), complex), np.zeros(len(place), complex)
+    _path(shaft, "head across", f"M{start} -1.25H{end}V1.25H{start}Z")
+    _path(head, "sign head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
+    still = np.zeros(len(place), complex)
     yield Mover(group, place, np.degrees(np.unwrap(np.angle(way))))
     yield Mover(shaft, still, None, np.maximum(length, 1e-3))
-    yield Mover(head, tip if force.load else tip + length, None, np.clip(length / (HEAD * PX), 1e-3, 1), evenly=True)
+    yield Mover(head, still + end * length, None, np.clip(length / (HEAD * PX), 1e-3, 1), evenly=True)
 
 
 def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
@@ -170,31 +162,33 @@ def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> comp
     return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
 
 
+def _along(root: Element, ends: Vectors) -> tuple[Element, float]:
+    """A group whose x axis is a way, from one end of it, and the length of that."""
+    way = ends[1] - ends[0]
+    place = f"translate({ends[0].real:.2f} {ends[0].imag:.2f}) rotate({degrees(np.angle(way)):.3f})"
+    return SubElement(root, "g", {"transform": place}), abs(way)
+
+
 def _guide(root: Element, ends: Vectors) -> None:
     """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
-    first, way = ends[0], ends[1] - ends[0]
-    turn, length = degrees(np.angle(way)), abs(way)
-    group = SubElement(root, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({turn:.3f})"})
+    group, length = _along(root, ends)
     start, end, step, lines = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, HATCH * PX, ""
-    _across(group, "guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
+    _path(group, "across guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
     for x in np.arange(start, end, step):
         lines += f"M{x:.1f} {GUIDE}l{-0.7 * step:.1f} 7M{x:.1f} {-GUIDE}l{0.7 * step:.1f} -7"
-    _across(group, "hatch", lines)
+    _path(group, "across hatch", lines)
 
 
-def _slot(group: Element, ends: Vectors, outline: Sequence[complex]) -> None:
+def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
     """Draw the slot of a carrier, longer than the way by a block at each end, and joined to bars that pass it by."""
-    first, way = ends[0], ends[1] - ends[0]
     along = np.linspace(ends[0], ends[1], 9)
     bars = [_foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
     bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
     if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
         _line(group, "bar", np.array([bars[bar][place], along[place]]))
-    inner = SubElement(
-        group, "g", {"transform": f"translate({first.real:.2f} {first.imag:.2f}) rotate({degrees(np.angle(way)):.3f})"}
-    )
-    start, end = -1.4 * BLOCK * PX, abs(way) + 1.4 * BLOCK * PX
-    _across(inner, "slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
+    inner, length = _along(group, ends)
+    start, end = -1.4 * BLOCK * PX, length + 1.4 * BLOCK * PX
+    _path(inner, "across slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
 
 
 def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
@@ -206,16 +200,9 @@ def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
 
 
 def _line(parent: Element, kind: str, corners: Vectors) -> None:
-    path = "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in corners)
-    if path:
-        SubElement(parent, "path", {"class": kind, "d": f"M{path}"})
+    if len(corners):
+        _path(parent, kind, "M" + "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in corners))
 
 
-def _sign(parent: Element, kind: str, path: str) -> None:
-    """Draw a path in pixels, which does not scale."""
-    SubElement(parent, "path", {"class": f"sign {kind}".strip(), "d": path})
-
-
-def _across(parent: Element, kind: str, path: str) -> None:
-    """Draw a path that scales along its x alone; y is in pixels."""
-    SubElement(parent, "path", {"class": f"across {kind}", "d": path})
+def _path(parent: Element, kind: str, path: str) -> None:
+    SubElement(parent, "path", {"class": kind, "d": path})

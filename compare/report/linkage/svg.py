@@ -16,27 +16,20 @@ PLAY = 5.0  # s that it takes
 
 
 def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
-    """The linkage as one self-contained SVG without a script, light or dark as the reader's system is.
-
-    Args:
-        scene: the linkage.
-        motion: where its points are, and its forces, if it has them; a whole cycle of the drive.
-        moving: whether it moves by itself over the motion, again and again, rather than stands at the first sample.
-    """
+    """The linkage as one SVG over a whole cycle, without a script, light or dark as the reader's system is."""
     return by_itself(Drawing(scene, motion), FRAMES if moving else 0)
 
 
 def by_itself(drawing: Drawing, frames: int) -> str:
     """A drawing that moves by itself through so many poses, or stands where there are none."""
-    rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int)
+    rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
     style, own = [text("linkage.css"), text("colours.css")], crc32(tostring(root))  # names of its own on a page
     for number, mover in enumerate(movers if frames else []):
-        name = f"m{own:x}-{number}"
+        name, shares = f"m{own:x}-{number}", np.linspace(0, 100, len(rows))
         mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
-        steps = zip(np.linspace(0, 100, len(rows)), mover.transforms(rows.tolist(), css=True), strict=True)
-        poses = " ".join(f"{share:.4g}%{{transform:{transform}}}" for share, transform in steps)
-        style.append(f"@keyframes {name} {{ {poses} }}")
+        poses = [f"{at:.4g}%{{transform:{mover.transform(n, css=True)}}}" for at, n in zip(shares, rows, strict=True)]
+        style.append(f"@keyframes {name} {{ {' '.join(poses)} }}")
     root[0].text = "\n".join(style)
     for side, length in zip(("width", "height"), drawing.size, strict=True):
         root.set(side, f"{length / PX:.0f}")
@@ -50,11 +43,9 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
     the point at the other end of a spring. Those of arrows are in the order of the drawing's.
     """
     (width, height), scene = drawing.size, drawing.scene
-    first = scene.where(float(drawing.motion[scene.drive_channel][0]))
+    label = f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}"
     box = {"class": "linkage", "viewBox": f"0 0 {width:.1f} {height:.1f}", "style": f"--px: {PX:.4f}"}
-    root = Element(
-        "svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": f"{scene.title} at {first}"} | box
-    )
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": label} | box)
     SubElement(root, "style").text = text("linkage.css")
     shapes.background(root, drawing)
     movers = [*shapes.bodies(root, drawing), *shapes.springs(root, drawing)]
@@ -71,7 +62,7 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
             SubElement(note, "tspan", {"class": "load"}).text = "loads"
         note[-1].tail = f": {drawing.scale_text}"
     for mover in movers:
-        mover.element.set("transform", mover.transforms([0])[0])
+        mover.element.set("transform", mover.transform(0))
     return root, movers
 
 
