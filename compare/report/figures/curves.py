@@ -3,7 +3,7 @@
 The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,17 +47,17 @@ class Panel:
 
     title: str
     axis: str
-    curves: tuple[PlottedCurve, ...]
-    judged: tuple[str, ...]
+    curves: Sequence[PlottedCurve]
+    judged: Sequence[str]
 
 
 def panels(reference: Reference, request: Request) -> Iterator[Panel]:
     """Yield the output's motion, every joint's reaction, the drive's torque or force; only channels asked for."""
     asked = set(request.wanted(reference.scene))
-    for panel in (*_motion_panels(reference), *_force_panels(reference)):
-        curves = tuple(curve for curve in panel.curves if asked.issuperset(curve.factors))
+    for panel in (*_motion_panels(reference), *(_force_panels(reference) if reference.scene.has_masses else ())):
+        curves = [curve for curve in panel.curves if asked.issuperset(curve.factors)]
         if curves:
-            yield replace(panel, curves=curves, judged=tuple(filter(asked.__contains__, panel.judged)))
+            yield replace(panel, curves=curves, judged=[channel for channel in panel.judged if channel in asked])
 
 
 def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:
@@ -79,41 +79,36 @@ def _motion_panels(reference: Reference) -> Iterator[Panel]:
     scene = reference.scene
     guided = scene.guided(scene.output)
     for title, si, q in (("displacement", "m", ""), ("velocity", "m/s", "v"), ("acceleration", "m/s^2", "a")):
-        x, y = f"{scene.output}.{q}x", f"{scene.output}.{q}y"
-        factor, unit = units(reference)[si]
-        curves: tuple[PlottedCurve, ...] = (PlottedCurve("x", unit, {x: factor}), PlottedCurve("y", unit, {y: factor}))
+        (factor, unit), channels = units(reference)[si], [f"{scene.output}.{q}{x}" for x in "xy"]
+        curves = [PlottedCurve(c[-1], unit, {c: factor}) for c in channels]
         if guided is not None:
-            along = zip((x, y), guided[1].along, strict=True)
-            factors = {channel: factor * part for channel, part in along if part != 0}
-            curves = (PlottedCurve("along the guide", unit, factors),)
-        yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, (x, y))
+            along = zip(channels, guided[1].along, strict=True)
+            curves = [PlottedCurve("along the guide", unit, {c: factor * part for c, part in along if part != 0})]
+        yield Panel(f"{scene.output}: {title}", f"{title} [{unit}]", curves, channels)
 
 
 def _force_panels(reference: Reference) -> Iterator[Panel]:
     scene = reference.scene
-    if not scene.has_masses:
-        return
     (per_newton, newtons), (per_moment, moments) = (units(reference)[si] for si in ("N", "N*m"))
     for pin in scene.pins:
-        x, y = f"{pin.channel}.fx", f"{pin.channel}.fy"
-        parts = PlottedCurve("x", newtons, {x: per_newton}), PlottedCurve("y", newtons, {y: per_newton})
-        curves = (PlottedCurve("magnitude", newtons, {x: per_newton, y: per_newton}, True), *parts)
-        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{newtons}]", curves, (x, y))
+        both = {f"{pin.channel}.f{x}": per_newton for x in "xy"}
+        parts = [PlottedCurve(c[-1], newtons, {c: per_newton}) for c in both]
+        curves = [PlottedCurve("magnitude", newtons, both, True), *parts]
+        yield Panel(f"Pin {pin.channel}: force of {pin.first} on {pin.second}", f"force [{newtons}]", curves, [*both])
+
+    def effort(stem: str, name: str) -> PlottedCurve:
+        factor, unit = (per_newton, newtons) if name == "force" else (per_moment, moments)
+        return PlottedCurve(name, unit, {f"{stem}{name}": factor})
+
     for body in scene.bodies.values():
         if body.slide is not None:
-            force, moment = f"{body.name}.guide_force", f"{body.name}.guide_moment"
-            both = (
-                PlottedCurve("force", newtons, {force: per_newton}),
-                PlottedCurve("moment", moments, {moment: per_moment}),
-            )
+            curves = [effort(f"{body.name}.guide_", name) for name in ("force", "moment")]
             title = f"force [{newtons}], moment [{moments}]"
-            yield Panel(f"Guide: force and moment on {body.name}", title, both, (force, moment))
-    effort, factor, unit = ("torque", per_moment, moments)
-    if scene.driven_slide is not None:
-        effort, factor, unit = ("force", per_newton, newtons)
-    channel = f"drive.{effort}"
-    curve = PlottedCurve(effort, unit, {channel: factor})
-    yield Panel(f"Drive: {effort} on {scene.drive.body}", f"{effort} [{unit}]", (curve,), (channel,))
+            judged = [channel for curve in curves for channel in curve.factors]
+            yield Panel(f"Guide: force and moment on {body.name}", title, curves, judged)
+    drive = effort("drive.", "torque" if scene.driven_slide is None else "force")
+    title = f"Drive: {drive.name} on {scene.drive.body}"
+    yield Panel(title, f"{drive.name} [{drive.unit}]", [drive], [*drive.factors])
 
 
 def error(study: Study, panel: Panel, comparison: Comparison) -> Samples:
@@ -133,29 +128,23 @@ def over_angle(study: Study, panel: Panel) -> Figure:
     over = axis(study.scene).of(study.motion)
     for curve, dash in zip(panel.curves, DASHES, strict=False):
         draw(figure, curve.name, over, curve.of(study.motion), line={"color": DARK_GREY, "dash": dash, "width": 1.5})
-    floor = _floor(study, panel)
     for number, m in enumerate(study.measurements):
-        if m.run.motion is None or m.comparison is None or not any(c in m.run.motion for c in panel.judged):
+        motion = m.run.motion
+        if motion is None or m.comparison is None or not any(c in motion for c in panel.judged):
             continue
-        engine, there = m.run.engine, m.comparison.axis if m.foreign else over
-        rows = _marked(study, number)
-        for curve in (curve for curve in panel.curves if all(c in m.run.motion for c in curve.factors)):
-            draw(figure, engine, there[rows], curve.of(m.run.motion)[rows], mode="markers", marker=marker(number))
+        engine, there, first, turns = m.run.engine, over, number, len(study.measurements)
+        if m.foreign:  # at instants of its own: marked by itself, where the others take turns
+            there, first, turns = m.comparison.axis, 0, 1
+        stride = max((m.asked.count if m.foreign else study.sampling.samples) // MARKERS, 1)
+        rows = slice(first * stride, None, turns * stride)
+        for curve in (curve for curve in panel.curves if all(c in motion for c in curve.factors)):
+            draw(figure, engine, there[rows], curve.of(motion)[rows], mode="markers", marker=marker(number))
         if engine != REFERENCE:
             line = {"color": colour(number), "width": 1.3}
             draw(figure, f"{engine} error", there, error(study, panel, m.comparison), 2, group=engine, line=line)
-    if floor:
+    if floor := _floor(study, panel):
         draw(figure, FLOOR, over[[0, -1]], [floor] * 2, 2, line=BOUND)
     figure.update_yaxes(title=panel.axis, panel=1)
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, panel=2)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
-
-
-def _marked(study: Study, number: int) -> slice:
-    """The samples that have a marker: of engines in turn, of a result of its own instants by itself."""
-    measured = study.measurements[number]
-    if measured.foreign:
-        return slice(None, None, max(measured.asked.count // MARKERS, 1))
-    stride = max(study.sampling.samples // MARKERS, 1)
-    return slice(number * stride, None, len(study.measurements) * stride)

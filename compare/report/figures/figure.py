@@ -3,6 +3,7 @@
 import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partialmethod
 from importlib.resources import files
 from itertools import accumulate, product
 from typing import Any, Self, TypeAlias
@@ -29,19 +30,15 @@ class Figure:
     def __init__(
         self, heights: Sequence[float], columns: int, titles: Sequence[str], gaps: tuple[float, float]
     ) -> None:
-        """Begin with empty panels.
+        """Begin with empty panels: rows by relative heights, columns of one width, titles of the first of them.
 
-        Args:
-            heights: of the rows, one to another.
-            columns: how many, all of one width.
-            titles: of the panels; none, or one each for the first of them.
-            gaps: between columns and between rows, of the whole.
+        The gaps are those between columns and between rows, of the whole.
         """
         self.traces: list[dict[str, Any]] = []
         self.layout: dict[str, Any] = {}
         wide, high = _shares([1.0] * columns, gaps[0]), _shares(heights[::-1], gaps[1])[::-1]  # from below
         self._panels = range(1, len(heights) * columns + 1)
-        self._left = self._panels[::columns]
+        self.left = self._panels[::columns]  # those of the first column
         for number, (down, across) in zip(self._panels, product(high, wide), strict=True):
             self.layout[f"xaxis{_name(number)}"] = {"anchor": f"y{_name(number)}", "domain": across}
             self.layout[f"yaxis{_name(number)}"] = {"anchor": f"x{_name(number)}", "domain": down}
@@ -56,23 +53,14 @@ class Figure:
         """Write a text without an arrow."""
         self.layout.setdefault("annotations", []).append({"text": text, "showarrow": False} | place)
 
-    def update_xaxes(self, *more: Attributes, panel: int | None = None, **own: Any) -> Self:
-        """Set attributes of the horizontal axis of a panel, or of all of them."""
-        return self._update("x", (*more, own), self._panels if panel is None else [panel])
-
-    def update_yaxes(self, *more: Attributes, panel: int | None = None, **own: Any) -> Self:
-        """Set attributes of the vertical axis of a panel, or of all of them."""
-        return self._update("y", (*more, own), self._panels if panel is None else [panel])
-
-    def update_left(self, **own: Any) -> Self:
-        """Set attributes of the vertical axes of the first column."""
-        return self._update("y", (own,), self._left)
-
-    def _update(self, letter: str, more: Sequence[Attributes], panels: Iterable[int]) -> Self:
-        for number in panels:
-            for attributes in more:
+    def _update(self, letter: str, *more: Attributes, panel: int | Iterable[int] | None = None, **own: Any) -> Self:
+        """Set attributes of an axis of a panel, of some panels, or of all of them."""
+        for number in [panel] if isinstance(panel, int) else panel or self._panels:
+            for attributes in (*more, own):
                 _merge(self.layout[f"{letter}axis{_name(number)}"], attributes)
         return self
+
+    update_xaxes, update_yaxes = partialmethod(_update, "x"), partialmethod(_update, "y")
 
     def update_layout(self, *more: Attributes, **own: Any) -> Self:
         """Set attributes of the layout."""
@@ -112,15 +100,8 @@ def draw(
 ) -> None:
     """Add a curve or markers to one panel of a figure.
 
-    Args:
-        figure: whose panel it is.
-        name: of the trace; one without a name is background, with no entry in the legend and no hover.
-        x: values, shape (n,).
-        y: values, shape (n,).
-        panel: its number, from 1.
-        group: of traces that share an entry of the legend, that of the first named one; the name if empty.
-        mode: lines, markers or both, as plotly names them.
-        style: further attributes of plotly's scatter trace.
+    A trace without a name is background, with no entry in the legend and no hover. Traces of a group, which is the name
+    where it is empty, share the entry of the first named one. Mode and style are attributes of plotly's scatter trace.
     """
     group = group or name
     listed = bool(name) and not any(t["showlegend"] and t["legendgroup"] == group for t in figure.traces)
@@ -146,10 +127,8 @@ def _merge(into: dict[str, Any], attributes: Attributes) -> None:
     for name, value in attributes.items():
         if isinstance(value, Mapping):
             _merge(into.setdefault(name, {}), value)
-        elif name == "title":
-            into[name] = {"text": value}
         else:
-            into[name] = value
+            into[name] = {"text": value} if name == "title" else value
 
 
 def template() -> str:
@@ -159,8 +138,7 @@ def template() -> str:
 
 def _bytes(values: NDArray[Any]) -> Any:
     """An array as plotly's script takes it."""
-    kind = values.dtype.str[1:]
-    if kind not in TYPES:
+    if (kind := values.dtype.str[1:]) not in TYPES:
         return plain(values)
     packed = {"dtype": kind, "bdata": b64encode(np.ascontiguousarray(values).data).decode()}
     return packed | ({"shape": ", ".join(map(str, values.shape))} if values.ndim > 1 else {})

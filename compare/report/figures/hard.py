@@ -18,18 +18,7 @@ from ...mechanics.round_off import EPS
 from .figure import Figure, draw, side_by_side
 from .style import BOUND, colour, error_axes, layout
 
-LETTERS: Mapping[Status, str] = {
-    Status.unsupported: "U",
-    Status.cannot_assemble: "A",
-    Status.wrong_branch: "B",
-    Status.diverged: "D",
-    Status.not_converged: "N",
-    Status.inconsistent: "I",
-    Status.inaccurate: "O",
-    Status.nonfinite: "F",
-    Status.timed_out: "T",
-    Status.crashed: "C",
-}
+LETTERS = dict(zip([*Status][1:], "UABDNIOFTC", strict=True))  # of statuses other than ok, in their order
 TITLES: Mapping[str, tuple[str, str]] = {
     "sweeps": ("Stability: steps and sweeps", "sweeps per step"),
     "lock": ("Stability: steps and distance to the singular configuration", "distance to singular configuration"),
@@ -46,7 +35,6 @@ SCALE = {
 }
 
 PlotlyTrace: TypeAlias = dict[str, Any]
-MapCell: TypeAlias = dict[Hashable, Any]
 GREYED: PlotlyTrace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
 
 
@@ -54,7 +42,7 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
     """Yield title and figure of every map in the table, its engines side by side."""
     for kind, cells in table.groupby("map", sort=False) if len(table) else ():
         title, across = TITLES[str(kind)]
-        engines, steps = [*dict.fromkeys(cells["engine"])], _steps(cells)
+        engines, steps = [*dict.fromkeys(cells["engine"])], sorted(set(cells["steps"]))
         figure = side_by_side(engines)
         for column, engine in enumerate(engines, start=1):
             rows = cells[cells["engine"] == engine]
@@ -62,14 +50,14 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
                 figure.add(trace, column)
             figure.update_xaxes(_ticks(dict.fromkeys(rows["label"])), title=across, panel=column)
         figure.update_xaxes(showgrid=False, zeroline=False)
-        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False).update_left(title="steps per cycle")
-        figure.note(_key(cells), x=0, y=0, yshift=-82, xref="paper", yref="paper")
+        figure.update_yaxes(_ticks(steps), showgrid=False, zeroline=False)
+        figure.update_yaxes(title="steps per cycle", panel=figure.left)
+        key = [
+            f" · {letter}: {status.name}" for status, letter in LETTERS.items() if status.name in set(cells["status"])
+        ]
+        figure.note(f"Largest relative error{''.join(key)}", x=0, y=0, yshift=-82, xref="paper", yref="paper")
         figure.update_layout(layout(190 + 42 * len(steps), titled=True))
         yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})
-
-
-def _steps(cells: pd.DataFrame) -> list[int]:
-    return sorted(set(cells["steps"]))
 
 
 def _ticks(labels: Collection[object]) -> PlotlyTrace:
@@ -79,15 +67,16 @@ def _ticks(labels: Collection[object]) -> PlotlyTrace:
 
 def _traces(rows: pd.DataFrame) -> Iterator[PlotlyTrace]:
     """Yield the cells of one engine that were solved, those that failed, and the boundary by theory."""
-    labels, steps = [*dict.fromkeys(rows["label"])], _steps(rows)
+    labels, steps = [*dict.fromkeys(rows["label"])], sorted(set(rows["steps"]))
     fine = rows["status"] == Status.ok.name
     for shown, style in ((rows[fine], {"coloraxis": "coloraxis"}), (rows[~fine], GREYED)):
         shape = len(steps), len(labels)
         z, text, hover = np.full(shape, np.nan), np.full(shape, "", object), np.full(shape, "", object)
         for cell in shown.to_dict("records"):
-            place = steps.index(cell["steps"]), labels.index(cell["label"])
-            z[place] = np.log10(max(cell["error"], TINY)) if cell["error"] == cell["error"] else 0.0
-            text[place], hover[place] = _text(cell), _hover(cell)
+            place, error = (steps.index(cell["steps"]), labels.index(cell["label"])), cell["error"]
+            z[place] = np.log10(max(error, TINY)) if error == error else 0.0
+            rounded = f"{error:.0e}".replace("e-0", "e-").replace("e+00", "")
+            text[place], hover[place] = LETTERS.get(Status[str(cell["status"])], rounded), _hover(cell)
         cells = {"type": "heatmap", "z": z, "text": text, "customdata": hover, "texttemplate": "%{text}"}
         hovering = {"hovertemplate": "%{customdata}<extra></extra>", "hoverongaps": False}
         yield cells | hovering | {"xgap": 1, "ygap": 1} | style
@@ -95,13 +84,7 @@ def _traces(rows: pd.DataFrame) -> Iterator[PlotlyTrace]:
         yield _boundary(rows)
 
 
-def _text(cell: MapCell) -> str:
-    """The text of a cell: the error, or the letter of the failure."""
-    status = Status[str(cell["status"])]
-    return LETTERS[status] if status in LETTERS else f"{cell['error']:.0e}".replace("e-0", "e-").replace("e+00", "")
-
-
-def _hover(cell: MapCell) -> str:
+def _hover(cell: Mapping[Hashable, Any]) -> str:
     errors = {str(name).removesuffix("_max"): error for name, error in cell.items() if str(name).endswith("_max")}
     lines = [f"{cell['label']}, {cell['setting']}", str(cell["status"]), *wrap(str(cell["reason"]), 60)]
     lines += [f"{group}: {error:.1e}" for group, error in errors.items() if error == error]
@@ -116,12 +99,6 @@ def _boundary(rows: pd.DataFrame) -> PlotlyTrace:
     line = {"mode": "lines", "line": {"color": colour(1), "width": 3, "dash": "dash"}, "showlegend": True}
     x, y = [x[0], *x, x[-1]], [-0.5, *range(len(needed)), len(needed) - 0.5]
     return {"type": "scatter", "x": x, "y": y, "name": "enough by theory: ρ^sweeps ≤ 1 / (1 + β)"} | line
-
-
-def _key(cells: pd.DataFrame) -> str:
-    """The meaning of the letters that occur."""
-    occurring = [status for status in LETTERS if status.name in set(cells["status"])]
-    return "Largest relative error" + "".join(f" · {LETTERS[status]}: {status.name}" for status in occurring)
 
 
 def over_condition(cases: pd.DataFrame) -> Figure | None:

@@ -22,9 +22,10 @@ def assur_groups(study: Study) -> Figure | None:
     """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
     motion, over = study.motion, axis(study.scene).of(study.motion)
     per_metre, metres = units(study.reference)["m"]
+    factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
     rows = {
         measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
-        for measured, factor in (("transmission", 180 / np.pi), ("to_lock", per_metre))
+        for measured, factor in factors.items()
     }  # values by joint
     rows = {measured: curves for measured, curves in rows.items() if curves}
     if not rows or study.sampling.channels is not None:
@@ -51,11 +52,8 @@ def _logarithmic(values: Samples) -> dict[str, Any]:
     near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
     if not 1 < len(near) < 8:
         return style.LOG | {"dtick": 1}
-    return style.LOG | {
-        "range": [*np.log10([0.9 * near[0], near[-1]])],
-        "tickvals": near,
-        "ticktext": [f"{m:g}" for m in near],
-    }
+    ends = [*np.log10([0.9 * near[0], near[-1]])]
+    return style.LOG | {"range": ends, "tickvals": near, "ticktext": [f"{m:g}" for m in near]}
 
 
 def over_distance(study: Study) -> Figure | None:

@@ -1,7 +1,6 @@
 """The work-precision picture: time against error, setting by setting, and the Pareto front."""
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from math import isnan
 from typing import Any
 
@@ -29,17 +28,18 @@ def work_precision(study: Study) -> Figure:
     names = groups(study.speed)
     figure, rms = _panels(study, names)
     error_axes(figure, f"ms per {cycle_name(study.scene)}").update_xaxes(dtick=1).update_yaxes(dtick=2)
-    choices = [_button("largest error", figure), _button("RMS error", rms)]
+    choices = [
+        {
+            "label": label,
+            "method": "restyle",
+            "args": [{axis: [[*trace[axis]] for trace in of.traces] for axis in "xy"}],
+        }
+        for label, of in (("largest error", figure), ("RMS error", rms))
+    ]  # buttons that put a figure's numbers into the traces of the one that is shown
     place = {"x": 1, "xanchor": "right", "y": 1.01, "yanchor": "bottom", "pad": {"b": 25}}
     menu = {"type": "buttons", "direction": "right", "buttons": choices} | place
     arranged = layout(150 + 390 * -(-len(names) // COLUMNS), titled=True)
     return figure.update_layout(arranged, {"updatemenus": [menu], "margin": {"t": 110}})
-
-
-def _button(label: str, figure: Figure) -> dict[str, object]:
-    """A button that puts a figure's numbers into the traces of the one that is shown."""
-    numbers = {axis: [[*trace[axis]] for trace in figure.traces] for axis in ("x", "y")}
-    return {"label": label, "method": "restyle", "args": [numbers]}
 
 
 def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
@@ -52,38 +52,36 @@ def _panels(study: Study, names: Sequence[str]) -> Iterator[Figure]:
     lines = {engine: [*families([p for p in points if p.engine == engine], "steps")] for engine in engines}
     settings = [(*each, _hover(study, each[-1])) for each in contenders(points)]
     notes = list(dict.fromkeys(note for _, note, _, _ in settings if note))
-    others, times = [p for p in points if p.engine != REFERENCE], _ms(speed)
+    others, times = [p for p in points if p.engine != REFERENCE], _values(speed)
     fronts = ("Pareto front", points, GREY), ("Pareto front without the reference", others, "#b8860b")
     for kind in ("max", "rms"):
         figure = grid(names, min(COLUMNS, len(names)) or 1)
         for panel, group in enumerate(names, start=1):
             error = f"{group}_{kind}"
-            size = partial(_errors, error)
-            floor = floors.get(group, np.nan)
-            draw(figure, FLOOR, [np.nanmin(times), np.nanmax(times)], [floor] * 2, panel, line=BOUND)
+            ends, floor = [np.nanmin(times), np.nanmax(times)], floors.get(group, np.nan)
+            draw(figure, FLOOR, ends, [floor] * 2, panel, line=BOUND)
             for name, rows, shade in fronts:
                 line = {"color": shade, "width": 7, "shape": "hv"}
                 draw(figure, name, *_front(rows, error), panel, line=line, opacity=0.35, hoverinfo="skip")
             for engine, number in engines.items():
-                x, y = ([v for rows in lines[engine] for v in (*of(rows), np.nan)] for of in (_ms, size))  # gaps
+                x, y = (
+                    [v for rows in lines[engine] for v in (*_values(rows, of), np.nan)] for of in ("", error)
+                )  # gaps
                 draw(figure, "", x, y, panel, line={"color": colour(number), "width": 0.8}, opacity=0.5)
             for engine, note, rows, hover in settings:
                 mark = marker(engines[engine], NOTED[notes.index(note) % len(NOTED)] if note else "", 9)
-                name, at = contender(engine, note), (_ms(rows), size(rows))
+                name, at = contender(engine, note), (_values(rows), _values(rows, error))
                 draw(figure, name, *at, panel, mode="markers", marker=mark, **hover)
             failed = [row for row in speed if row.status != Status.ok.name and not isnan(row.error(error))]
             if failed:
                 style = _hover(study, failed) | {"marker": {"color": GREY, "symbol": "x", "size": 8}}
-                draw(figure, "failed", _ms(failed), size(failed), panel, mode="markers", **style)
+                draw(figure, "failed", _values(failed), _values(failed, error), panel, mode="markers", **style)
         yield figure
 
 
-def _ms(rows: Sequence[SpeedRow]) -> Samples:
-    return np.array([1e3 * row.solve_min_s for row in rows])
-
-
-def _errors(error: str, rows: Sequence[SpeedRow]) -> Samples:
-    return np.array([row.error(error) for row in rows])
+def _values(rows: Sequence[SpeedRow], error: str = "") -> Samples:
+    """An error of every setting, or its time in ms."""
+    return np.array([row.error(error) if error else 1e3 * row.solve_min_s for row in rows])
 
 
 def _front(points: Sequence[SpeedRow], error: str) -> tuple[Samples, Samples]:
@@ -91,11 +89,9 @@ def _front(points: Sequence[SpeedRow], error: str) -> tuple[Samples, Samples]:
     best = front(points, error, tie=0)
     if not best:
         return np.zeros(0), np.zeros(0)
-    times, errors = _ms(best), _errors(error, best)
-    return (
-        np.concatenate([times[:1], times, [np.nanmax(_ms(points))]]),
-        np.concatenate([[np.nanmax(_errors(error, points))], errors, errors[-1:]]),
-    )
+    times, errors = _values(best), _values(best, error)
+    longest, largest = np.nanmax(_values(points)), np.nanmax(_values(points, error))
+    return np.array([times[0], *times, longest]), np.array([largest, *errors, errors[-1]])
 
 
 def _hover(study: Study, rows: Sequence[SpeedRow]) -> dict[str, Any]:

@@ -36,16 +36,17 @@ def marker(number: int, symbol: str = "", size: int = 8) -> dict[str, Any]:
 def error_axes(figure: Figure, across: str, error: str = "relative error [-]") -> Figure:
     """Make all axes of a figure logarithmic: `across` titles the horizontal ones, `error` the first vertical one."""
     figure.update_xaxes(LOG, title=across, nticks=6)
-    return figure.update_yaxes(LOG, nticks=8).update_left(title=error)
+    figure.update_yaxes(LOG, nticks=8).update_yaxes(title=error, panel=figure.left)
+    return figure
 
 
-def drive_axes(figure: Figure, scene: Scene, turns: int = 1, titled: int | None = None) -> Figure:
+def drive_axes(figure: Figure, scene: Scene, turns: int = 1, titled: int | None = None) -> None:
     """Let time run from left to right over the drive's position; only the panel `titled` gets the title, or all."""
     backwards = isinstance(scene.drive, ConstantSpeed) and scene.drive.speed < 0
     ticks = {"dtick": 60 * turns} if turns_fully(scene) else {}  # degrees
     figure.update_xaxes(title=axis(scene).title, panel=titled)
     figure.update_layout(dragmode=False, hovermode=False)  # the page's cursor follows the pointer instead
-    return figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
+    figure.update_xaxes(**ticks, autorange="reversed" if backwards else True)
 
 
 def layout(height: int, *, titled: bool = False) -> dict[str, Any]:
