@@ -34,10 +34,8 @@ if TYPE_CHECKING:
     from ...measure.many.study import MonteCarlo
 
 PARTIAL = ".partial"  # after the name of a folder: what a stopped run has, where a complete result is
-REPORT = (
-    *("report.html", "summary.json", "peaks.csv", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv"),
-    "hard.csv",
-)
+TABLES = ("peaks.csv", "errors.csv", "speed.csv", "motion.*.csv", "stability.csv", "hard.csv")
+REPORT = ("report.html", "summary.json", *TABLES)
 FAMILY = ("family.html", "family.json", "family.csv")
 MONTE_CARLO = ("monte_carlo.html", "monte_carlo.json", "monte_carlo.csv")
 BLOCK = 4096  # rows of a motion that are text at a time
@@ -52,79 +50,78 @@ def write(study: Study, folder: Path, changed: Sequence[Any] | None = None, *, c
         InputError: the folder cannot be written; what it held is then unchanged.
     """
     written = {"peaks": tables.peaks(study), "errors": tables.errors(study), "speed": speed_tables.every_setting(study)}
-    in_full = {"stability": study.maps, "hard": study.hard}
-    since = {} if changed is None else {"since_baseline": changed}
-    with _result(study.scene, folder, REPORT, complete=complete) as (aside, place):
+    known = summary(study) | ({} if changed is None else {"since_baseline": changed})
+    with _result(study, folder, REPORT, known, page, complete=complete) as (aside, place):
         for name, table in written.items():
             _write_table(table, aside / f"{name}.csv")
-        for name, frame in in_full.items():
+        for name, frame in (("stability", study.maps), ("hard", study.hard)):
             if frame is not None and len(frame):
                 frame.to_csv(aside / f"{name}.csv", index=False)
         for engine, motion in study.motions.items():
             _write_motion(motion, aside / f"motion.{engine}.csv")
-        _write_summary(study.scene, aside / "summary.json", place, summary(study) | since, complete=complete)
-        (aside / "report.html").write_text(page(study), encoding="utf-8")
     return place
 
 
 def write_family(family: "Family", folder: Path) -> Path:
-    """Write `family.html`, `family.json` and `family.csv` as `write` does, and return the folder.
-
-    Raises:
-        InputError: the folder cannot be written; what it held is then unchanged.
-    """
+    """Write `family.html`, `family.json` and `family.csv` as `write` does, and return the folder."""
     from ..pages.many import family_page  # late, as what is of hard cases: no report of a scene needs it
     from ..tables.family import in_si
 
     varied = {variation.path: variation.values for variation in family.variations}
     known = {"varied": varied, "engines": family.engines, "environment": environment()}
-    return _write_many(family, folder, FAMILY, in_si(family), known, family_page)
+    with _result(family, folder, FAMILY, known, family_page, complete=family.complete) as (aside, place):
+        _write_table(in_si(family), aside / "family.csv")
+    return place
 
 
 def write_monte_carlo(study: "MonteCarlo", folder: Path) -> Path:
-    """Write `monte_carlo.html`, `.json` and `.csv` as `write` does, and return the folder.
-
-    Raises:
-        InputError: the folder cannot be written; what it held is then unchanged.
-    """
+    """Write `monte_carlo.html`, `.json` and `.csv` as `write` does, and return the folder."""
     from ..pages.many import monte_carlo_page  # late, as what is of families
     from ..tables.monte_carlo import in_si, summary
 
     known = summary(study) | {"environment": environment()}
-    return _write_many(study, folder, MONTE_CARLO, in_si(study), known, monte_carlo_page)
-
-
-def _write_many(
-    many: Any,
-    folder: Path,
-    own: tuple[str, str, str],
-    rows: TableRows,
-    known: Mapping[str, object],
-    page: Callable[[Any], str],
-) -> Path:
-    """Write the page, the summary and the table on many linkages of one scene."""
-    html, summary_json, table = own
-    with _result(many.scene, folder, own, complete=many.complete) as (aside, place):
-        _write_table(rows, aside / table)
-        _write_summary(many.scene, aside / summary_json, place, known, complete=many.complete)
-        (aside / html).write_text(page(many), encoding="utf-8")
+    with _result(study, folder, MONTE_CARLO, known, monte_carlo_page, complete=study.complete) as (aside, place):
+        _write_table(in_si(study), aside / "monte_carlo.csv")
     return place
 
 
-def _write_summary(scene: Scene, file: Path, place: Path, known: Mapping[str, object], *, complete: bool) -> None:
-    head = {"complete": complete, "made_from": origin(scene, place)}
-    file.write_text(json_text(head | dict(known)), encoding="utf-8")
+@contextmanager
+def _result(
+    of: Any, folder: Path, own: Sequence[str], known: Mapping[str, Any], page: Callable[[Any], str], *, complete: bool
+) -> Iterator[tuple[Path, Path]]:
+    """Yield a folder to write a result's tables into, and its place; then it gets its summary and its page.
+
+    The place is another one where a partial result meets a complete one. `own` is what its files match: the page, the
+    summary, which has whether the result is complete, and the tables.
+    """
+    place, partial = folder / of.scene.name, folder / f"{of.scene.name}{PARTIAL}"
+    if not complete and _may_be_complete(place, own):
+        place = partial
+    with placed(folder, place.name, own) as aside:
+        yield aside, place
+        head = {"complete": complete, "made_from": origin(of.scene, place), **known}
+        (aside / own[1]).write_text(json_text(head), encoding="utf-8")
+        (aside / own[0]).write_text(page(of), encoding="utf-8")
+    if complete:
+        remove(partial, own)
+
+
+def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
+    """Whether a folder has a result that is not known to be partial."""
+    if not any(list(place.glob(pattern)) for pattern in own):
+        return False
+    try:
+        return json.loads(read_text(place / own[1], SUMMARY_BYTES))["complete"] is not False
+    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
+        return True
 
 
 def _write_table(rows: TableRows, file: Path) -> None:
     """Write rows, of which each may lack some columns; a cell of what is missing or not a number is empty."""
-    columns = dict.fromkeys(column for row in rows for column in row)
     with file.open("w", encoding="utf-8", newline="") as text:
-        table = csv.writer(text, lineterminator="\n")
-        table.writerow(columns)
-        for row in rows:
-            cells = (row.get(column) for column in columns)
-            table.writerow("" if cell is None or cell != cell else cell for cell in cells)
+        table = csv.DictWriter(text, dict.fromkeys(column for row in rows for column in row), lineterminator="\n")
+        table.writeheader()
+        table.writerows({column: cell for column, cell in row.items() if cell == cell} for row in rows)
 
 
 def _write_motion(motion: Motion, file: Path) -> None:
@@ -134,32 +131,6 @@ def _write_motion(motion: Motion, file: Path) -> None:
         for start in range(0, len(motion["time"]), BLOCK):
             rows = np.stack([values[start : start + BLOCK] for values in motion.samples.values()], axis=1)
             text.writelines(",".join(map(repr, row)) + "\n" for row in rows.tolist())
-
-
-@contextmanager
-def _result(scene: Scene, folder: Path, own: Sequence[str], *, complete: bool) -> Iterator[tuple[Path, Path]]:
-    """Yield a folder to write a result into, and its place, which is another where a partial one meets a complete one.
-
-    `own` is what its files match; the one that ends in `.json` has whether the result is complete.
-    """
-    place, partial = folder / scene.name, folder / f"{scene.name}{PARTIAL}"
-    if not complete and _may_be_complete(place, own):
-        place = partial
-    with placed(folder, place.name, own) as aside:
-        yield aside, place
-    if complete:
-        remove(partial, own)
-
-
-def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
-    """Whether a folder has a result that is not known to be partial."""
-    if not any(list(place.glob(pattern)) for pattern in own):
-        return False
-    summary = next(name for name in own if Path(name).suffix == ".json")
-    try:
-        return json.loads(read_text(place / summary, SUMMARY_BYTES))["complete"] is not False
-    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
-        return True
 
 
 def summary(study: Study) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import re
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from fnmatch import fnmatchcase
 from pathlib import Path
 from secrets import token_hex
@@ -75,12 +75,8 @@ def _is_own(path: Path, own: Sequence[str]) -> bool:
 def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
     """Yield an empty folder for a result, which then takes the place of `folder/<name>/` in one step.
 
-    What that holds beside the files of an older result stays there. It is followed where it is a link.
-
-    Args:
-        folder: where the folders of results go; made if there is none.
-        name: of this folder.
-        own: patterns of the files that a result has there.
+    What that holds beside the files of an older result, which `own` matches, stays there. It is followed where it is a
+    link.
 
     Raises:
         InputError: the result cannot be written; the older one is then as it was.
@@ -89,7 +85,13 @@ def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
     made = not place.parent.exists()
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
-        with _beside(place) as aside:
+        with ExitStack() as held:
+            with _locked(place.parent):
+                _clean(place)
+                aside = _aside(place)
+                aside.mkdir()
+                held.enter_context(_locked(aside, wait=False))
+            held.callback(shutil.rmtree, aside, ignore_errors=True)
             yield aside
             with _locked(place.parent):
                 if place.exists():
@@ -116,21 +118,6 @@ def _aside(place: Path) -> Path:
     return place.with_name(f".{place.name}-{token_hex(4)}")
 
 
-@contextmanager
-def _beside(place: Path) -> Iterator[Path]:
-    """Yield a new folder beside a place, locked; it goes in the end, and so does what others left."""
-    with _locked(place.parent):
-        _clean(place)
-        aside = _aside(place)
-        aside.mkdir()
-        lock = _lock(aside)
-    try:
-        yield aside
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
-        _unlock(lock)
-
-
 def _clean(place: Path) -> None:
     """Remove what runs that were killed left beside a place, and put an older result back that one of them had away."""
     for left in place.parent.iterdir():
@@ -138,9 +125,10 @@ def _clean(place: Path) -> None:
             continue
         if left.name.endswith(OLDER) and not place.exists():
             left.rename(place)
-        elif (lock := _lock(left)) is not None:
-            shutil.rmtree(left, ignore_errors=True)
-            _unlock(lock)
+            continue
+        with _locked(left, wait=False) as ours:
+            if ours:
+                shutil.rmtree(left, ignore_errors=True)
 
 
 def _carry_over(older: Path, new: Path, own: Sequence[str]) -> None:
@@ -189,17 +177,15 @@ def _exchanged(one: Path, other: Path) -> bool:
     )
 
 
-# --- locks: of a folder, and gone with the process that holds them ----------------------------------------------------
-
-
 @contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    """Have one run at a time look for what is left in a folder, or swap there."""
-    lock = _lock(folder, wait=True)
+def _locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
+    """Have the lock of a folder, which goes with the process that holds it; yield whether it is ours."""
+    lock = _lock(folder, wait=wait)
     try:
-        yield
+        yield lock is not None
     finally:
-        _unlock(lock)
+        if lock is not None:
+            os.close(lock)
 
 
 def _lock(folder: Path, *, wait: bool = False) -> int | None:
@@ -211,20 +197,16 @@ def _lock(folder: Path, *, wait: bool = False) -> int | None:
     file = None
     try:
         file = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        for left in range(TRIES if wait else 0, 0, -1):
+        for _ in range(TRIES if wait else 0):
             with suppress(BlockingIOError):
                 flock(file, LOCK_EX | LOCK_NB)
                 return file
             sleep(PATIENCE / TRIES)
-            if left == 1:
-                print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
+        if wait:
+            print(f"{folder}: waiting for the lock that another process has on it", file=sys.stderr, flush=True)
         flock(file, LOCK_EX | (0 if wait else LOCK_NB))
     except OSError:
-        _unlock(file)
+        if file is not None:
+            os.close(file)
         return None
     return file
-
-
-def _unlock(lock: int | None) -> None:
-    if lock is not None:
-        os.close(lock)
