@@ -47,7 +47,7 @@ class CheckResult(Study):
     @property
     def gates(self) -> pd.DataFrame:
         """One row per tolerance of the scene: the error measured, and whether it was met."""
-        return pd.DataFrame(tables.gates(self), columns=["engine", "group", "tolerance", "error", "met", "worst"])
+        return pd.DataFrame(tables.gates(self), columns=tables.GATE)
 
     @property
     def masses(self) -> pd.DataFrame:
@@ -113,8 +113,7 @@ class Varied(Family):
         name = "displacement" if self.scene.guided(self.scene.output) else "x"
         cycles = (member.cycle for member in self.members)
         shown[f"{self.scene.output}: {name}"] = [sparkline(cycle.curves[name]) if cycle else "" for cycle in cycles]
-        failed = (f"{family_tables.label(self, m)}: {m.status}: {m.reason}" for m in self.members if m.cycle is None)
-        return _html(self.scene.title, family_tables.verdict(self), [shown], failed)
+        return _html(self.scene.title, family_tables.verdict(self), [shown], family_tables.failures(self))
 
 
 def _html(title: str, sentence: str, shown: Iterable[pd.DataFrame], more: Iterable[str], picture: str = "") -> str:

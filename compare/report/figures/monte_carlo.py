@@ -7,7 +7,8 @@ import numpy as np
 from ...measure.many.study import MonteCarlo
 from ...mechanics.axis import prefixed
 from ..numbers import capital
-from ..tables.monte_carlo import moving, names, shown_units
+from ..tables.family import names
+from ..tables.monte_carlo import moving, shown_units
 from .figure import Figure, draw, grid
 from .style import DARK_GREY, LEGEND_BESIDE, colour, layout
 
@@ -43,10 +44,10 @@ def histograms(study: MonteCarlo) -> Figure:
 
 def variance_shares(study: MonteCarlo) -> Figure:
     """Draw a bar for each number, of the shares that the variations have in its variance."""
-    shown = moving(study)[::-1]
+    shown, varied = moving(study)[::-1], study.scene.variations
     figure = grid([""], 1)
     left = np.zeros(len(shown))
-    for number, (name, path) in enumerate(zip(names(study), (v.path for v in study.scene.variations), strict=True)):
+    for number, (name, path) in enumerate(zip(names(varied), (v.path for v in varied), strict=True)):
         share = np.array([100 * s.shares[path] for s in shown])
         bar = {"type": "bar", "orientation": "h", "name": name, "x": share, "y": [capital(s.name) for s in shown]}
         shade = {"color": colour(number), "opacity": 1.0 if number < SHADES else 0.5}

@@ -22,15 +22,7 @@ def origin(scene: Scene, place: Path) -> str:
 
 
 def check_origin(scene: Scene, place: Path) -> None:
-    """Look whether a folder has the result of another scene file that is still there; nothing is written.
-
-    Args:
-        scene: whose results are to take that place.
-        place: their folder; there may be none.
-
-    Raises:
-        InputError: it has.
-    """
+    """Raise an InputError where a folder has the result of another scene file that is still there."""
     own = shipped().get(scene.file, Path(scene.file)).resolve()
     for summary in SUMMARIES:
         other, file = own, ""

@@ -6,10 +6,9 @@ from contextlib import suppress
 from functools import cache
 from gzip import compress
 from importlib.resources import files
-from itertools import islice
 from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import ChoiceLoader, Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
@@ -32,14 +31,7 @@ LEVEL = 5  # of the library's gzip: the page of three engines stays below 2.5 MB
 
 
 def render(name: str, package: str = HERE, *, most: int = CURVE, **values: Any) -> str:
-    """A page.
-
-    Args:
-        name: of the template, a path in its package.
-        package: that has it.
-        most: points a curve of the page's figures.
-        values: what the template uses.
-    """
+    """A page from the template of a package, with at most so many points a curve of its figures."""
     return _templates(package).get_template(name).render(values, parts=Parts(most), most=most)
 
 
@@ -98,13 +90,8 @@ class Parts:
     """What a page collects while it is rendered: its sections and its figures."""
 
     def __init__(self, most: int) -> None:
-        self.contents: list[tuple[str, str]] = []  # anchor and title of every section
+        self.contents: list[tuple[str, str]] = []  # anchor and title of every section, entered by its macro
         self._most, self._figures = most, list[str]()
-
-    def section(self, anchor: str, title: str) -> str:
-        """Enter a section into the table of contents, and return its anchor."""
-        self.contents.append((anchor, title))
-        return anchor
 
     def figure(self, figure: Figure) -> int:
         """Take a figure in, and return its number."""
@@ -119,22 +106,14 @@ class Parts:
         return packed(text.encode()) if self._figures else ""
 
 
-class ShownTable(NamedTuple):
-    """A table as shown: of a long one not all rows."""
-
-    columns: Sequence[str]
-    rows: Sequence[Sequence[object]]
-    left_out: str  # which rows are shown, in a sentence
-
-
 def shortened(
     table: "Sequence[Mapping[Any, object]] | DataFrame", worst: str = "", whole: str = "the JSON file"
-) -> ShownTable:
-    """A table for a page; of a long one the first rows, or those with the largest numbers in a column.
+) -> tuple[list[str], list[list[object]], str]:
+    """Columns and rows of a table for a page, and in a sentence which rows of a long one are shown.
 
     Args:
         table: rows, of which each may lack some columns, or a data frame.
-        worst: name of that column; NaN is the largest.
+        worst: name of the column whose largest numbers are shown, NaN as the largest; the first rows if empty.
         whole: where all rows are.
     """
     rows, left_out = table if isinstance(table, Sequence) else table.to_dict("records"), ""
@@ -144,12 +123,11 @@ def shortened(
         left_out = f"The {ROWS} rows {which}, of {len(rows):,}; all are in {whole}."
         size = np.array([row[worst] if worst else 0 for row in rows], float)
         rows = [rows[n] for n in np.argsort(-np.where(np.isnan(size), np.inf, size), kind="stable")[:ROWS]]
-    return ShownTable([*map(str, columns)], [[row.get(column) for column in columns] for row in rows], left_out)
+    return [*map(str, columns)], [[row.get(column) for column in columns] for row in rows], left_out
 
 
 def first(sentences: Iterable[str]) -> list[str]:
     """Sentences for a list; of very many the first."""
-    written = iter(sentences)
-    shown = [*islice(written, ROWS)]
-    more = sum(1 for _ in written)
-    return [*shown, f"And {more:,} more, in the files beside this page."] if more else shown
+    written = [*sentences]
+    more = [f"And {len(written) - ROWS:,} more, in the files beside this page."] if len(written) > ROWS else []
+    return written[:ROWS] + more

@@ -1,50 +1,46 @@
 """A family's tables and sentences: a row a member, for the terminal, the page and `family.csv`."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import floor, isnan, log10, nan
 
 import numpy as np
 
 from scenes import Status
 from scenes.model.motion import quantity
+from scenes.scene import Variation
 
 from ...engines.registry import REFERENCE
-from ...judge.agreement import Agreement, Word, worst_error
+from ...judge.agreement import Agreement, Word, WorstError, worst_error
 from ...judge.measure import Measurement
 from ...judge.peaks.numbers import CLOSED, DWELL, STROKE
 from ...judge.peaks.peaks import Peak
 from ...judge.verdict import within
 from ...measure.many.family import Family, Member
+from ...measure.many.grid import VariedNumber
 from ...mechanics.axis import prefixed
 from ..numbers import ALONE, written
 from . import TableRows
 from .study import floors
 
 DIGITS = 5  # significant ones, of the largest number in a column
-OVERVIEW = (
-    *(STROKE, CLOSED, DWELL, "quick return", "peak speed", "peak acceleration", "largest force"),
-    *("peak driving torque", "peak braking torque", "peak driving force", "peak braking force"),
-    "least transmission angle",
-)  # kinds of numbers
+EFFORTS = ("peak driving torque", "peak braking torque", "peak driving force", "peak braking force")
+MOTION = (STROKE, CLOSED, DWELL, "quick return", "peak speed", "peak acceleration")
+OVERVIEW = (*MOTION, "largest force", *EFFORTS, "least transmission angle")  # kinds of numbers
 ON_A_LINE = (STROKE, "quick return", "peak driving torque", "peak driving force")
 AT_JOINTS = ("fx", "guide_force", "guide_moment", "transmission", "to_lock")  # quantities of which the worst is shown
 WORST_LAST = (Word.agrees, Word.in_part, Word.not_solved, Word.disagrees)
 
 
-def names(family: Family) -> list[str]:
-    """Short names of the varied numbers."""
-    return short_names([variation.path for variation in family.variations])
-
-
-def short_names(paths: list[str]) -> list[str]:
-    """Short names of paths: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
+def names(variations: Iterable[VariedNumber | Variation]) -> list[str]:
+    """Short names of what varies: `O-P3` for `bodies.rocker.lengths.O-P3`, as far as that is unique."""
+    paths = [variation.path for variation in variations]
     short = [path.partition(".lengths.")[2] or path.removeprefix("bodies.") for path in paths]
     return short if len(set(short)) == len(short) else paths
 
 
 def label(family: Family, member: Member) -> str:
     """The name of a member: `O-P3 = 300`."""
-    changes = zip(names(family), member.changes.values(), strict=True)
+    changes = zip(names(family.variations), member.changes.values(), strict=True)
     return ", ".join(f"{name} = {value:.6g}" for name, value in changes)
 
 
@@ -58,16 +54,15 @@ def in_si(family: Family) -> TableRows:
             if _at_a_joint(peak):
                 rows[-1][f"{peak.kind} at"] = peak.of
         for m in member.measurements:
-            worst = worst_error(family.scene, m)
-            rows[-1][f"{m.run.engine} status"] = m.run.status.name
-            rows[-1][f"{m.run.engine} error"] = worst.size if worst else nan
-            rows[-1][f"{m.run.engine} worst channel"] = worst.channel if worst else ""
+            worst = worst_error(family.scene, m) or WorstError(nan, "", nan)
+            rows[-1] |= {f"{m.run.engine} status": m.run.status.name, f"{m.run.engine} error": worst.size}
+            rows[-1] |= {f"{m.run.engine} worst channel": worst.channel}
     return rows
 
 
 def overview(family: Family) -> TableRows:
     """A row a member as a reader wants it: units with prefixes, as many digits as set the members apart."""
-    varied = [name.replace("-", "\u2011") for name in names(family)]  # so that names do not break into lines
+    varied = [name.replace("-", "\u2011") for name in names(family.variations)]  # which do not break into lines
     known = [_numbers(member) for member in family.members]
     columns = [(kind, *_column(kind, known)) for kind in OVERVIEW if any(kind in numbers for numbers in known)]
     rows: list[dict[str, object]] = []
@@ -86,8 +81,7 @@ def _column(kind: str, members: Sequence[dict[str, Peak]]) -> tuple[str, Callabl
     largest = max((abs(numbers[scaled_by].value) for numbers in members if scaled_by in numbers), default=0.0) or 1.0
     one = next(numbers[kind] for numbers in members if kind in numbers)
     factor, unit = ALONE.get(one.unit) or prefixed(largest, one.unit)
-    decimals = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9)
-    joint = _at_a_joint(one)
+    decimals, joint = min(max(DIGITS - 1 - floor(log10(largest * factor)), 0), 9), _at_a_joint(one)
     return _header(one, unit), lambda peak: f"{peak.value * factor:.{decimals}f} {peak.of if joint else ''}".strip()
 
 
@@ -109,19 +103,18 @@ def _error(family: Family, m: Measurement) -> str:
     if m.run.status is not Status.ok:
         return m.run.status.name
     worst = worst_error(family.scene, m)
-    error = worst.size if worst else nan
-    return "not certified" if isnan(error) and m.run.engine == REFERENCE else f"{error:.1e}"
+    if m.run.engine == REFERENCE and (worst is None or isnan(worst.size)):
+        return "not certified"
+    return f"{worst.size if worst else nan:.1e}"
 
 
 def on_a_line(family: Family, member: Member) -> str:
     """A member in one line for the terminal."""
-    if member.cycle is None:
-        return "  ".join((label(family, member), member.status, member.reason))
-    numbers = _numbers(member)
+    parts, numbers = [label(family, member), member.status], _numbers(member)
     shown = (numbers[kind] for kind in ON_A_LINE if kind in numbers)
-    parts = [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
-    errors = [f"{m.run.engine} {_error(family, m)}" for m in member.measurements]
-    return "  ".join([label(family, member), member.status, *parts, *errors])
+    parts += [f"{peak.kind} {written(peak.value, peak.unit, ALONE, digits=DIGITS)}" for peak in shown]
+    parts += [f"{m.run.engine} {_error(family, m)}" for m in member.measurements]
+    return "  ".join(parts if member.cycle else [*parts, member.reason])
 
 
 # --- sentences -------------------------------------------------------------------------------------------------------
@@ -157,9 +150,9 @@ def _worst(family: Family) -> Iterator[tuple[str, int, float]]:
     """Yield by engine how many members it solved, and its largest error on them."""
     for number, engine in enumerate(family.engines):
         if engine != REFERENCE:
-            own = [member.measurements[number] for member in family.members if member.measurements]
+            own = (member.measurements[number] for member in family.members if member.measurements)
             solved = [m for m in own if m.run.status is Status.ok]
-            errors = [worst_error(family.scene, m) for m in solved]
+            errors = (worst_error(family.scene, m) for m in solved)
             sizes = [error.size for error in errors if error]
             yield engine, len(solved), np.max(sizes, initial=0.0)  # NaN: the largest
 
@@ -181,13 +174,14 @@ def agreement(family: Family) -> Agreement:
     return Agreement(word, f"{_ran(family)} {which}: {worst.sentence}")
 
 
+def failures(family: Family) -> list[str]:
+    """Which members cannot run, and why."""
+    return [f"{label(family, m)}: {m.status}: {m.reason}" for m in family.members if m.cycle is None]
+
+
 def notes(family: Family) -> list[str]:
     """How far the reference may be off, which members cannot run, and which engines fail on which; and why."""
     sentences = [*floors(m.judgement.reference.floor for m in family.members if m.judgement is not None)]
-    sentences += [f"{label(family, m)}: {m.status}: {m.reason}" for m in family.members if m.cycle is None]
-    return sentences + [
-        f"{label(family, member)}: {m.run.engine}: {m.run.status.name}: {m.run.reason}"
-        for member in family.members
-        for m in member.measurements
-        if m.run.status is not Status.ok
-    ]
+    failed = [(of, m.run) for of in family.members for m in of.measurements if m.run.status is not Status.ok]
+    sentences += failures(family)
+    return sentences + [f"{label(family, of)}: {run.engine}: {run.status.name}: {run.reason}" for of, run in failed]

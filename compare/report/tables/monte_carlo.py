@@ -12,7 +12,7 @@ from ...measure.many.spread import Spread
 from ...measure.many.study import MonteCarlo
 from ..numbers import DIGITS, Units, capital, percent, units, written
 from . import TableRows
-from .family import short_names
+from .family import names
 
 OFF = 0.05  # relative: a linear model's standard deviation that is off by more misleads
 FEW = 20  # machines that the JSON file has in full, picked by the seed
@@ -70,10 +70,8 @@ def overview(study: MonteCarlo) -> TableRows:
     return [
         {"number": capital(s.name), "as drawn": written(s.nominal, s.unit, shown_units(study))}
         | {"standard deviation": _amount(study, s, s.deviation), "linear": _amount(study, s, s.linear)}
-        | {
-            "the linear model is off by": percent(sqrt(s.unexplained)),
-            "mean": _amount(study, s, s.mean - s.nominal, "+"),
-        }
+        | {"the linear model is off by": percent(sqrt(s.unexplained))}
+        | {"mean": _amount(study, s, s.mean - s.nominal, "+")}
         | {f"{100 * float(q):g} %": _amount(study, s, value - s.nominal, "+") for q, value in s.quantiles.items()}
         for s in moving(study)
     ]
@@ -84,16 +82,12 @@ def _amount(study: MonteCarlo, number: Spread, value: float, sign: str = "") -> 
     return written(value, number.unit, shown_units(study), digits=DIGITS, sign=sign).replace(" ", "\u00a0")
 
 
-def names(study: MonteCarlo) -> list[str]:
-    """Short names of what varies."""
-    return short_names([variation.path for variation in study.scene.variations])
-
-
 def shares(study: MonteCarlo) -> TableRows:
     """A row a number with the share of its variance that each variation has."""
+    named = names(study.scene.variations)
     return [
         {"number": capital(s.name)}
-        | {name: f"{100 * share:.1f} %" for name, share in zip(names(study), s.shares.values(), strict=True)}
+        | {name: f"{100 * share:.1f} %" for name, share in zip(named, s.shares.values(), strict=True)}
         for s in moving(study)
     ]
 
@@ -111,11 +105,11 @@ def against_engines(study: MonteCarlo) -> TableRows:
 def worst(study: MonteCarlo, machine: int) -> TableRows:
     """How far each number of the file is off the drawing on one machine."""
     here = study.changes(machine)
-    drawn = zip(study.scene.variations, numbers_in(study.scene.file, [*here]), strict=True)
+    drawn = zip(study.scene.variations, here.values(), numbers_in(study.scene.file, [*here]), strict=True)
     return [
-        {"number of the file": v.path, "as drawn": f"{number:.7g}", "here": f"{here[v.path]:.7g}"}
-        | {"of what is allowed": f"{100 * (here[v.path] - number) / v.plus_minus:+.0f} %".replace("-", "−")}
-        for v, number in drawn
+        {"number of the file": v.path, "as drawn": f"{number:.7g}", "here": f"{own:.7g}"}
+        | {"of what is allowed": f"{100 * (own - number) / v.plus_minus:+.0f} %".replace("-", "−")}
+        for v, own, number in drawn
     ]
 
 
@@ -139,9 +133,10 @@ def ran(study: MonteCarlo) -> str:
 
 def setup(study: MonteCarlo) -> str:
     """What varies."""
-    uniform = sum(v.distribution == "uniform" for v in study.scene.variations)
-    kinds = f"{len(study.scene.variations) - uniform} by normal distributions, {uniform} by uniform ones"
-    return f"{len(study.scene.variations)} numbers of the scene vary, {kinds}: {', '.join(names(study))}."
+    varied = study.scene.variations
+    uniform = sum(v.distribution == "uniform" for v in varied)
+    kinds = f"{len(varied) - uniform} by normal distributions, {uniform} by uniform ones"
+    return f"{len(varied)} numbers of the scene vary, {kinds}: {', '.join(names(varied))}."
 
 
 def verdicts(study: MonteCarlo) -> Iterator[str]:
@@ -155,11 +150,9 @@ def verdicts(study: MonteCarlo) -> Iterator[str]:
     elif shown:
         yield f"Adding the tolerances up linearly gives each standard deviation to within {percent(max(off.values()))}."
     for engine in (m.run.engine for m in study.judged.measurements):
-        ratios = {s.name: differences(study, s).get(engine, nan) / s.deviation for s in shown}
-        known = {name: ratio for name, ratio in ratios.items() if not isnan(ratio)}
+        ratios = [(differences(study, s).get(engine, nan) / s.deviation, s.name) for s in shown]
+        known = [ratio for ratio in ratios if not isnan(ratio[0])]
         if known:
-            name = max(known, key=lambda name: known[name])
-            yield (
-                f"{engine} differs from the reference by {percent(min(known.values()))} to {percent(known[name])} of"
-                f" what the tolerances do to the same number; the most at the {name}."
-            )
+            largest, name = max(known, key=lambda ratio: ratio[0])
+            to = f"{percent(min(known)[0])} to {percent(largest)} of what the tolerances do to the same number"
+            yield f"{engine} differs from the reference by {to}; the most at the {name}."

@@ -26,14 +26,15 @@ from . import TableRows
 
 # Figures of an error that the table by group has, as `ChannelError` names them.
 FIGURES = ("max", "rms", "last_turn_max", "toggle_max", "commanded_max", "commanded_rms", "explained")
+GATE = ("engine", "group", "tolerance", "error", "met", "worst")  # what the table of tolerances has of each
 
 
 def overview(study: Study, *, timed: bool = True) -> TableRows:
     """One row per engine: status, largest error by group, times if asked. Failed engines keep their row."""
     rows: list[dict[str, object]] = []
     for run, worst in ((m.run, m.worst()) for m in study.measurements):
-        named = {"engine": run.engine, "status": run.status.name, "setting": run.settings.label if run.settings else ""}
-        named["promise"] = f"{run.settings.promise:.0e}" if run.settings else ""
+        label, promise = (run.settings.label, f"{run.settings.promise:.0e}") if run.settings else ("", "")
+        named = {"engine": run.engine, "status": run.status.name, "setting": label, "promise": promise}
         seconds = {"build": run.build_s, "solve": run.solve_s, "read": run.read_s} if timed else {}
         errors = {group: worst.get(group, nan) for group in ("drive", *shown_groups(study.scene))}
         rows.append({**named, **errors, **{f"{stage} [ms]": 1e3 * time for stage, time in seconds.items()}})
@@ -47,11 +48,7 @@ def errors(study: Study) -> TableRows:
 
 def gates(study: Study) -> TableRows:
     """Every tolerance of the scene, the error measured, and whether it was met."""
-    return [
-        {"engine": gate.engine, "group": gate.group, "tolerance": gate.tolerance}
-        | {"error": gate.error, "met": gate.met, "worst": gate.worst}
-        for gate in study.held
-    ]
+    return [{column: getattr(gate, column) for column in GATE} for gate in study.held]
 
 
 def by_group(study: Study) -> TableRows:
@@ -60,30 +57,24 @@ def by_group(study: Study) -> TableRows:
     for measured in study.measurements:
         largest = {figure: measured.worst(figure) for figure in FIGURES}
         for group, of in grouped(measured.errors).items():
-            worst = worst_of(of)
+            worst, figures = worst_of(of), {figure: sizes[group] for figure, sizes in largest.items()}
             at = {"worst_channel": worst.channel, f"max_at [{axis(study.scene).unit}]": worst.max_at}
-            figures = {figure: sizes[group] for figure, sizes in largest.items()}
             rows.append({"engine": measured.run.engine, "group": group} | figures | at)
     return rows
 
 
 def checks(study: Study) -> TableRows:
     """The worst violation of each reference-free check by engine, and the body with it."""
-    at = f"max_at [{axis(study.scene).unit}]"
-    worst: dict[tuple[str, str], Check] = {}
+    at, every = f"max_at [{axis(study.scene).unit}]", dict[tuple[str, str], list[Check]]()
     for engine, check in ((m.run.engine, check) for m in study.measurements for check in m.checks):
-        if (engine, check.check) not in worst or _size(check) > _size(worst[engine, check.check]):
-            worst[engine, check.check] = check
-    least = 1e-6 * max((abs(c.max_at) for m in study.measurements for c in m.checks if not isnan(c.max_at)), default=0)
+        every.setdefault((engine, check.check), []).append(check)
+    worst = {key: max(of, key=lambda c: inf if isnan(c.worst) else c.worst) for key, of in every.items()}
+    least = 1e-6 * max((abs(c.max_at) for of in every.values() for c in of if not isnan(c.max_at)), default=0)
     return [
-        {"engine": engine, "check": check.check, "of": check.of, "worst": check.worst}
+        {"engine": engine, "check": kind, "of": check.of, "worst": check.worst}
         | {at: check.max_at if abs(check.max_at) > least else 0.0, "relative to": check.relative_to}  # round-off of 0
-        for (engine, _), check in worst.items()
+        for (engine, kind), check in worst.items()
     ]
-
-
-def _size(check: Check) -> float:
-    return inf if isnan(check.worst) else check.worst
 
 
 def peaks(study: Study) -> TableRows:
@@ -109,8 +100,7 @@ def residuals(study: Study) -> TableRows:
 
 def sketch(study: Study) -> TableRows:
     """How far the linkage's points are from where the sketch shows them, the farthest first."""
-    unit, size = study.scene.length_unit
-    largest = largest_length(study.scene)
+    (unit, size), largest = study.scene.length_unit, largest_length(study.scene)
     return [
         {"point": point, f"distance [{unit}]": distance / size, "of the largest length": distance / largest}
         for point, distance in sorted(off_sketch(study.reference).items(), key=lambda item: -item[1])
@@ -120,19 +110,17 @@ def sketch(study: Study) -> TableRows:
 def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -> TableRows:
     """What mass, centre of mass and inertia each body was taken to have, and by which rule; of no kinematic one.
 
-    Args:
-        study: of the linkage.
-        units: name and size in SI of those of length and mass, the file's where there are none.
+    In units of length and mass, name and size in SI: the file's where none are given.
     """
     scene = study.scene
     (length, m), (mass, kg) = ((units or scene.units)[name] for name in ("length", "mass"))
-    columns = ("body", f"mass [{mass}]", f"com x [{length}]", f"com y [{length}]", f"inertia [{mass}*{length}^2]")
     rows: list[dict[str, object]] = []
     for name, body in scene.bodies.items() if scene.has_masses else ():
         own = weights(scene, body)
         com = (own.com + first_point(body)) / m
-        numbers = name, own.mass / kg, com.real, com.imag, own.inertia / (kg * m**2)
-        rows.append({**dict(zip(columns, numbers, strict=True)), "taken as": rule(body)})
+        placed = {f"mass [{mass}]": own.mass / kg, f"com x [{length}]": com.real, f"com y [{length}]": com.imag}
+        turned = {f"inertia [{mass}*{length}^2]": own.inertia / (kg * m**2), "taken as": rule(body)}
+        rows.append({"body": name, **placed, **turned})
     return rows
 
 
@@ -141,10 +129,12 @@ def settings(study: Study) -> TableRows:
     rows: list[dict[str, object]] = []
     for run in (m.run for m in study.measurements if m.run.settings):
         meanings = get_type_hints(type(run.settings), include_extras=True)
-        for name, value in vars(run.settings).items():
-            if value != "":
-                named = {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
-                rows.append(named | {"meaning": meanings[name].__metadata__[0]})
+        rows += (
+            {"engine": run.engine, "setting": name.replace("_", " "), "value": _value(value)}
+            | {"meaning": meanings[name].__metadata__[0]}
+            for name, value in vars(run.settings).items()
+            if value != ""
+        )
     return rows
 
 
