@@ -19,13 +19,7 @@ OF_A_STRETCH = 8  # ends, least, largest and gap of both coordinates; mostly fou
 
 
 def extremes(x: Samples, y: Samples, most: int = CURVE) -> NDArray[np.intp]:
-    """The rows of a curve to draw, in order: all, or `most` at most with every stretch's extremes and a gap.
-
-    Args:
-        x: shape (n,); NaN is a gap.
-        y: shape (n,).
-        most: points.
-    """
+    """The rows of a curve to draw, in order: all, or `most` at most with every stretch's extremes and a gap (NaN)."""
     n, stretches = len(x), max(most // OF_A_STRETCH, 1)
     if n <= most:
         return np.arange(n)
@@ -49,16 +43,14 @@ def affordable(figures: Iterable[Iterable[Trace]]) -> int:
 
 def thinned(traces: Iterable[Trace], most: int = CURVE, precision: type[np.floating[Any]] = np.float64) -> list[Trace]:
     """Traces with at most so many points a curve, and those in some precision."""
-    return [_thinned(trace, most, precision) if _is_curve(trace) else trace for trace in traces]
-
-
-def _thinned(trace: Trace, most: int, precision: type[np.floating[Any]]) -> Trace:
-    x, y = (np.asarray(trace[axis]) for axis in ("x", "y"))
-    rows = extremes(x, y, most)
-    return {**trace} | {
-        axis: values[rows].astype(precision if values.dtype == np.float64 else values.dtype)
-        for axis, values in (("x", x), ("y", y))
-    }
+    shown = [*traces]
+    for number, trace in enumerate(shown):
+        if _is_curve(trace):
+            x, y = np.asarray(trace["x"]), np.asarray(trace["y"])
+            rows = extremes(x, y, most)
+            kept = (of[rows].astype(precision if of.dtype == np.float64 else of.dtype) for of in (x, y))
+            shown[number] = {**trace, **dict(zip("xy", kept, strict=True))}
+    return shown
 
 
 def _is_curve(trace: Trace) -> bool:

@@ -55,18 +55,11 @@ class CheckResult(Study):
         return pd.DataFrame(tables.masses(self, SI))
 
     def svg(self, *, moving: bool = True) -> str:
-        """The linkage as one SVG for a slide, without a script.
-
-        Args:
-            moving: whether it moves by itself over the run, again and again, rather than stands at the first sample.
-        """
+        """The linkage as one SVG for a slide, without a script: moving by itself, or at the first sample."""
         return linkage_svg(self.scene, self.motion, moving=moving)
 
     def plot(self, channel: str) -> "Figure":
-        """A figure of a channel, by the reference and every engine that has it, with their errors below.
-
-        Args:
-            channel: its name, as `P5.ay`.
+        """A figure of a channel, as `P5.ay`, by the reference and every engine that has it, with their errors below.
 
         Raises:
             KeyError: it is none that is compared; the message names the nearest one.

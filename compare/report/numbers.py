@@ -39,12 +39,8 @@ def units(*references: Reference) -> Units:
 def written(value: float, unit: str, units: Units, *, digits: int = 0, sign: str = "") -> str:
     """A quantity in SI in the unit of the page, or else with the prefix that suits it: `84.2 kN`.
 
-    Args:
-        value: in SI.
-        unit: its SI unit.
-        units: of the page.
-        digits: significant ones; 0 for as many as such a quantity mostly has.
-        sign: `+` where a positive one has its sign too.
+    Digits are significant ones, 0 for as many as such a quantity mostly has; the sign is `+` where a positive one has
+    it too.
     """
     if isnan(value):
         return "–"

@@ -17,11 +17,9 @@ def json_text(value: Any) -> str:
 
 
 def plain(value: Any, of_array: Callable[[NDArray[Any]], Any] | None = None) -> Any:
-    """A value in JSON's own types.
+    """Numbers, texts, data classes, mappings, sequences and arrays, in each other, in JSON's own types.
 
-    Args:
-        value: numbers, texts, data classes, mappings, sequences and arrays, in each other.
-        of_array: what an array becomes; a list if None.
+    `of_array` is what an array becomes, a list if None.
     """
     if isinstance(value, float):
         return float(value) if isfinite(value) else None
@@ -32,7 +30,10 @@ def plain(value: Any, of_array: Callable[[NDArray[Any]], Any] | None = None) -> 
     if is_dataclass(value):
         return {field.name: plain(getattr(value, field.name), of_array) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {_key(key): plain(part, of_array) for key, part in value.items()}
+        return {
+            "-".join(sorted(key)) if isinstance(key, frozenset) else str(key): plain(part, of_array)
+            for key, part in value.items()
+        }
     if isinstance(value, frozenset):
         return sorted(value)
     if isinstance(value, Enum):
@@ -40,7 +41,3 @@ def plain(value: Any, of_array: Callable[[NDArray[Any]], Any] | None = None) -> 
     if isinstance(value, Iterable) and not isinstance(value, str):
         return [plain(item, of_array) for item in value]
     return value.item() if hasattr(value, "item") else value
-
-
-def _key(key: object) -> str:
-    return "-".join(sorted(key)) if isinstance(key, frozenset) else str(key)

@@ -57,7 +57,7 @@ def panels(reference: Reference, request: Request) -> Iterator[Panel]:
     for panel in (*_motion_panels(reference), *(_force_panels(reference) if reference.scene.has_masses else ())):
         curves = [curve for curve in panel.curves if asked.issuperset(curve.factors)]
         if curves:
-            yield replace(panel, curves=curves, judged=[channel for channel in panel.judged if channel in asked])
+            yield replace(panel, curves=curves, judged=tuple(c for c in panel.judged if c in asked))
 
 
 def chosen(study: Study) -> tuple[list[Panel], list[Panel]]:

@@ -18,9 +18,5 @@ class Offline(PlotlyFigure):  # type: ignore[misc]
 
 
 def offline(figure: Figure) -> Offline:
-    """A figure as plotly's own.
-
-    Raises:
-        ValueError: an attribute is none of plotly's, or has a value that it does not take.
-    """
+    """A figure as plotly's own; a ValueError where an attribute is none of plotly's, or has a value that is not."""
     return Offline({"data": thinned(figure.traces), "layout": figure.layout | {"template": TEMPLATE}})

@@ -22,8 +22,7 @@ from ..figures.style import DARK_GREY, colour
 from ..numbers import units
 from ..pages.html import packed
 from .drawing import Drawing, arrows
-from .shapes import outlines
-from .svg import picture
+from .svg import outlines, picture
 
 SAMPLES, LEAST = 721, 73  # packed, at most; where there are many channels fewer, but for these
 NUMBERS = 100_000  # packed, at most: all channels of all engines at all samples; in the page three bytes each

@@ -1,18 +1,58 @@
-"""The linkage as one SVG: at the first sample of a motion, or moving by itself."""
+"""The linkage as one SVG: at the first sample of a motion, or moving by itself.
 
+Its signs are bars, plates, blocks on their guides, pins, ground, springs, arrows. Each is drawn once in the frame of
+its body; what is not to scale, as a pin, is in pixels (class `sign`), and what scales along its x alone, as a guide, is
+so across (class `across`).
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from importlib.resources import files
+from itertools import pairwise
+from math import atan2, degrees
 from xml.etree.ElementTree import Element, SubElement, tostring
 from zlib import crc32
 
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, Body
 
-from . import shapes
-from .drawing import PX, Drawing
+from ...mechanics.bodies import first_point
+from ...mechanics.motion_vectors import Vectors
+from ..extremes import extremes
+from .drawing import PX, Arrow, Drawing
 
 FRAMES = 72  # poses of a picture that moves by itself, at most
 PLAY = 5.0  # s that it takes
+PATH = 300  # points of a path, at most
+GUIDE, SLOT, BLOCK = 12, 9, 15  # px: half the width of a guide and of a slot; half the length of a block
+HEAD = 11  # px, of an arrow
+HATCH = 9  # px between two lines of a hatching
+TO_NAME = 18  # px from a point to its name
+DIRECTIONS = np.exp(1j * np.pi / 4 * np.array([-1, 1, 3, -3, 0, 2, 4, -2]))  # of names, the better ones first
+
+
+@dataclass(frozen=True)
+class Mover:
+    """An element that moves: its place in the picture, its angle in degrees clockwise, its stretch along its own x."""
+
+    element: Element
+    place: Vectors
+    angle: Samples | None = None
+    stretch: Samples | None = None
+    evenly: bool = False  # and across too
+
+    def transform(self, row: int, *, css: bool = False) -> str:
+        """The transform at a row of the motion, as an attribute's text or that of a style."""
+        length, turn, gap = ("px", "deg", ",") if css else ("", "", " ")
+        text = f"translate({self.place[row].real:.1f}{length}{gap}{self.place[row].imag:.1f}{length})"
+        if self.angle is not None:
+            text += f" rotate({self.angle[row]:.2f}{turn})"
+        if self.stretch is not None:
+            text += f" scale({self.stretch[row]:.4g}{gap}{self.stretch[row] if self.evenly else 1:.4g})"
+        return text
 
 
 def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
@@ -24,7 +64,7 @@ def by_itself(drawing: Drawing, frames: int) -> str:
     """A drawing that moves by itself through so many poses, or stands where there are none."""
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
-    style, own = [text("linkage.css"), text("colours.css")], crc32(tostring(root))  # names of its own on a page
+    style, own = [str(root[0].text), text("colours.css")], crc32(tostring(root))  # names of its own on a page
     for number, mover in enumerate(movers if frames else []):
         name, shares = f"m{own:x}-{number}", np.linspace(0, 100, len(rows))
         mover.element.set("style", f"animation: {name} {PLAY:g}s linear infinite")
@@ -36,28 +76,28 @@ def by_itself(drawing: Drawing, frames: int) -> str:
     return tostring(root, encoding="unicode")
 
 
-def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
-    """A drawing at its first sample, its style as the first child, and what in it moves.
+def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
+    """A drawing at its first sample, its style as the first child, and what in it moves, arrows in their order.
 
     A group that moves names what moves it: `data-point`, where it is; `data-turn`, the body it turns with; `data-to`,
-    the point at the other end of a spring. Those of arrows are in the order of the drawing's.
+    the point at the other end of a spring.
     """
     (width, height), scene = drawing.size, drawing.scene
     label = f"{scene.title} at {scene.where(float(drawing.motion[scene.drive_channel][0]))}"
     box = {"class": "linkage", "viewBox": f"0 0 {width:.1f} {height:.1f}", "style": f"--px: {PX:.4f}"}
     root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": label} | box)
     SubElement(root, "style").text = text("linkage.css")
-    shapes.background(root, drawing)
-    movers = [*shapes.bodies(root, drawing), *shapes.springs(root, drawing)]
+    background(root, drawing)
+    movers = [*bodies(root, drawing), *springs(root, drawing)]
     SubElement(root, "g", {"class": "engines"})
-    movers += shapes.points(root, drawing)
-    for arrow in drawing.arrows:
-        movers += shapes.arrow(root, drawing, arrow)
+    movers += points(root, drawing)
+    for force in drawing.arrows:
+        movers += arrow(root, drawing, force)
     if drawing.scale_text:
         corner = SubElement(root, "g", {"transform": f"translate(0 {height:.1f})"})
         note = SubElement(corner, "text", {"class": "sign scale", "x": "8", "y": "-8"})
         SubElement(note, "tspan", {"class": "joint"}).text = "joint forces"
-        if any(arrow.load for arrow in drawing.arrows):
+        if any(force.load for force in drawing.arrows):
             note[0].tail = " and "
             SubElement(note, "tspan", {"class": "load"}).text = "loads"
         note[-1].tail = f": {drawing.scale_text}"
@@ -69,3 +109,162 @@ def picture(drawing: Drawing) -> tuple[Element, list[shapes.Mover]]:
 def text(name: str) -> str:
     """A file that lies beside this one."""
     return files("compare.report.linkage").joinpath(name).read_text(encoding="utf-8")
+
+
+def background(root: Element, drawing: Drawing) -> None:
+    """Draw what stands still: paths, guides on the ground, the sketch."""
+    scene = drawing.scene
+    for point in scene.moving_points:
+        path = drawing.units(drawing.places[point])
+        _line(root, "path", path[extremes(path.real, path.imag, PATH)])
+    for body in scene.bodies.values():
+        if body.slide is not None and body.slide.on == GROUND:
+            _guide(root, drawing.units(drawing.way(body)))
+    ghost = SubElement(root, "g", {"class": "ghost", "visibility": "hidden"})
+    drawn = {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
+    for points in outlines(drawing):
+        shown = np.array([drawn[point] for point in points if point in drawn], np.complex128)
+        _line(ghost, "sketch", drawing.units(shown))
+
+
+def outlines(drawing: Drawing) -> list[tuple[str, ...]]:
+    """The points around each body; one of more than two comes back to the first."""
+    return [_around(drawing, body) for body in drawing.scene.bodies.values() if len(body.points) > 1]
+
+
+def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every body with the slots of those that slide on it."""
+    scene = drawing.scene
+    for body in scene.bodies.values():
+        kind = "body driven" if body.name == scene.drive.body else "body"
+        group = SubElement(root, "g", {"class": kind, "data-point": body.points[0], "data-turn": body.name})
+        SubElement(group, "title").text = body.name
+        own = drawing.own(body)
+        outline = np.array([own[point] for point in _around(drawing, body)])
+        for slider in scene.bodies.values():
+            if slider.slide is not None and slider.slide.on == body.name:
+                _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
+        if len(body.points) > 1:
+            _line(group, "bar" if len(body.points) == 2 else "plate", outline)
+        if body.slide is not None:
+            turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
+            half = SLOT - 2 if body.slide.on != GROUND else GUIDE - 2
+            _path(SubElement(group, "g", turn), "sign block", f"M{-BLOCK} {-half}H{BLOCK}V{half}H{-BLOCK}Z")
+        elif len(body.points) == 1:
+            _path(group, "sign block", "M-11 0A11 11 0 0 0 11 0A11 11 0 0 0 -11 0Z")
+        clockwise = -np.degrees(np.unwrap(drawing.state.angle(body.name)))
+        yield Mover(group, drawing.units(drawing.places[body.points[0]]), clockwise)
+
+
+def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every spring as a zigzag, as long as one unit and stretched between its ends."""
+    for spring in drawing.scene.springs:
+        (_, first), (_, second) = spring.first, spring.second
+        group = SubElement(root, "g", {"data-point": first, "data-to": second})
+        teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
+        _path(group, "across spring", f"M0 0H.2{teeth}L.8 0H1")
+        start, end = (drawing.units(drawing.places[point]) for point in (first, second))
+        yield Mover(group, start, np.degrees(np.unwrap(np.angle(end - start))), np.maximum(np.abs(end - start), 1e-6))
+
+
+def points(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every point as a pin with its name, upright, and a fixed one on hatched ground."""
+    around = outlines(drawing)
+    for point in drawing.scene.owners:
+        group = SubElement(root, "g", {"data-point": point})
+        if point in drawing.scene.ground:
+            _path(group, "sign", "M0 0L-11 18H11Z M-17 18H17")
+            _path(group, "sign hatch", " ".join(f"M{x} 18l-6 7" for x in range(-13, 18, 6)))
+        _path(group, "sign pin", "M-5 0A5 5 0 0 0 5 0A5 5 0 0 0 -5 0Z")
+        side = _free(drawing, point, around)
+        anchor = "middle" if abs(side.real) < 0.5 else "start" if side.real > 0 else "end"
+        at = {"x": f"{TO_NAME * side.real * 0.8:.1f}", "y": f"{5 + TO_NAME * side.imag:.1f}", "text-anchor": anchor}
+        SubElement(group, "text", {"class": "sign name"} | at).text = point
+        yield Mover(group, drawing.units(drawing.places[point]))
+
+
+def arrow(root: Element, drawing: Drawing, force: Arrow) -> Iterator[Mover]:
+    """Draw a force as an arrow from where it attacks, or a load as one that ends there."""
+    place = drawing.units(drawing.places[force.point])
+    way = drawing.per_metre * drawing.per_newton * np.conj(force.force)
+    group, length = SubElement(root, "g", {"class": "force load" if force.load else "force"}), np.abs(way)
+    SubElement(group, "title").text = force.name
+    shaft, head = SubElement(group, "g"), SubElement(group, "g")
+    start, end = (-1, 0) if force.load else (0, 1)  # a filled strip: browsers blur a line that is stretched by itself
+    _path(shaft, "head across", f"M{start} -1.25H{end}V1.25H{start}Z")
+    _path(head, "sign head", f"M{-HEAD} -5L0 0L{-HEAD} 5Z")
+    still = np.zeros(len(place), complex)
+    yield Mover(group, place, np.degrees(np.unwrap(np.angle(way))))
+    yield Mover(shaft, still, None, np.maximum(length, 1e-3))
+    yield Mover(head, still + end * length, None, np.clip(length / (HEAD * PX), 1e-3, 1), evenly=True)
+
+
+def _around(drawing: Drawing, body: Body) -> tuple[str, ...]:
+    """The points around a body, back to the first of more than two; many in the order around their middle."""
+    own = drawing.own(body)
+    if len(own) < 3:
+        return body.points
+    middle = sum(own.values()) / len(own)
+    first = own[body.points[0]] - middle or 1.0
+    order = sorted(own, key=lambda point: float(np.angle((own[point] - middle) / first) % (2 * np.pi)))
+    return (*order, order[0])
+
+
+def _free(drawing: Drawing, point: str, around: Iterable[Sequence[str]]) -> complex:
+    """The direction from a point, x to the right and i times y downwards, that bodies leave free the longest."""
+    rows = np.linspace(0, len(drawing.motion["time"]) - 1, 24).astype(int)
+    at = {name: drawing.units(places[rows]) for name, places in drawing.places.items()}
+    names = at[point] + 1.2 * TO_NAME * PX * DIRECTIONS[:, np.newaxis]
+    gaps = [np.abs(names - other) for name, other in at.items() if name != point]
+    for outline in around:
+        gaps += [np.abs(names - _foot(names, at[start], at[end])) for start, end in pairwise(outline)]
+    if point in drawing.scene.ground:
+        gaps.append(np.abs(names - at[point] - 15j * PX))
+    near = np.minimum(np.min(gaps, axis=0), TO_NAME * PX) if gaps else np.ones((len(DIRECTIONS), 1))
+    return complex(DIRECTIONS[near.mean(axis=1).round(3).argmax()])
+
+
+def _along(root: Element, ends: Vectors) -> tuple[Element, float]:
+    """A group whose x axis is a way, from one end of it, and the length of that."""
+    way = ends[1] - ends[0]
+    place = f"translate({ends[0].real:.2f} {ends[0].imag:.2f}) rotate({degrees(np.angle(way)):.3f})"
+    return SubElement(root, "g", {"transform": place}), abs(way)
+
+
+def _guide(root: Element, ends: Vectors) -> None:
+    """Draw a guide on the ground: two lines, hatched outside, longer than the way by a block at each end."""
+    group, length = _along(root, ends)
+    start, end, step, lines = -1.6 * BLOCK * PX, length + 1.6 * BLOCK * PX, HATCH * PX, ""
+    _path(group, "across guide", " ".join(f"M{start:.1f} {y}H{end:.1f}" for y in (-GUIDE, GUIDE)))
+    for x in np.arange(start, end, step):
+        lines += f"M{x:.1f} {GUIDE}l{-0.7 * step:.1f} 7M{x:.1f} {-GUIDE}l{0.7 * step:.1f} -7"
+    _path(group, "across hatch", lines)
+
+
+def _slot(group: Element, ends: Vectors, outline: Vectors) -> None:
+    """Draw the slot of a carrier, longer than the way by a block at each end, and joined to bars that pass it by."""
+    along = np.linspace(ends[0], ends[1], 9)
+    bars = [_foot(along, np.array(p), np.array(q)) for p, q in pairwise([*outline[:1], *outline])]
+    bar, place = divmod(int(np.argmin(np.abs(np.array(bars) - along))), len(along))
+    if abs(bars[bar][place] - along[place]) > 2 * SLOT * PX:
+        _line(group, "bar", np.array([bars[bar][place], along[place]]))
+    inner, length = _along(group, ends)
+    start, end = -1.4 * BLOCK * PX, length + 1.4 * BLOCK * PX
+    _path(inner, "across slot", f"M{start:.1f} {-SLOT}H{end:.1f}V{SLOT}H{start:.1f}Z")
+
+
+def _foot(places: Vectors, start: Vectors, end: Vectors) -> Vectors:
+    """The points of a bar that are nearest to some places."""
+    way = end - start
+    share = np.clip(((places - start) * way.conj()).real / np.maximum(np.abs(way) ** 2, 1e-12), 0, 1)
+    nearest: Vectors = start + share * way
+    return nearest
+
+
+def _line(parent: Element, kind: str, corners: Vectors) -> None:
+    if len(corners):
+        _path(parent, kind, "M" + "L".join(f"{corner.real:.1f} {corner.imag:.1f}" for corner in corners))
+
+
+def _path(parent: Element, kind: str, path: str) -> None:
+    SubElement(parent, "path", {"class": kind, "d": path})

@@ -1,7 +1,9 @@
 """The page on one scene: one self-contained HTML file, opened from disk with no network."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from scenes.scene import ConstantSpeed
 
@@ -11,12 +13,12 @@ from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..extremes import affordable
 from ..figures.curves import chosen, over_angle
-from ..figures.description import described
-from ..figures.figure import Figure
+from ..figures.figure import Attributes, Figure
 from ..figures.singular import assur_groups, over_distance
 from ..figures.speed import work_precision
+from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture
-from ..numbers import units
+from ..numbers import short, units
 from ..tables import first_screen
 from ..tables import speed as speed_tables
 from ..tables import study as tables
@@ -29,7 +31,7 @@ ONLY_ANALYTIC = (
     "A curve for each Assur group, named by its inner joint, from the reference, which alone knows such groups."
     " Distance: the least change of a length of the group, or of the offset of a guide, that makes the pose singular."
 )
-ROUND_OFF = (
+ABOVE = (
     "Explained by round-off: errors that no calculation with 16 digits avoids, by the condition of the constraint"
     " Jacobian, or by how far the motion moves with the last digits of the scene's numbers. What is above is a fault."
 )
@@ -80,4 +82,37 @@ def _singular(study: Study) -> Iterator[tuple[str, Figure, str]]:
         title = "Assur groups: transmission angle, and distance to the singular configuration"
         yield title, groups, ONLY_ANALYTIC
     if (distance := over_distance(study)) is not None:
-        yield "Errors against the distance to the singular configuration", distance, ROUND_OFF
+        yield "Errors against the distance to the singular configuration", distance, ABOVE
+
+
+def described(title: str, figure: Figure) -> str:
+    """A figure in words, for those who do not see it: the least and the largest value by panel, and where they are."""
+    panels: dict[str, list[Attributes]] = {}
+    for trace in figure.traces:
+        if trace["name"] and trace["name"] not in (FLOOR, ROUND_OFF) and len(trace["x"]):
+            panels.setdefault(trace["yaxis"], []).append(trace)
+    axes = {name: part["title"]["text"] for name, part in figure.layout.items() if "axis" in name and "title" in part}
+    over = [title for name, title in axes.items() if name.startswith("x")]
+    notes = [note["text"] for note in figure.layout.get("annotations", ())]
+    names = notes or [axes[f"yaxis{panel.removeprefix('y')}"] for panel in panels]
+    sentences = [f"{title}, over {over[-1]}"] if over else [title]
+    for name, traces in zip(names, panels.values(), strict=False):
+        lines = [trace for trace in traces if trace["mode"] == "lines"]  # markers lie on them
+        sentences.append(f"{name}: {_extremes(lines or traces)}")
+    return ". ".join(sentences) + "."
+
+
+def _extremes(traces: Sequence[Attributes]) -> str:
+    """The least and the largest value of some curves, each with its place and the name of its curve."""
+    traces = [trace for trace in traces if np.isfinite(np.asarray(trace["y"], float)).any()]
+    if not traces:
+        return "no values"
+    values = [np.asarray(trace["y"], float) for trace in traces]
+
+    def at(pick: Any, most: Any, none: float) -> str:
+        rows = [pick(np.where(np.isnan(y), none, y)) for y in values]
+        number = int(most([y[row] for y, row in zip(values, rows, strict=True)]))
+        trace, row = traces[number], rows[number]
+        return f"{short(float(values[number][row]))} ({trace['name']}) at {short(float(trace['x'][row]))}"
+
+    return f"from {at(np.argmin, np.nanargmin, np.inf)} to {at(np.argmax, np.nanargmax, -np.inf)}"

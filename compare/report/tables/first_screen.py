@@ -66,16 +66,16 @@ def answers(scene: Scene, peaks: Sequence[Peak], units: Units) -> tuple[list[Ans
 def _answer(over: DriveAxis, peak: Peak, units: Units) -> Answer:
     sizes = [size for size in peak.differs.values() if not isnan(size)]
     return Answer(
-        capital(peak.name),
-        MEANINGS.get(peak.name, ""),
-        written(peak.value, peak.unit, units),
-        peak.value,
-        peak.unit,
-        "",
-        pose_button(over, peak.channel, peak.position),
-        "" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
-        percent(max(sizes)) if sizes else "–",
-        ", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
+        name=capital(peak.name),
+        meaning=MEANINGS.get(peak.name, ""),
+        text=written(peak.value, peak.unit, units),
+        value=peak.value,
+        unit=peak.unit,
+        of="",
+        place=pose_button(over, peak.channel, peak.position),
+        direction="" if isnan(peak.direction) else f"{degrees(peak.direction):.0f}°".replace("-", "−"),
+        differ=percent(max(sizes)) if sizes else "–",
+        each=", ".join(f"{engine} {percent(size)}" for engine, size in peak.differs.items()),
     )
 
 
@@ -89,25 +89,23 @@ def pose_button(over: DriveAxis, channel: str, position: float) -> PoseButton | 
 
 def engines(study: Study) -> Iterator[dict[str, object]]:
     """A row an engine, in the order asked for: how its run ended, its largest error and where that is, its time."""
+    times = {(row.engine, row.setting): row.solve_min_s for row in study.speed[::-1]}  # of a solve per cycle
     for number, m in enumerate(study.measurements):
-        worst = worst_error(study.scene, m)
-        row: dict[str, object] = {"engine": _named(m), "colour": colour(number), "status": m.run.status.name}
-        row |= {"worst": worst.size if worst else None, "time": _time(study, m)}
-        yield row | {"place": pose_button(axis(study.scene), worst.channel, worst.position) if worst else None}
+        run, worst = m.run, worst_error(study.scene, m)
+        time = times.get((run.engine, run.settings.label if run.settings else ""))
+        yield {
+            "engine": _named(m),
+            "colour": colour(number),
+            "status": run.status.name,
+            "worst": worst.size if worst else None,
+            "time": "–" if time is None else written(time, "s", {}),
+            "place": pose_button(axis(study.scene), worst.channel, worst.position) if worst else None,
+        }
 
 
 def _named(measured: Measurement) -> str:
     """An engine's name with its version; for the reference, whose version is a package's, what it is."""
-    run = measured.run
-    version = run.version.partition(",")[0]
+    run, version = measured.run, measured.run.version.partition(",")[0]
     if measured.foreign:
         return f"{run.engine} ({version})" if version else run.engine
     return f"{run.engine} (reference)" if run.engine == REFERENCE else version or run.engine
-
-
-def _time(study: Study, measured: Measurement) -> str:
-    """The time of a solve per cycle at the settings of the run, as the table of speed has it."""
-    settings = measured.run.settings
-    own = (measured.run.engine, settings.label if settings else None)
-    times = (row.solve_min_s for row in study.speed if (row.engine, row.setting) == own)
-    return next((written(time, "s", {}) for time in times), "–")

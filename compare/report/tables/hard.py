@@ -14,20 +14,18 @@ from ...mechanics.mechanics import SHOWN_GROUPS
 from . import TableRows
 
 FINDERS = ("engine", "checks", "isolation", "reader")
+NONE = "nan of nan"  # digits, where they were not counted
 WRONG = (Outcome.silent, Outcome.false_alarm, Outcome.uncertified)
 
 
 def counts(cases: pd.DataFrame) -> TableRows:
     """One row an engine: how many attempts came out how, and by what the failures were noticed."""
     return [
-        {"engine": engine, "attempts": len(attempts)}
-        | {str(outcome): int((attempts["outcome"] == outcome).sum()) for outcome in (Outcome.right, Outcome.refused)}
-        | {
-            f"by {finder}": int(((attempts["outcome"] == Outcome.refused) & (attempts["found_by"] == finder)).sum())
-            for finder in FINDERS
-        }
-        | {str(outcome): int((attempts["outcome"] == outcome).sum()) for outcome in WRONG}
-        for engine, attempts in cases.groupby("engine", sort=False)
+        {"engine": engine, "attempts": len(of)}
+        | {str(outcome): int((of["outcome"] == outcome).sum()) for outcome in (Outcome.right, Outcome.refused)}
+        | {f"by {by}": int(((of["outcome"] == Outcome.refused) & (of["found_by"] == by)).sum()) for by in FINDERS}
+        | {str(outcome): int((of["outcome"] == outcome).sum()) for outcome in WRONG}
+        for engine, of in cases.groupby("engine", sort=False)
     ]
 
 
@@ -52,13 +50,9 @@ def digits(cases: pd.DataFrame) -> TableRows:
     counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
     return [
         {"series": row["ladder"], "linkage": row["rung"], "κ": row["condition"]}
-        | {group: _of_allowed(row[f"{group}_lost"], row[f"{group}_allowed"]) for group in groups}
+        | {group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}".replace(NONE, "–") for group in groups}
         for row in counted.to_dict("records")
     ]
-
-
-def _of_allowed(lost: float, allowed: float) -> str:
-    return "–" if np.isnan(lost) and np.isnan(allowed) else f"{lost:.1f} of {allowed:.1f}"
 
 
 def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, TableRows]]:

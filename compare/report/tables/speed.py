@@ -44,9 +44,8 @@ def verdict(study: Study) -> str:
 
 
 def _setting(study: Study, row: SpeedRow) -> str:
-    return (
-        f"{row.engine} with the setting “{row.setting}”, {1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}"
-    )
+    time = f"{1e3 * row.solve_min_s:.3g} ms per {cycle_name(study.scene)}"
+    return f"{row.engine} with the setting “{row.setting}”, {time}"
 
 
 def notes(study: Study) -> list[str]:
@@ -79,17 +78,14 @@ def orders(study: Study) -> TableRows:
     """The orders of convergence, a column per channel group, a row per family that has three good settings."""
     rows: dict[tuple[str, str], dict[str, object]] = {}
     for of in study.orders:
-        family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": _expected(of.expected_order)}
+        expected = "–" if of.expected_order is None else f"{of.expected_order:g}"
+        family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": expected}
         local = ", ".join(f"{order:.2f}" for order in of.local_orders)
         fit = f"{of.order:.2f}" if of.order == of.order else "not settled"
         text = f"{fit} ({local}; {of.residual:.1g})" if local else "–"
         rows.setdefault((of.engine, of.family), family)[of.group] = text
     known = set(groups(study.speed))
     return [row for row in rows.values() if any(row[group] != "–" for group in known & row.keys())]
-
-
-def _expected(order: float | None) -> str:
-    return "–" if order is None else f"{order:g}"
 
 
 def step_costs(study: Study) -> TableRows:

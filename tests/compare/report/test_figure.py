@@ -10,6 +10,8 @@ from plotly.subplots import make_subplots
 
 from compare.report.figures.figure import Figure, draw, grid, side_by_side, stacked
 from compare.report.figures.offline import offline
+from compare.report.figures.style import layout
+from compare.report.pages.report import described
 
 TITLES = ("a", "b", "c")
 
@@ -53,3 +55,17 @@ def test_arrays_are_packed_and_what_is_not_finite_is_null() -> None:
 def test_a_wrong_attribute_is_found() -> None:
     with pytest.raises(ValueError, match="colour"):
         offline(stacked().update_xaxes(colour="red"))
+
+
+def test_a_figure_in_words_has_its_extremes_with_their_places_and_curves() -> None:
+    figure = stacked(1, 1)
+    x = np.array([0.0, 10.0, 20.0])
+    draw(figure, "a", x, np.array([1.0, np.nan, -2.0]), 1)
+    draw(figure, "b", x, np.array([0.0, 5.0, 0.0]), 1)
+    draw(figure, "c", x, np.full(3, np.nan), 1)
+    draw(figure, "d", x, np.full(3, np.nan), 2)
+    figure.update_yaxes(title="speed [mm/s]", panel=1).update_yaxes(title="error [-]", panel=2)
+    figure.update_xaxes(title="crank angle [deg]", panel=2)
+    assert described("P5", figure.update_layout(layout(400))) == (
+        "P5, over crank angle [deg]. speed [mm/s]: from −2 (a) at 20 to 5 (b) at 10. error [-]: no values."
+    )

@@ -166,9 +166,9 @@ def test_of_many_joints_the_worst_are_drawn_and_the_rest_is_named(
 def test_long_tables_show_the_worst_rows_and_where_the_rest_is() -> None:
     table = pd.DataFrame({"channel": [f"c{n}" for n in range(1000)], "max": np.arange(1000.0)})
     table.loc[3, "max"] = np.nan
-    shown = shortened(table, "max", "errors.csv")
-    assert len(shown.rows) == ROWS
-    assert [channel for channel, _ in shown.rows[:2]] == ["c3", "c999"]
-    assert "c700" not in [channel for channel, _ in shown.rows]
-    assert shown.left_out == f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv."
+    columns, rows, left_out = shortened(table, "max", "errors.csv")
+    assert (columns, len(rows)) == (["channel", "max"], ROWS)
+    assert [channel for channel, _ in rows[:2]] == ["c3", "c999"]
+    assert "c700" not in [channel for channel, _ in rows]
+    assert left_out == f"The {ROWS} rows with the largest max, of 1,000; all are in errors.csv."
     assert first(map(str, range(1000)))[ROWS].startswith("And 800 more")
