@@ -12,6 +12,7 @@ from scenes.model.motion import Samples, force_channels
 from scenes.model.motion import channels as all_channels
 
 Texts = Mapping[str, list[str]]  # by column
+DEGREES = {"crank_angle": 'unit = "deg"'}  # what a mapping has besides the name of a column
 
 
 @dataclass(frozen=True)
@@ -57,9 +58,9 @@ class Writer:
         """Return columns as they are written, by channel."""
         return {channel: [format(value, self.decimals) for value in values] for channel, values in columns.items()}
 
-    def file(self, folder: Path, columns: Mapping[str, Samples], mapping: str = "", name: str = "theirs") -> Path:
+    def file(self, folder: Path, columns: Mapping[str, Samples], *mapping: str, **read: str) -> Path:
         """Write columns and their mapping, see `write`."""
-        return write(folder, self.texts(columns), mapping, name)
+        return write(folder, self.texts(columns), *mapping, **read)
 
 
 def instants(scene: Scene, count: int = 90, cycles: float = 0.9, seed: int = 1) -> Samples:
@@ -73,13 +74,14 @@ def channels(scene: Scene) -> list[str]:
     return [*all_channels(scene)[2:]]
 
 
-def write(folder: Path, texts: Texts, mapping: str, name: str = "theirs", separator: str = ",") -> Path:
+def write(folder: Path, texts: Texts, mapping: str = "", name: str = "theirs", sep: str = ",", **read: str) -> Path:
     """Write a table, whose columns are c0, c1, ..., and its mapping, and return the table's file."""
     file = folder / f"{name}.csv"
-    lines = [separator.join(f"c{k}" for k in range(len(texts)))]
-    lines += [separator.join(row) for row in zip(*texts.values(), strict=True)]
+    lines = [sep.join(f"c{k}" for k in range(len(texts)))]
+    lines += [sep.join(row) for row in zip(*texts.values(), strict=True)]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    columns = "".join(f'"{channel}" = "c{k}"\n' for k, channel in enumerate(texts))
+    as_read = {c: f'{{ column = "c{k}", {read[c]} }}' if c in read else f'"c{k}"' for k, c in enumerate(texts)}
+    columns = "".join(f'"{channel}" = {column}\n' for channel, column in as_read.items())
     file.with_suffix(".toml").write_text(f"{mapping}\n[columns]\n{columns}", encoding="utf-8")
     return file
 

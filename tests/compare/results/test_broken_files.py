@@ -28,7 +28,7 @@ def scene() -> Scene:
 def good(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Broken:
     """Return a table and its mapping with nothing wrong."""
     columns = Writer().columns(scene, instants(scene, 12), CHANNELS)
-    file = write(tmp_path_factory.mktemp("good"), Writer(decimals=".6f").texts(columns), "", separator=";")
+    file = write(tmp_path_factory.mktemp("good"), Writer(decimals=".6f").texts(columns), "", sep=";")
     return file.read_bytes(), file.with_suffix(".toml").read_text()
 
 

@@ -17,14 +17,9 @@ from scenes import InputError, Sampling, Scene
 from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import SLOW, References
-from tests.foreign import MILLIMETRES, Writer, channels, instants, write
+from tests.foreign import DEGREES, MILLIMETRES, Writer, channels, instants, write
 
-DEGREES = '"crank_angle" = "c{}"', '"crank_angle" = {{column = "c{}", unit = "deg"}}'
-
-
-@pytest.fixture(scope="module")
-def press() -> Scene:
-    return scenes.load("toggle_press")
+PRESS = scenes.load("toggle_press")
 
 
 def assessed(
@@ -32,40 +27,34 @@ def assessed(
 ) -> Measurement:
     """Return the judgement of columns, those named at their own decimals; a crank's angle is in degrees."""
     texts = {c: [format(value, decimals.get(c, ".12g")) for value in values] for c, values in columns.items()}
-    file = write(folder, texts, "")
-    number = [*texts].index("crank_angle") if "crank_angle" in texts else 0
-    plain, in_degrees = (text.format(number) for text in DEGREES)
-    toml = file.with_suffix(".toml")
-    toml.write_text(toml.read_text().replace(plain, in_degrees))
+    file = write(folder, texts, **DEGREES)
     return assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
 
 
 @pytest.mark.parametrize("timed", [False, True])
 @pytest.mark.parametrize("everything", [False, True])
-def test_whole_degrees_excuse_no_lag(
-    press: Scene, tmp_path: Path, references: References, timed: bool, everything: bool
-) -> None:
+def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, timed: bool, everything: bool) -> None:
     """A lag of 0.2 deg is above the promise at every joint, and a drive in whole degrees shows half of one.
 
     Where they are the axis they are in equal steps, and not rounded; beside a time they are of the drive alone.
     """
-    speed = scenes.load("toggle_press").drive.peak_rate
-    times = instants(press, 60) if timed else np.radians(np.arange(0.0, 360.0, 5.0)) / speed
-    names = channels(press) if everything else ["P5.y", "P5.vy"]
-    angle = np.degrees(press.drive.at(times).position)
+    speed = PRESS.drive.peak_rate
+    times = instants(PRESS, 60) if timed else np.radians(np.arange(0.0, 360.0, 5.0)) / speed
+    names = channels(PRESS) if everything else ["P5.y", "P5.vy"]
+    angle = np.degrees(PRESS.drive.at(times).position)
     for lag, status in ((0.0, "ok"), (0.2, "inaccurate")):
-        late = Writer().columns(press, times - np.radians(lag) / speed, names)
+        late = Writer().columns(PRESS, times - np.radians(lag) / speed, names)
         axis = {"time": times, "crank_angle": angle} if timed else {"crank_angle": angle}
-        found = assessed(references, press, tmp_path, axis | {c: late[c] for c in names}, crank_angle=".0f")
+        found = assessed(references, PRESS, tmp_path, axis | {c: late[c] for c in names}, crank_angle=".0f")
         assert found.run.status.name == status, found.run.reason
 
 
-def test_a_drive_that_is_off_by_more_than_its_decimals(press: Scene, tmp_path: Path, references: References) -> None:
-    times = instants(press, 30)
-    columns = Writer().columns(press, times, ["P5.y"])
-    angle = np.degrees(press.drive.at(times).position)
+def test_a_drive_that_is_off_by_more_than_its_decimals(tmp_path: Path, references: References) -> None:
+    times = instants(PRESS, 30)
+    columns = Writer().columns(PRESS, times, ["P5.y"])
+    angle = np.degrees(PRESS.drive.at(times).position)
     for off, status in ((0.04, "ok"), (0.2, "inconsistent")):
-        found = assessed(references, press, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
+        found = assessed(references, PRESS, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
         assert found.run.status.name == status, found.run.reason
 
 
@@ -82,11 +71,11 @@ def test_decimals_may_put_a_press_on_the_other_side_of_its_switch(tmp_path: Path
         assert found.run.status.name == status, found.run.reason
 
 
-def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, references: References) -> None:
+def test_copies_of_one_result_have_no_vote(tmp_path: Path, references: References) -> None:
     """Nor is one ok that a reference in doubt contradicts: positions alone leave nothing else to check."""
-    columns = Writer().columns(press, instants(press, 20), ["P5.y"])
+    columns = Writer().columns(PRESS, instants(PRESS, 20), ["P5.y"])
     wrong = Writer().file(tmp_path, columns | {"P5.y": columns["P5.y"] + 0.002}, name="wrong")
-    results = [read_result(press, f"{name}={wrong}") for name in ("one", "two")]
+    results = [read_result(PRESS, f"{name}={wrong}") for name in ("one", "two")]
     reference = references("toggle_press")
     alone = replace(reference, floor=replace(reference.floor, by_channel={}))
     found = judgement(alone, [], Sampling(24), lambda _: ((), ""), lambda _: None, results=results)
@@ -97,20 +86,20 @@ def test_copies_of_one_result_have_no_vote(press: Scene, tmp_path: Path, referen
     assert (run.status.name, run.reason.partition("; the reference")[2]) == ("inaccurate", " itself is in doubt")
 
 
-def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, references: References) -> None:
+def test_what_ok_does_not_cover_is_reported(tmp_path: Path, references: References) -> None:
     """A stretch of the cycle, and what decimals hide beyond the promise."""
     times = np.array([0.1, 0.13, 0.2])
     names = ["P5.y", "P5.vy"]
-    columns = Writer().columns(press, times, names)
-    found = read_result(press, f"theirs={Writer().file(tmp_path, columns)}")
+    columns = Writer().columns(PRESS, times, names)
+    found = read_result(PRESS, f"theirs={Writer().file(tmp_path, columns)}")
     assert found.notes[0] == "theirs has 3 rows, over 0.1 cycles of the drive, from crank angle 36.0000 deg on"
-    alone = read_result(press, f"one={Writer().file(tmp_path, Writer().columns(press, times[:1], names))}")
+    alone = read_result(PRESS, f"one={Writer().file(tmp_path, Writer().columns(PRESS, times[:1], names))}")
     assert alone.notes[0].startswith("one has 1 row, over 0 cycles")
     assert coarse(assess_result(references("toggle_press"), found)) == []
-    (line,) = coarse(assessed(references, press, tmp_path, columns, time=".2f"))
+    (line,) = coarse(assessed(references, PRESS, tmp_path, columns, time=".2f"))
     assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
-    columns = Writer().columns(press, instants(press, 20), names)
-    (line,) = coarse(assessed(references, press, tmp_path, columns, **{"P5.y": ".2f"}))
+    columns = Writer().columns(PRESS, instants(PRESS, 20), names)
+    (line,) = coarse(assessed(references, PRESS, tmp_path, columns, **{"P5.y": ".2f"}))
     assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
@@ -119,13 +108,13 @@ def test_what_ok_does_not_cover_is_reported(press: Scene, tmp_path: Path, refere
     [(1, 0.0, "agrees in part"), (60, 0.9, "agrees in part"), (7, 6 / 7, "agrees in part"), (60, 59 / 60, "agrees")],
 )
 def test_a_part_of_the_cycle_confirms_no_channel(
-    press: Scene, tmp_path: Path, references: References, rows: int, turns: float, word: str
+    tmp_path: Path, references: References, rows: int, turns: float, word: str
 ) -> None:
     """Sixty rows over all but the last step are the whole cycle; seven are fewer than engines are asked for."""
-    times = np.linspace(0.0, turns * press.drive.cycle, rows)
-    file = Writer().file(tmp_path, Writer().columns(press, times, channels(press)))
-    results, nothing = [read_result(press, f"theirs={file}")], ((), "")
-    judged = judgement(references(press.name), [], Sampling(24), lambda _: nothing, lambda _: None, results=results)
+    times = np.linspace(0.0, turns * PRESS.drive.cycle, rows)
+    file = Writer().file(tmp_path, Writer().columns(PRESS, times, channels(PRESS)))
+    results, nothing = [read_result(PRESS, f"theirs={file}")], ((), "")
+    judged = judgement(references(PRESS.name), [], Sampling(24), lambda _: nothing, lambda _: None, results=results)
     found = judged.agreement
     assert found.word == word
     assert "in every channel that it gives" in found.sentence
@@ -154,17 +143,17 @@ def test_channels_that_a_result_has_none_of(tmp_path: Path, capsys: pytest.Captu
     assert capsys.readouterr().err == "arguments: --channels: expected one that theirs gives: T.x\n"
 
 
-def test_a_channel_with_two_columns(press: Scene, tmp_path: Path) -> None:
+def test_a_channel_with_two_columns(tmp_path: Path) -> None:
     file = tmp_path / "theirs.csv"
     file.write_text("time [s],P5.y [mm],P5.y [m]\n0,1,2\n0.1,1,2\n")
     with pytest.raises(scenes.InputError, match=r"a column for each channel, found two of P5\.y"):
-        read_results([press], [f"theirs={file}"], None)
+        read_results([PRESS], [f"theirs={file}"], None)
 
 
-def test_places_in_another_unit_are_no_other_assembly(press: Scene, tmp_path: Path, references: References) -> None:
+def test_places_in_another_unit_are_no_other_assembly(tmp_path: Path, references: References) -> None:
     """Nothing shows that its pins are closed."""
-    columns = Writer().columns(press, instants(press, 20), ["P5.y"])
-    found = assessed(references, press, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
+    columns = Writer().columns(PRESS, instants(PRESS, 20), ["P5.y"])
+    found = assessed(references, PRESS, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
     assert found.run.status.name == "inaccurate"
     assert "of its travel away" in found.run.reason
 

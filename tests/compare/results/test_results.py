@@ -17,12 +17,9 @@ from compare.run import main
 from scenes import Scene
 from tests import scene_files
 from tests.comparisons import References, only_few_settings
-from tests.foreign import ELSEWHERE, MAPPED, Writer, channels, instants
+from tests.foreign import DEGREES, ELSEWHERE, MAPPED, Writer, channels, instants
 
-
-@pytest.fixture(scope="module")
-def press() -> Scene:
-    return scenes.load("toggle_press")
+PRESS = scenes.load("toggle_press")
 
 
 def judged(scene: Scene, file: Path, references: References) -> Measurement:
@@ -34,19 +31,19 @@ def judged(scene: Scene, file: Path, references: References) -> Measurement:
     [(".17g", 1e-9, 0.0, 1e-13), (".10e", 1e-9, 1e-12, 1e-9), (".6g", 1e-9, 1e-7, 1e-4), (".6f", 1e-9, 1e-7, 1e-4)],
 )
 def test_it_agrees_as_well_as_it_is_written(
-    press: Scene, tmp_path: Path, references: References, decimals: str, promise: float, least: float, most: float
+    tmp_path: Path, references: References, decimals: str, promise: float, least: float, most: float
 ) -> None:
     """In millimetres, kilonewtons, degrees that jump, a turned and mirrored frame, on the other side, at its instants.
 
     The errors are those of the decimals, and whatever is above them is that of doubles.
     """
     writer = replace(ELSEWHERE, decimals=decimals)
-    own = instants(press)
+    own = instants(PRESS)
     assert np.ptp(np.diff(own)) > 0.1 * np.diff(own).mean()
-    columns = writer.columns(press, own, channels(press))
+    columns = writer.columns(PRESS, own, channels(PRESS))
     columns |= {c: (angle - angle[0]) % 360 + angle[0] for c, angle in columns.items() if c.endswith(".angle")}
     assert np.abs(np.diff(columns["toggle.angle"])).max() > 180
-    found = judged(press, writer.file(tmp_path, columns, f"promise = {promise}\n{MAPPED}"), references)
+    found = judged(PRESS, writer.file(tmp_path, columns, f"promise = {promise}\n{MAPPED}"), references)
     assert found.run.status.name == "ok", found.run.reason
     worst = found.worst()
     assert worst.keys() >= {"position", "velocity", "acceleration", "reaction", "torque"}
@@ -56,28 +53,26 @@ def test_it_agrees_as_well_as_it_is_written(
 
 
 @pytest.mark.parametrize("channel", ["P4.y", "P4.vx", "P5.ay", "rod.angle", "toggle.alpha", "P3.fx", "drive.torque"])
-def test_decimals_excuse_no_more_than_half_of_the_last(
-    press: Scene, tmp_path: Path, references: References, channel: str
-) -> None:
+def test_decimals_excuse_no_more_than_half_of_the_last(tmp_path: Path, references: References, channel: str) -> None:
     """A channel that is off by three of its last decimals, and a promise below these, is not ok; one is excused."""
     writer = replace(ELSEWHERE, decimals=".4f")
-    columns = writer.columns(press, np.linspace(0, 0.9, 37), channels(press))
+    columns = writer.columns(PRESS, np.linspace(0, 0.9, 37), channels(PRESS))
     sizes = {}
     for last, status in ((0.0, "ok"), (3.0, "inaccurate")):
         off = columns | {channel: columns[channel] + last * 1e-4}
-        found = judged(press, writer.file(tmp_path, off, f"promise = 1e-9\n{MAPPED}"), references)
+        found = judged(PRESS, writer.file(tmp_path, off, f"promise = 1e-9\n{MAPPED}"), references)
         sizes[last] = next(row.unexplained for row in found.errors if row.channel == channel)
         assert found.run.status.name in (status, "inconsistent" if last else status), found.run.reason
     assert sizes[0.0] <= 1e-13 < 1e-9 < sizes[3.0]
 
 
 def test_the_reference_is_evaluated_at_its_instants_and_never_interpolated(
-    press: Scene, tmp_path: Path, references: References
+    tmp_path: Path, references: References
 ) -> None:
     """Four rows anywhere in the third turn are as good as a whole cycle; one is enough."""
     for own in (np.array([2.111, 2.2, 2.5003, 2.9]), np.array([0.3217])):
-        columns = Writer().columns(press, own, ["P5.y", "P5.ay"])
-        found = judged(press, Writer().file(tmp_path, columns, "promise = 1e-12"), references)
+        columns = Writer().columns(PRESS, own, ["P5.y", "P5.ay"])
+        found = judged(PRESS, Writer().file(tmp_path, columns, "promise = 1e-12"), references)
         assert found.run.status.name == "ok", found.run.reason
         assert found.run.motion is not None
         assert np.array_equal(found.run.motion["time"], own)
@@ -92,9 +87,8 @@ def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, r
     columns = Writer().columns(scene, time, ["T.x", "T.y", "T.vx", "T.vy", "T.ax", "crank.angle"])
     way = {c: -columns[c] if ".v" in c else columns[c] for c in columns if c != "time"}
     for mapping, status in (("backwards = true", "ok"), ("", "expected a later instant")):
-        file = Writer(decimals=".14g").file(tmp_path, {"crank_angle": np.degrees(angle) % 360} | way, mapping)
-        toml = file.with_suffix(".toml")
-        toml.write_text(toml.read_text().replace('crank_angle" = "c0"', 'crank_angle" = {column = "c0", unit = "deg"}'))
+        by_angle = {"crank_angle": np.degrees(angle) % 360} | way
+        file = Writer(decimals=".14g").file(tmp_path, by_angle, mapping, **DEGREES)
         if status == "ok":
             found = judged(scene, file, references)
             assert found.run.status.name == "ok", found.run.reason
@@ -107,11 +101,9 @@ def test_the_axis_may_be_the_drives_position_and_run_backwards(tmp_path: Path, r
 def test_a_law_needs_the_time_and_a_late_log_has_its_zero(tmp_path: Path, references: References) -> None:
     scene = scene_files.load("turning_law")
     columns = Writer().columns(scene, instants(scene), [f"{scene.output}.x", f"{scene.output}.vy", "crank_angle"])
-    file = Writer().file(tmp_path, columns | {"time": columns["time"] + 12.5})
-    toml = file.with_suffix(".toml")
-    toml.write_text(toml.read_text().replace('"time" = "c0"', '"time" = {column = "c0", zero = 12.5}'))
+    file = Writer().file(tmp_path, columns | {"time": columns["time"] + 12.5}, time="zero = 12.5")
     assert judged(scene, file, references).run.status.name == "ok"
-    toml.write_text(f'columns = {{"{scene.output}.x" = "c1", "crank_angle" = "c3"}}')
+    file.with_suffix(".toml").write_text(f'columns = {{"{scene.output}.x" = "c1", "crank_angle" = "c3"}}')
     with pytest.raises(scenes.InputError, match=r"columns\.time: missing; the drive follows a motion law"):
         read_result(scene, f"theirs={file}")
 
@@ -153,11 +145,11 @@ def test_a_run_reports_where_a_result_comes_from(
     assert set(again.run.motion.samples if again.run.motion else ()) == {"time", "crank_angle", *channels(scene)}
 
 
-def test_a_declared_tolerance_is_its_gate(press: Scene, tmp_path: Path, references: References) -> None:
+def test_a_declared_tolerance_is_its_gate(tmp_path: Path, references: References) -> None:
     """Its group's tolerance is held against what its decimals do not explain."""
-    columns = Writer().columns(press, instants(press), ["P5.y", "P5.vy"])
+    columns = Writer().columns(PRESS, instants(PRESS), ["P5.y", "P5.vy"])
     off = columns | {"P5.y": columns["P5.y"] + 1e-6 * references("toggle_press").stroke}
-    held = replace(press, tolerances={"theirs": {"position": 5e-7, "velocity": 5e-7}})
+    held = replace(PRESS, tolerances={"theirs": {"position": 5e-7, "velocity": 5e-7}})
     found = judged(held, Writer().file(tmp_path, off), references)
     assert found.run.status.name == "ok"
     assert {gate.group: gate.missed for gate in gates(held, [found])} == {"position": True, "velocity": False}
