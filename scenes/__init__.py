@@ -23,33 +23,21 @@
 | ladder, rung | a hard case: a scene with one number that gets harder from rung to rung |
 """
 
-from .errors import InputError
-from .file.reader import LIBRARY, load, numbers_in, shipped
-from .file.starter import write_starter
-from .model.budget import ProcessorBudget
-from .model.engine import Engine, Failure, Settings, Simulation, Status
-from .model.motion import Motion
-from .model.request import Instants, Positions, Request, Rows, Sampling
-from .scene import Scene
-
-__all__ = [
-    "LIBRARY",
-    "Engine",
-    "Failure",
-    "InputError",
-    "Instants",
-    "Motion",
-    "Positions",
-    "ProcessorBudget",
-    "Request",
-    "Rows",
-    "Sampling",
-    "Scene",
-    "Settings",
-    "Simulation",
-    "Status",
-    "load",
-    "numbers_in",
-    "shipped",
-    "write_starter",
-]
+from .errors import InputError as InputError
+from .file.reader import load as load
+from .file.reader import numbers_in as numbers_in
+from .file.reader import shipped as shipped
+from .file.starter import write_starter as write_starter
+from .model.budget import ProcessorBudget as ProcessorBudget
+from .model.engine import Engine as Engine
+from .model.engine import Failure as Failure
+from .model.engine import Settings as Settings
+from .model.engine import Simulation as Simulation
+from .model.engine import Status as Status
+from .model.motion import Motion as Motion
+from .model.request import Instants as Instants
+from .model.request import Positions as Positions
+from .model.request import Request as Request
+from .model.request import Rows as Rows
+from .model.request import Sampling as Sampling
+from .scene import Scene as Scene

@@ -7,7 +7,7 @@ A driven crank has an angle, rad, a driven slider the displacement of its first 
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
-from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +16,6 @@ from pydantic import Field, Strict
 from . import limits
 from .errors import InputError
 from .fields import FileTable, Known, Position, Speed, Time
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 Samples: TypeAlias = NDArray[np.float64]
 
@@ -145,7 +142,7 @@ class MotionLaw:
         return (self.positions[-1] - self.positions[0]) / self.cycle if self.periodic else 0.0
 
     @cached_property
-    def _spline(self) -> "CubicSpline":
+    def _spline(self) -> Any:
         from scipy.interpolate import CubicSpline  # late: few scenes need it, and it is slow to import
 
         times = np.array(self.times)

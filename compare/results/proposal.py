@@ -131,10 +131,6 @@ def _nearest(
         last = max(first, cycle - float(axis.time[-1]))
         return [_Instants(axis, lag, left(axis, lag)) for lag in lags if repeats or first <= lag <= last]
 
-    def closer(one: _Instants) -> _Instants:
-        """Return the best instants about some, to a part of a step."""
-        return min(at(one.axis, one.lag + finer * np.arange(-PARTS, PARTS + 1)), key=mean, default=one)
-
     def apart(one: _Instants, other: _Instants) -> bool:
         """Return whether their instants differ, where the drive repeats modulo a cycle."""
         by = (one.axis.time + one.lag - other.axis.time - other.lag) / cycle
@@ -146,12 +142,12 @@ def _nearest(
         raise InputError("expected a column that rises as the time does, or turns as the crank does, and another")
     steps, finer = cycle / LATE * np.arange(LATE), cycle / (LATE * PARTS)
     tried = [one for axis in axes for one in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
-    near = min((closer(one) for one in sorted(tried, key=mean)[:CLOSER]), key=mean)
+    closer = finer * np.arange(-PARTS, PARTS + 1)
+    firsts = sorted(tried, key=mean)[:CLOSER]
+    near = min((min(at(one.axis, one.lag + closer), key=mean, default=one) for one in firsts), key=mean)
+    bounds, options = (near.lag - finer, near.lag + finer), {"xatol": 1e-9 * cycle}
     refined = minimize_scalar(
-        lambda by: min(map(mean, at(near.axis, [by])), default=0.0),
-        bounds=(near.lag - finer, near.lag + finer),
-        method="bounded",
-        options={"xatol": 1e-9 * cycle},
+        lambda by: min(map(mean, at(near.axis, [by])), default=0.0), bounds=bounds, method="bounded", options=options
     )
     plain = at(near.axis, (0.0, near.lag, float(refined.x)))
     best = min(plain, key=mean)

@@ -7,13 +7,10 @@ import re
 from collections.abc import Iterable
 from functools import cache, lru_cache
 from math import nan, pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..errors import InputError, nearest, one_line
 from .format import Units
-
-if TYPE_CHECKING:
-    from pint import UnitRegistry
 
 _USUAL = {  # how many of the SI unit, the first, which a file has where it names none, each is
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -74,7 +71,7 @@ def _factor(unit: str, si: str) -> float:
 
 
 @cache
-def _registry() -> "UnitRegistry[float]":
+def _registry() -> Any:
     from pint import UnitRegistry  # late, and once: by far the slowest import here
 
     return UnitRegistry()

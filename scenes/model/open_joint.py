@@ -1,6 +1,7 @@
 """Which joint keeps bodies apart: of any constraints that cannot all be met, for a message. No model solves by it."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,14 +46,13 @@ def open_joint(
     worst = max(reversed([*joints]), key=lambda joint: float(f"{np.linalg.norm(relative(x)[joints[joint]]):.2g}"))
     rows = joints[worst]
     others = np.delete(np.arange(len(x)), rows)
-    closest = minimize(
-        lambda x: relative(x)[rows] @ relative(x)[rows],
-        x,
-        jac=lambda x: 2 * relative(x)[rows] @ slope(x)[rows],
-        constraints={"type": "eq", "fun": lambda x: relative(x)[others], "jac": lambda x: slope(x)[others]},
-        method="SLSQP",
-        options={"ftol": 1e-14},
-    )
+
+    def square(x: Samples) -> tuple[Any, Samples]:
+        own = relative(x)[rows]
+        return own @ own, 2 * own @ slope(x)[rows]
+
+    closed = {"type": "eq", "fun": lambda x: relative(x)[others], "jac": lambda x: slope(x)[others]}
+    closest = minimize(square, x, jac=True, constraints=closed, method="SLSQP", options={"ftol": 1e-14})
     left = relative(closest.x)
     gap = float(np.linalg.norm(left[rows]))
     return worst, gap * size if gap > OPEN and np.abs(left[others]).max() <= OPEN else 0.0

@@ -13,7 +13,7 @@ from compare.judge.judgement import judgement
 from compare.judge.measure import Measurement
 from compare.results.result import read_result, read_results
 from compare.run import main
-from scenes import InputError, Sampling, Scene
+from scenes import InputError, Sampling
 from scenes.model.motion import Samples
 from tests import scene_files
 from tests.comparisons import SLOW, References
@@ -22,13 +22,11 @@ from tests.foreign import DEGREES, MILLIMETRES, Writer, channels, instants, writ
 PRESS = scenes.load("toggle_press")
 
 
-def assessed(
-    references: References, scene: Scene, folder: Path, columns: Mapping[str, Samples], **decimals: str
-) -> Measurement:
+def assessed(references: References, folder: Path, columns: Mapping[str, Samples], **decimals: str) -> Measurement:
     """Return the judgement of columns, those named at their own decimals; a crank's angle is in degrees."""
     texts = {c: [format(value, decimals.get(c, ".12g")) for value in values] for c, values in columns.items()}
     file = write(folder, texts, **DEGREES)
-    return assess_result(references(scene.name), read_result(scene, f"theirs={file}"))
+    return assess_result(references(PRESS.name), read_result(PRESS, f"theirs={file}"))
 
 
 @pytest.mark.parametrize("timed", [False, True])
@@ -45,7 +43,7 @@ def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, tim
     for lag, status in ((0.0, "ok"), (0.2, "inaccurate")):
         late = Writer().columns(PRESS, times - np.radians(lag) / speed, names)
         axis = {"time": times, "crank_angle": angle} if timed else {"crank_angle": angle}
-        found = assessed(references, PRESS, tmp_path, axis | {c: late[c] for c in names}, crank_angle=".0f")
+        found = assessed(references, tmp_path, axis | {c: late[c] for c in names}, crank_angle=".0f")
         assert found.run.status.name == status, found.run.reason
 
 
@@ -54,7 +52,7 @@ def test_a_drive_that_is_off_by_more_than_its_decimals(tmp_path: Path, reference
     columns = Writer().columns(PRESS, times, ["P5.y"])
     angle = np.degrees(PRESS.drive.at(times).position)
     for off, status in ((0.04, "ok"), (0.2, "inconsistent")):
-        found = assessed(references, PRESS, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
+        found = assessed(references, tmp_path, columns | {"crank_angle": angle + off}, crank_angle=".1f")
         assert found.run.status.name == status, found.run.reason
 
 
@@ -96,10 +94,10 @@ def test_what_ok_does_not_cover_is_reported(tmp_path: Path, references: Referenc
     alone = read_result(PRESS, f"one={Writer().file(tmp_path, Writer().columns(PRESS, times[:1], names))}")
     assert alone.notes[0].startswith("one has 1 row, over 0 cycles")
     assert coarse(assess_result(references("toggle_press"), found)) == []
-    (line,) = coarse(assessed(references, PRESS, tmp_path, columns, time=".2f"))
+    (line,) = coarse(assessed(references, tmp_path, columns, time=".2f"))
     assert line.startswith("theirs: P5.vy may be off by 2.2e-03 unnoticed, by its decimals")
     columns = Writer().columns(PRESS, instants(PRESS, 20), names)
-    (line,) = coarse(assessed(references, PRESS, tmp_path, columns, **{"P5.y": ".2f"}))
+    (line,) = coarse(assessed(references, tmp_path, columns, **{"P5.y": ".2f"}))
     assert line == "theirs: P5.y is written too coarsely: its decimals are of more than the 1 % that they may excuse"
 
 
@@ -153,7 +151,7 @@ def test_a_channel_with_two_columns(tmp_path: Path) -> None:
 def test_places_in_another_unit_are_no_other_assembly(tmp_path: Path, references: References) -> None:
     """Nothing shows that its pins are closed."""
     columns = Writer().columns(PRESS, instants(PRESS, 20), ["P5.y"])
-    found = assessed(references, PRESS, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
+    found = assessed(references, tmp_path, columns | {"P5.y": 1e3 * columns["P5.y"]})
     assert found.run.status.name == "inaccurate"
     assert "of its travel away" in found.run.reason
 
