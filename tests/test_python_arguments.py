@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
-from typing import Any
+from inspect import signature
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -23,38 +24,30 @@ MANY: dict[str, Any] = {"bodies.rod.mass": [60.0, 61.0]}
 MASKED: Any = np.ma.masked_array([0.5, 1.0], [False, True])
 ROD = ["bodies.rod.mass"]
 
-# Every function of docs/python.md that takes it, called with something in the place of a right argument.
-WITH_CHANNELS: dict[str, Callable[[Any], object]] = {
-    "solve": lambda channels: analytic.solve(PRESS, [0.5], channels=channels),
-    "solver": lambda channels: analytic.solver(PRESS, channels),
-    "solve_many": lambda channels: analytic.solve_many(PRESS, MANY, [0.5], channels=channels),
-    "many_solver": lambda channels: analytic.many_solver(PRESS, MANY, channels),
-    "fast_solver": lambda channels: analytic.fast_solver(PRESS, channels),
-    "derivatives": lambda channels: analytic.derivatives(PRESS, ROD, [0.5], channels=channels),
-}
-WITH_A_SCENE: dict[str, Callable[[Any], object]] = {
-    "solve": lambda scene: analytic.solve(scene, [0.5]),
-    "solver": analytic.solver,
-    "solve_many": lambda scene: analytic.solve_many(scene, MANY, [0.5]),
-    "many_solver": lambda scene: analytic.many_solver(scene, MANY),
-    "fast_solver": analytic.fast_solver,
-    "derivatives": lambda scene: analytic.derivatives(scene, ROD, [0.5]),
-    "inverse": lambda scene: analytic.inverse(scene, [-1.0]),
-    "reduce_many": lambda scene: analytic.reduce_many(scene, MANY, [0.5], []),
-    "route": analytic.route,
-}
-WITH_POSITIONS: dict[str, Callable[[Any], object]] = {
-    "solve": lambda position: analytic.solve(PRESS, position),
+Call: TypeAlias = Callable[[Any], object]
+
+RIGHT: dict[str, Any] = {"scene": PRESS, "changes": MANY, "numbers": ROD, "position": [0.5], "channels": {"P5.y"}}
+RIGHT |= {"reductions": [analytic.Extremes("P5.y", 2)]}
+TAKEN = {name: signature(getattr(analytic, name)).parameters.keys() & RIGHT.keys() for name in analytic.__all__}
+
+
+def calls(argument: str) -> dict[str, Call]:
+    """Every function that takes an argument of a scene, called with something in the place of the right one."""
+
+    def call(name: str, value: Any) -> object:
+        return getattr(analytic, name)(**{of: RIGHT[of] for of in TAKEN[name]} | {argument: value})
+
+    return {name: partial(call, name) for name, taken in TAKEN.items() if {"scene", argument} <= taken}
+
+
+WITH_CHANNELS, WITH_A_SCENE = calls("channels"), calls("scene")
+WITH_POSITIONS: dict[str, Call] = calls("position") | {
     "its time": lambda time: analytic.solve(PRESS, [0.5, 1.0], time),
     "solver": lambda position: analytic.solver(PRESS)(position),
-    "solve_many": lambda position: analytic.solve_many(PRESS, MANY, position),
     "its numbers": lambda masses: analytic.solve_many(PRESS, {"bodies.rod.mass": masses}, [0.5]),
     "fast_solver": lambda position: analytic.fast_solver(PRESS)(position),
     "fast_solver.many": lambda position: analytic.fast_solver(PRESS).many(MANY, position),
-    "derivatives": lambda position: analytic.derivatives(PRESS, ROD, position),
-    "inverse": lambda position: analytic.inverse(PRESS, position),
     "its velocity": lambda velocity: analytic.inverse(PRESS, -1.0, velocity),
-    "reduce_many": lambda position: analytic.reduce_many(PRESS, MANY, position, [analytic.Extremes("P5.y", 2)]),
 }
 
 
