@@ -29,11 +29,7 @@ STEPS = 240  # over a turn, or over the drive's way: from one pose to the next
 
 
 def solve(scene: Scene, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> dict[str, Floats]:
-    """Return every channel of the scene but the time, shape (n,), at positions of the drive and its rates there.
-
-    Raises:
-        AssertionError: a position cannot be reached from the sketch along the way of the drive.
-    """
+    """Return every channel of the scene but the time, shape (n,), at positions of the drive and its rates there."""
     model = Absolute(scene)
     asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, (position, rate, acceleration))), dtype=float)
     found: list[dict[str, float]] = [{} for _ in asked.T]

@@ -32,10 +32,7 @@ from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, sig
 
 @st.composite
 def drawn_linkages(draw: st.DrawFn, first: str = "") -> tuple[Scene, Samples, dict[str, Path]]:
-    """Draw a linkage of one dyad or two, positions of its drive, and where its moving points are at these.
-
-    `first` says of which kind the first dyad is.
-    """
+    """Draw a linkage of one dyad or two, the first of a kind, positions of its drive, and its moving points there."""
     drawing = draw(drawing_of(first))
     scene, positions = _scene(draw, drawing)
     return scene, positions, {point: z for point, z in drawing.path.items() if point not in drawing.ground}

@@ -32,10 +32,7 @@ def assessed(references: References, folder: Path, columns: Mapping[str, Samples
 @pytest.mark.parametrize("timed", [False, True])
 @pytest.mark.parametrize("everything", [False, True])
 def test_whole_degrees_excuse_no_lag(tmp_path: Path, references: References, timed: bool, everything: bool) -> None:
-    """A lag of 0.2 deg is above the promise at every joint, and a drive in whole degrees shows half of one.
-
-    Where they are the axis they are in equal steps, and not rounded; beside a time they are of the drive alone.
-    """
+    """A lag of 0.2 deg is above the promise at every joint, and a drive in whole degrees shows half of one."""
     speed = PRESS.drive.peak_rate
     times = instants(PRESS, 60) if timed else np.radians(np.arange(0.0, 360.0, 5.0)) / speed
     names = channels(PRESS) if everything else ["P5.y", "P5.vy"]

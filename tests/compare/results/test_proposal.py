@@ -29,10 +29,7 @@ SCENE = "offset_slider_crank"
     ids=["SI", "elsewhere"],
 )
 def test_it_is_right_where_it_is_sure(writer: Writer, tmp_path: Path, references: References) -> None:
-    """Columns in no order, late by a part of a cycle, an angle that is counted modulo a turn and jumps by one.
-
-    Elsewhere they are in millimetres, degrees and another frame.
-    """
+    """Columns in no order, late by a part of a cycle, an angle that is counted modulo a turn and jumps by one."""
     scene, reference = scene_files.load(SCENE), references(SCENE)
     names = [c for c in channels(scene) if c not in ("crank.angle", "crank.omega", "crank.alpha")]
     columns = writer.columns(scene, instants(scene, 70), names)

@@ -33,10 +33,7 @@ def judged(scene: Scene, file: Path, references: References) -> Measurement:
 def test_it_agrees_as_well_as_it_is_written(
     tmp_path: Path, references: References, decimals: str, promise: float, least: float, most: float
 ) -> None:
-    """In millimetres, kilonewtons, degrees that jump, a turned and mirrored frame, on the other side, at its instants.
-
-    The errors are those of the decimals, and whatever is above them is that of doubles.
-    """
+    """In millimetres, kilonewtons, degrees that jump, a turned and mirrored frame, on the other side, at its instants."""
     writer = replace(ELSEWHERE, decimals=decimals)
     own = instants(PRESS)
     assert np.ptp(np.diff(own)) > 0.1 * np.diff(own).mean()
@@ -47,8 +44,8 @@ def test_it_agrees_as_well_as_it_is_written(
     assert found.run.status.name == "ok", found.run.reason
     worst = found.worst()
     assert worst.keys() >= {"position", "velocity", "acceleration", "reaction", "torque"}
-    assert all(least <= worst[group] <= most for group in worst if group != "drive"), worst
-    assert all(error <= 1e-13 for error in found.worst("unexplained").values())
+    assert all(least <= worst[group] <= most for group in worst if group != "drive"), worst  # of the decimals
+    assert all(error <= 1e-13 for error in found.worst("unexplained").values())  # of doubles
     assert {check.check for check in found.checks} >= {"closure", "Newton", "Euler", "power", "reaction"}
 
 
