@@ -1,14 +1,16 @@
 """The tests' scenes, `tests/scenes/*.toml`, and the shipped ones: by name, with whatever a test changes in them."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import pytest
+
 import scenes
-from scenes import Scene
+from scenes import InputError, Scene
 
 FOLDER = Path(__file__).parent / "scenes"
 # Small scenes that between them have every joint, drive and load; the shipped scenes have the rest.
@@ -36,6 +38,16 @@ def load(name: str, changes: Changes = NONE) -> Scene:
         return scenes.load(path(name))
     with TemporaryDirectory() as folder:
         return scenes.load(write(Path(folder), name, changes))
+
+
+def refused(call: Callable[[], object], most: int = 1000) -> str:
+    """The line of so many characters at most, all harmless, with which a call is refused."""
+    with pytest.raises(InputError) as caught:
+        call()
+    line = str(caught.value)
+    assert line.isprintable()
+    assert len(line) <= most
+    return line
 
 
 def in_order(name: str, order: Sequence[int], changes: Changes = NONE) -> Scene:

@@ -12,7 +12,8 @@ import pytest
 import analytic as typed_analytic
 import compare as typed_compare
 import scenes as typed_scenes
-from scenes import InputError, Motion
+from scenes import Motion
+from tests import scene_files
 from tests.comparisons import SAMPLING, Plug, commanded
 
 analytic: Any = typed_analytic  # so that they may be called with what they do not take
@@ -26,6 +27,7 @@ ROD = ["bodies.rod.mass"]
 
 Call: TypeAlias = Callable[[Any], object]
 
+refused = partial(scene_files.refused, most=249)
 RIGHT: dict[str, Any] = {"scene": PRESS, "changes": MANY, "numbers": ROD, "position": [0.5], "channels": {"P5.y"}}
 RIGHT |= {"reductions": [analytic.Extremes("P5.y", 2)]}
 TAKEN = {name: signature(getattr(analytic, name)).parameters.keys() & RIGHT.keys() for name in analytic.__all__}
@@ -49,16 +51,6 @@ WITH_POSITIONS: dict[str, Call] = calls("position") | {
     "fast_solver.many": lambda position: analytic.fast_solver(PRESS).many(MANY, position),
     "its velocity": lambda velocity: analytic.inverse(PRESS, -1.0, velocity),
 }
-
-
-def refused(call: Callable[[], object]) -> str:
-    """Return the line of the error."""
-    with pytest.raises(InputError) as caught:
-        call()
-    line = str(caught.value)
-    assert "\n" not in line
-    assert len(line) < 250
-    return line
 
 
 @pytest.mark.parametrize("name", WITH_CHANNELS)

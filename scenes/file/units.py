@@ -36,25 +36,21 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
         unit = getattr(units, name) or si
         if name == "speed" and unit not in usual and _PRODUCT.fullmatch(unit) and _factor(unit, other) > 0:
             kind, is_driven = ("crank", "slides") if slides else ("slider", "does not slide")
-            raise InputError(
-                f"drive.body: '{driven}' {is_driven} on the ground, and units.speed, '{unit}', is of a {kind};"
-                f" expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
-            )
+            why = f"'{driven}' {is_driven} on the ground, and units.speed, '{unit}', is of a {kind}"
+            instead = f"expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
+            raise InputError(f"drive.body: {why}; {instead}")
         factors[name] = unit, factor(unit, si, name, f"units.{name}", usual)
     return factors
 
 
 def factor(unit: str, si: str, name: str, place: str, usual: Iterable[str] = ()) -> float:
     """How many of the SI unit a unit is; InputError, with its place and the nearest, where it is none of that name."""
-    wrong = ""
-    if not _PRODUCT.fullmatch(unit):
-        wrong = "is not a product of powers of unit names, such as kg*m**2 or kN/mm"
-    elif not _SMALLEST <= _factor(unit, si) <= _LARGEST:
-        wrong = f"is not a known unit of {name}"
-    if wrong:
-        shown = one_line(unit, 40)
-        raise InputError(f"{place}: '{shown}' {wrong}{nearest(shown, usual) if usual else ''}")
-    return _factor(unit, si)
+    shown, expected = one_line(unit, 40), "a product of powers of unit names, such as kg*m**2 or kN/mm"
+    if _PRODUCT.fullmatch(unit):
+        expected = f"a known unit of {name}"
+        if _SMALLEST <= (size := _factor(unit, si)) <= _LARGEST:
+            return size
+    raise InputError(f"{place}: '{shown}' is not {expected}{nearest(shown, usual) if usual else ''}")
 
 
 @lru_cache(100)
@@ -62,10 +58,9 @@ def _factor(unit: str, si: str) -> float:
     """How many of the SI unit a unit is; NaN where it is none of the same quantity."""
     if (unit, si) in _FACTORS:
         return _FACTORS[unit, si]
-    registry = _registry()
     try:
-        parsed = registry.parse_units(unit)  # to pint 1 Hz is 1 rad/s, to others a turn a second
-        return nan if "hertz" in str(parsed) else float(registry.Quantity(1.0, parsed).to(si).magnitude)
+        parsed = _registry().parse_units(unit)  # to pint 1 Hz is 1 rad/s, to others a turn a second
+        return nan if "hertz" in str(parsed) else float((1.0 * parsed).to(si).magnitude)
     except Exception:  # pint raises its own, ValueError, AssertionError or OverflowError, by kind of nonsense
         return nan
 

@@ -33,7 +33,7 @@ def judged(scene: Scene, file: Path, references: References) -> Measurement:
 def test_it_agrees_as_well_as_it_is_written(
     tmp_path: Path, references: References, decimals: str, promise: float, least: float, most: float
 ) -> None:
-    """In millimetres, kilonewtons, degrees that jump, a turned and mirrored frame, on the other side, at its instants."""
+    """In mm, kN, degrees that jump, a turned and mirrored frame, on the other side, at instants of its own."""
     writer = replace(ELSEWHERE, decimals=decimals)
     own = instants(PRESS)
     assert np.ptp(np.diff(own)) > 0.1 * np.diff(own).mean()
