@@ -14,13 +14,10 @@ NOTHING = 1e-9  # of the largest force: what is relative to others
 
 
 def sizes(scene: Scene, cycle: Motion, true: Motion, otherwise: Mapping[str, float]) -> dict[str, Samples]:
-    """Return the sizes that errors are relative to, by channel, each of shape (n,).
+    """The sizes that errors are relative to, by channel, each of shape (n,).
 
-    Args:
-        scene: the linkage.
-        cycle: its motion over one cycle of the drive, for travels and peaks.
-        true: its motion at the instants asked for, shape (n,).
-        otherwise: by channel what errors of a force are relative to where that is nothing beside the others.
+    Travels and peaks are those of one cycle of the drive, `true` is the motion at the instants asked for, shape (n,);
+    errors of a force that is nothing beside the others are relative to what they are `otherwise`, by channel.
     """
     whole, way, (least, largest) = np.ones_like(true["time"]), true[scene.drive_channel], scene.drive.extent
     travel = 1.0 if scene.driven_slide is None else largest - least

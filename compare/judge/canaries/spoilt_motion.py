@@ -30,13 +30,8 @@ def swapped(motion: Motion, first: Iterable[str], second: Iterable[str]) -> Moti
 def taken(motion: Motion, rows: Iterable[int], names: Collection[str] | None = None) -> Motion:
     """Return the motion with other rows, in some channels or all: a row may come twice, or in another order."""
     chosen = [*rows]
-    return Motion(
-        {
-            name: samples[chosen] if names is None or name in names else samples
-            for name, samples in motion.samples.items()
-        },
-        motion.unsupported,
-    )
+    other = {name: samples[chosen] for name, samples in motion.samples.items() if names is None or name in names}
+    return replaced(motion, other)
 
 
 def at_row(motion: Motion, name: str, row: int, value: float) -> Motion:

@@ -77,18 +77,18 @@ class Thinned(CleanRun):
     explained: Explained
 
     def excess(self, times: float) -> Mapping[str, Samples]:
-        """Return relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
+        """Relative errors that are so many times what the run may have, by channel, each of shape (n,)."""
         assert self.run.settings is not None
-        drive_promise = self.run.settings.drive_promise
+        drive, scaled = self.run.settings.drive_promise, self.reference.scale.keys() - {"time"}
         return {
-            channel: min(times * (drive_promise if channel == self.drive else self.promise), MOST)
+            channel: min(times * (drive if channel == self.drive else self.promise), MOST)
             + np.nan_to_num(self.rounding[channel], posinf=0.0)
             for channel in self.motion.samples
-            if channel in self.reference.scale and channel != "time"
+            if channel in scaled
         }
 
     def amounts(self, times: float = EXCESS) -> Mapping[str, Samples]:
-        """Return such errors in the units of the channels."""
+        """Such errors in the units of the channels."""
         return {channel: error * self.sizes[channel] for channel, error in self.excess(times).items()}
 
     @cached_property
@@ -115,96 +115,84 @@ class Thinned(CleanRun):
         return self.motion.samples.keys() >= {*channels(self.scene)}
 
     def assessed(self, motion: Motion, reference: Reference | None = None) -> Measurement:
-        """Return the judgement of another motion in place of the run's."""
+        """The judgement of another motion in place of the run's."""
         return assess(reference or self.reference, self.sampling, replace(self.run, motion=motion), self.explained)
 
 
 Noticed: TypeAlias = Callable[[Thinned], bool]  # whether the comparison notices what is wrong with a copy
+Spoil: TypeAlias = Callable[[Motion], Motion]
 
 
 def thinned(reference: Reference, sampling: Sampling, run: Run, explained: Explained) -> Thinned:
-    """Return an ok run at every k-th row of the first cycle, k the largest that leaves enough and divides the cycle."""
+    """An ok run at every k-th row of the first cycle, k the largest that leaves enough and divides the cycle."""
     assert run.motion is not None
     count = sampling.samples
     every = max(k for k in range(1, count + 1) if count % k == 0 and (k == 1 or count >= ROWS * k))
     rows = slice(0, count + 1, every)
-    samples = {channel: values[rows] for channel, values in run.motion.samples.items()}
-    moved, cancelled = ({c: of[rows] for c, of in by.items()} for by in (explained.sensitivity, explained.cancelled))
+    samples, moved, cancelled = (
+        {channel: values[rows] for channel, values in by.items()}
+        for by in (run.motion.samples, explained.sensitivity, explained.cancelled)
+    )
     known = Explained(explained.condition[rows], moved, cancelled=cancelled)
     fewer = replace(sampling, samples=count // every, turns=1)
     return Thinned(reference, fewer, replace(run, motion=Motion(samples, run.motion.unsupported)), known)
 
 
-def refused(spoil: Callable[[Motion], Motion]) -> Noticed:
-    """Return whether a spoilt motion stops a CI run, by its own output where that is complete."""
-
-    def noticed(copy: Thinned) -> bool:
-        measured = copy.assessed(spoil(copy.motion))
-        return measured.run.found_by != "reference" * copy.complete and stops(copy, measured)
-
-    return noticed
+def refused(spoil: Spoil, copy: Thinned) -> bool:
+    """Whether a spoilt motion stops a CI run, by its own output where that is complete."""
+    measured = copy.assessed(spoil(copy.motion))
+    return measured.run.found_by != "reference" * copy.complete and stops(copy, measured)
 
 
-def refused_if_moved(spoil: Callable[[Motion], Motion]) -> Noticed:
-    """Return the same of a motion with all its channels, which is not wrong where they stay within what it promises."""
-
-    def noticed(copy: Thinned) -> bool:
-        moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
-        off = {c: abs(apart(c, moved[c], copy.motion[c])) for c in allowed}
-        return all((off[c] <= allowed[c]).all() for c in allowed) or refused(spoil)(copy)
-
-    return noticed
+def refused_if_moved(spoil: Spoil, copy: Thinned) -> bool:
+    """The same of a motion with all its channels, which is not wrong where they stay within what it promises."""
+    moved, allowed = spoil(copy.motion), copy.amounts(CLEAR)
+    off = {c: abs(apart(c, moved[c], copy.motion[c])) for c in allowed}
+    return all((off[c] <= allowed[c]).all() for c in allowed) or refused(spoil, copy)
 
 
-def incomplete(spoil: Callable[[Motion], Motion]) -> Noticed:
-    """Return whether a motion that is not what was asked for is refused as such, and stops a CI run."""
-
-    def noticed(copy: Thinned) -> bool:
-        spoilt_run = replace(copy.run, motion=spoil(copy.motion))
-        itself = complete(spoilt_run, copy.scene, copy.sampling)
-        return itself.status is not Status.ok and refused(spoil)(copy)
-
-    return noticed
+def incomplete(spoil: Spoil, copy: Thinned) -> bool:
+    """Whether a motion that is not what was asked for is refused as such, and stops a CI run."""
+    itself = complete(replace(copy.run, motion=spoil(copy.motion)), copy.scene, copy.sampling)
+    return itself.status is not Status.ok and refused(spoil, copy)
 
 
 def stops(copy: Thinned, measured: Measurement) -> bool:
-    """Return whether a judged run stops a CI run: with a tolerance for every group, and with none at all."""
+    """Whether a judged run stops a CI run: with a tolerance for every group, and with none at all."""
     return measured.run.status is not Status.ok and bool(missed([measured], [])) and _all_missed(copy, measured, np.inf)
 
 
 def stops_without_a_motion(copy: Thinned) -> bool:
-    """Return whether a failed run stops a CI run."""
+    """Whether a failed run stops a CI run."""
     failed = replace(copy.run, status=Status.crashed, reason="a canary", motion=None)
     return stops(copy, Measurement(failed, None, []))
 
 
-def each_check_alone(sign: int) -> Noticed:
-    """Return whether checks notice by themselves that all channels are off, that they found no number, or too much.
+def each_check_alone(sign: int, copy: Thinned) -> bool:
+    """Whether checks notice by themselves that all channels are off, that they found no number, or too much.
 
     A check that is not made notices nothing. Balances, in which much cancels, have to notice single forces.
     """
-
-    def noticed(copy: Thinned) -> bool:
-        measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
-        assert copy.run.settings is not None
-        too_much = EXCESS * max(copy.run.settings.promise, copy.run.settings.drive_promise)
-        alone = {name: [check for check in measured.checks if check.check == name] for name in checked(copy.scene)}
-        one_by_one = [[replace(own, worst=worst)] for own in measured.checks for worst in (float("nan"), too_much)]
-        return (
-            all(alone.values())
-            and stops(copy, measured)
-            and (not copy.scene.has_masses or _balances_notice(copy, sign * FAR))
-            and all(
-                judged(copy.run, own).status is not Status.ok
-                for own in (*(alone[name] for name in alone.keys() - BLIND), *one_by_one)
-            )
+    scene, settings = copy.scene, copy.run.settings
+    assert settings is not None
+    measured = copy.assessed(spoilt.shifted(copy.motion, {c: sign * off for c, off in copy.amounts().items()}))
+    names = {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
+    alone = {name: [check for check in measured.checks if check.check == name] for name in names}
+    too_much = EXCESS * max(settings.promise, settings.drive_promise)
+    one_by_one = [[replace(own, worst=worst)] for own in measured.checks for worst in (float("nan"), too_much)]
+    return (
+        all(alone.values())
+        and stops(copy, measured)
+        and (not scene.has_masses or _balances_notice(copy, sign * FAR))
+        and all(
+            judged(copy.run, own).status is not Status.ok
+            for own in (*(alone[name] for name in names - BLIND), *one_by_one)
         )
-
-    return noticed
+    )
 
 
 def _balances_notice(copy: Thinned, times: float) -> bool:
-    """Return whether each balance finds a force on the driven body far above all, and a couple above its moment.
+    """Whether each balance finds a force on the driven body far above all, and a couple above its moment.
 
     For power a driven slider is made fast, too: its own speed may be nothing beside that of other points.
     """
@@ -224,13 +212,8 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
     )
 
 
-def checked(scene: Scene) -> set[str]:
-    """Return the names of the checks that a complete motion of a scene undergoes."""
-    return {"drive", "closure", "branch", *shown_groups(scene), *(BALANCES if scene.has_masses else ())}
-
-
 def each_channel_is_seen(copy: Thinned) -> bool:
-    """Return whether the error of each channel is seen where the reference is another, each channel's at its own rows.
+    """Whether the error of each channel is seen where the reference is another, each channel's at its own rows.
 
     The output itself is as good as before: the comparison with the reference alone can notice.
     """
@@ -242,19 +225,18 @@ def each_channel_is_seen(copy: Thinned) -> bool:
     measured = _against(copy, {channel: amounts[channel] * np.isin(range(count), own) for channel, own in rows.items()})
     if measured.comparison is None or measured.run.found_by != "reference" or not stops(copy, measured):
         return False
-    largest = {row.channel: row.max for row in measured.errors}
-    if not rows.keys() <= largest.keys():
-        return False
+    largest, actual = {row.channel: row.max for row in measured.errors}, measured.comparison.actual
     seen = (
-        not largest[channel] < measured.comparison.actual[channel][own].max()  # no number where no floor is known
-        and measured.comparison.actual[channel][own].max() > excess[channel][own].min() / 2
+        channel in largest
+        and not largest[channel] < actual[channel][own].max()  # no number where no floor is known
+        and actual[channel][own].max() > excess[channel][own].min() / 2
         for channel, own in rows.items()
     )
     return all(seen) and _last_is_seen(copy)
 
 
 def _last_is_seen(copy: Thinned) -> bool:
-    """Return whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
+    """Whether errors in the last channel of each group alone break the promise, and miss every tolerance."""
     amounts, last = copy.amounts(CLEAR), {GROUPS[quantity(channel)]: channel for channel in copy.excess(CLEAR)}
     measured = _against(copy, {channel: amounts[channel] for channel in last.values()})
     least = min(map(np.min, copy.excess(CLEAR).values())) / 2
@@ -262,7 +244,7 @@ def _last_is_seen(copy: Thinned) -> bool:
 
 
 def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
-    """Return the judgement of the run against a reference that is off by some amounts, by channel, shape (n,)."""
+    """The judgement of the run against a reference that is off by some amounts, by channel, shape (n,)."""
 
     def at(position: Samples, time: Samples) -> Motion:
         return spoilt.shifted(copy.reference.at(position, time), amounts)
@@ -271,12 +253,8 @@ def _against(copy: Thinned, amounts: Mapping[str, Samples]) -> Measurement:
 
 
 def _all_missed(copy: Thinned, measured: Measurement, tolerance: float) -> bool:
-    """Return whether a tolerance of each group of channels is missed."""
-    groups = {
-        GROUPS[quantity(channel)]
-        for channel in copy.motion.samples
-        if channel != "time" and channel in copy.reference.scale
-    }
+    """Whether a tolerance of each group of channels is missed."""
+    groups = {GROUPS[quantity(c)] for c in copy.motion.samples if c != "time" and c in copy.reference.scale}
     held = replace(copy.scene, tolerances={copy.run.engine: dict.fromkeys(groups, tolerance)})
     gated = [*gates(held, [measured])]
     return {gate.group for gate in gated} == groups and len(missed([measured], gated)) >= len(groups)

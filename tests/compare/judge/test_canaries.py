@@ -1,7 +1,7 @@
 """The canaries: none is let through by the comparison as it is, and each wrong comparison lets some through."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,55 +9,58 @@ from typing import Any
 import pytest
 
 import scenes
+from compare.engines import runner
+from compare.engines.runner import HERE, Runs
 from compare.judge import checks, errors, measure, verdict
 from compare.judge import gates as gates_module
 from compare.judge.agreement import Judgement
 from compare.judge.canaries import thinned
 from compare.judge.canaries.canaries import canaries
 from compare.judge.canaries.sizes import sizes
+from compare.judge.checks import Check
+from compare.judge.errors import compare
 from compare.judge.gates import Gate, gates
 from compare.judge.judgement import judgement
 from compare.judge.measure import offers
+from compare.judge.verdict import compared, limits
 from compare.mechanics import reference, scales
 from compare.mechanics.round_off import Explained
+from compare.mechanics.scales import force_scales, relative_errors
+from compare.mechanics.scales import sizes as scale_sizes
 from scenes import Motion, Sampling, Status
 from tests import scene_files
 from tests.comparisons import SAMPLING, SLOW, References, all_checks
 from tests.faults.mutants import applied, mutants
 from tests.faults.wrong_code import COMPARISON, _canaried, known
 
-Patch = Callable[[pytest.MonkeyPatch], None]
+Patch = tuple[Any, str, Any]  # a place, a name in it, and what is wrong there
+
+
+def judged(
+    of: reference.Reference, engines: Sequence[str], sampling: Sampling = SAMPLING, runs: Runs = HERE
+) -> Judgement:
+    return judgement(of, engines, sampling, lambda name: (offers(name, "balanced"), ""), print, runs)
 
 
 @pytest.fixture(scope="module")
 def press(references: References) -> Judgement:
-    engines = ("analytic", "exudyn")
-    return judgement(references("toggle_press"), engines, SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+    return judged(references("toggle_press"), ("analytic", "exudyn"))
 
 
 @pytest.mark.parametrize("name", ["three_at_a_pin", "busy", "telescope"])
 def test_none_is_let_through(name: str, references: References) -> None:
-    found = judgement(references(name), ("analytic",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+    found = judged(references(name), ("analytic",))
     assert found.ok
     assert not canaries(found)
 
 
-@pytest.mark.parametrize(
-    ("scene", "channel"),
-    [
-        ("four_bar", "T.x"),
-        ("four_bar", "crank.omega"),
-        ("four_bar", "crank.alpha"),
-        ("toggle_press", "slider.guide_moment"),
-        ("crank_press", "B.x"),
-        ("crank_press", "rod.angle"),
-    ],
-)
+ALONE = {"four_bar": ["T.x", "crank.omega", "crank.alpha"], "toggle_press": ["slider.guide_moment"]}
+ALONE["crank_press"] = ["B.x", "rod.angle"]
+
+
+@pytest.mark.parametrize(("scene", "channel"), [(scene, channel) for scene, of in ALONE.items() for channel in of])
 def test_a_component_alone_is_broken_if_it_moves(scene: str, channel: str, references: References) -> None:
-    sampling = Sampling(36, channels=frozenset({channel}))
-    found = judgement(
-        references(scene), ("analytic", "pymunk"), sampling, lambda name: (offers(name, "balanced"), ""), print
-    )
+    found = judged(references(scene), ("analytic", "pymunk"), Sampling(36, channels=frozenset({channel})))
     assert found.ok
     assert not canaries(found)
 
@@ -74,10 +77,8 @@ def test_a_body_may_have_the_name_of_a_point(tmp_path: Path) -> None:
 
 def test_what_changes_little_is_still_planted(references: References, monkeypatch: pytest.MonkeyPatch) -> None:
     """A rod's angle alone, whose sign and whose lag a comparison with a promise of 1000 does not notice."""
-    sampling = Sampling(72, channels=frozenset({"rod.angle"}))
-    offered = offers("analytic", "balanced")
-    found = judgement(references("crank_press"), ("analytic",), sampling, lambda _: (offered, ""), print)
-    a_wider_promise(monkeypatch)
+    found = judged(references("crank_press"), ("analytic",), Sampling(72, channels=frozenset({"rod.angle"})))
+    patched(monkeypatch, WRONG["a wider promise"])
     assert {"rod.angle of the opposite sign", "all but the drive late by a sample"} <= {
         line.partition(" with ")[2] for line in canaries(found)
     }
@@ -93,8 +94,7 @@ SLOW_DRIVE = {
 
 
 def test_power_is_found_out_of_balance_where_the_drive_is_slow() -> None:
-    slow = reference.uncertified(scene_files.load("slider_crank", SLOW_DRIVE))
-    found = judgement(slow, ("pymunk",), SAMPLING, lambda name: (offers(name, "balanced"), ""), print)
+    found = judged(reference.uncertified(scene_files.load("slider_crank", SLOW_DRIVE)), ("pymunk",))
     assert found.ok
     assert not canaries(found)
 
@@ -108,167 +108,88 @@ def test_nothing_is_broken_where_no_run_is_ok(press: Judgement) -> None:
     assert not canaries(replace(press, measurements=failed))
 
 
-def no_gates_for_failed_engines(patch: pytest.MonkeyPatch) -> None:
-    real = gates
-    patch.setattr(thinned, "gates", lambda scene, ms: real(scene, [m for m in ms if m.run.status is Status.ok]))
+def compared_with_itself(of: Any, sampling: Any, motion: Motion) -> Any:
+    return compare(replace(of, at=lambda *_: motion), sampling, motion)
 
 
-def compared_with_itself(patch: pytest.MonkeyPatch) -> None:
-    real = errors.compare
-
-    def itself(of: Any, sampling: Any, motion: Motion) -> Any:
-        return real(replace(of, at=lambda *_: motion), sampling, motion)
-
-    patch.setattr(measure, "compare", itself)
+def widely_compared(run: Any, *rest: Any) -> Any:
+    wide = replace(run, settings=replace(run.settings, promise=1000.0))
+    return replace(compared(wide, *rest), settings=run.settings)
 
 
-def a_channel_left_out(patch: pytest.MonkeyPatch) -> None:
-    real = scales.relative_errors
-    left_out = lambda *of: {c: off for c, off in real(*of).items() if c != "P3.fx"}  # noqa: E731
-    patch.setattr(reference, "relative_errors", left_out)
-
-
-def completeness_not_checked(patch: pytest.MonkeyPatch) -> None:
-    for module in (measure, thinned):
-        patch.setattr(module, "complete", lambda run, *_: run)
-
-
-def wider_limits(patch: pytest.MonkeyPatch) -> None:
-    real = verdict.limits
-    patch.setattr(verdict, "limits", lambda settings: [one._replace(most=1000 * one.most) for one in real(settings)])
-
-
-def a_wider_promise(patch: pytest.MonkeyPatch) -> None:
-    real = verdict.compared
-
-    def wide(run: Any, *rest: Any) -> Any:
-        return replace(real(replace(run, settings=replace(run.settings, promise=1000.0)), *rest), settings=run.settings)
-
-    patch.setattr(measure, "compared", wide)
-
-
-def no_number_passes(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(Gate, "missed", property(lambda gate: gate.error > gate.tolerance))
-
-
-def drive_not_gated(patch: pytest.MonkeyPatch) -> None:
-    real = verdict.limits
-    patch.setattr(verdict, "limits", lambda settings: [one for one in real(settings) if one.check != "drive"])
-
-
-def checks_not_run(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(measure, "checks", lambda *_: [])
-
-
-def rows_not_checked(patch: pytest.MonkeyPatch) -> None:
-    from compare.engines import runner
-
-    patch.setattr(runner, "_check_rows", lambda *_: None)
-
-
-def nothing_missed(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(thinned, "missed", lambda *_: [])
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        no_gates_for_failed_engines,
-        compared_with_itself,
-        a_channel_left_out,
-        completeness_not_checked,
-        wider_limits,
-        a_wider_promise,
-        no_number_passes,
-        drive_not_gated,
-        checks_not_run,
-        rows_not_checked,
-        nothing_missed,
+WRONG: dict[str, list[Patch]] = {  # the comparison where it is wrong, and what stands there
+    "no gates for failed engines": [
+        (thinned, "gates", lambda scene, ms: gates(scene, [m for m in ms if m.run.status is Status.ok]))
     ],
-)
-def test_a_wrong_comparison_is_noticed(wrong: Patch, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
-    wrong(monkeypatch)
+    "compared with itself": [(measure, "compare", compared_with_itself)],
+    "a channel left out": [
+        (reference, "relative_errors", lambda *of: {c: e for c, e in relative_errors(*of).items() if c != "P3.fx"})
+    ],
+    "completeness not checked": [(module, "complete", lambda run, *_: run) for module in (measure, thinned)],
+    "wider limits": [
+        (verdict, "limits", lambda settings: [one._replace(most=1000 * one.most) for one in limits(settings)])
+    ],
+    "a wider promise": [(measure, "compared", widely_compared)],
+    "no number passes": [(Gate, "missed", property(lambda gate: gate.error > gate.tolerance))],
+    "drive not gated": [
+        (verdict, "limits", lambda settings: [one for one in limits(settings) if one.check != "drive"])
+    ],
+    "checks not run": [(measure, "checks", lambda *_: [])],
+    "rows not checked": [(runner, "_check_rows", lambda *_: None)],
+    "nothing missed": [(thinned, "missed", lambda *_: [])],
+}
+
+
+def patched(patch: pytest.MonkeyPatch, places: Sequence[Patch]) -> None:
+    for module, name, wrong in places:
+        patch.setattr(module, name, wrong)
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_wrong_comparison_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
+    patched(monkeypatch, WRONG[wrong])
     assert canaries(press)
 
 
 # --- wrong from the start, as on the command line: in the reference's scales too --------------------------------------
 
 
-def sizes_a_thousand_times_too_large(patch: pytest.MonkeyPatch) -> None:
-    real = scales.sizes
-    for module in (scales, checks):
-        patch.setattr(module, "sizes", lambda *of: 1000 * real(*of))
-
-
-def one_scale_for_all_forces(patch: pytest.MonkeyPatch) -> None:
-    real = scales.force_scales
-
-    def one(*of: Any) -> dict[str, float]:
-        scale = real(*of)
-        return dict.fromkeys(scale, max(scale.values()))
-
-    patch.setattr(scales, "force_scales", one)
-
-
-def round_off_that_explains_a_million_times_as_much(patch: pytest.MonkeyPatch) -> None:
-    real = Explained.error
-    patch.setattr(Explained, "error", lambda *of: 1e6 * real(*of))
-
-
-def the_first_row_for_the_worst(patch: pytest.MonkeyPatch) -> None:
-    for module in (errors, measure, gates_module):
-        patch.setattr(module, "worst_of", lambda rows, _="max": rows[0])
-
-
-def the_best_row_for_the_worst(patch: pytest.MonkeyPatch) -> None:
-    for module in (errors, measure, gates_module):
-        patch.setattr(module, "worst_of", lambda rows, of="max": min(rows, key=lambda row: getattr(row, of)))
+def one_scale_for_all_forces(*of: Any) -> dict[str, float]:
+    scale = force_scales(*of)
+    return dict.fromkeys(scale, max(scale.values()))
 
 
 def no_check_of(name: str) -> Patch:
-    def patched(patch: pytest.MonkeyPatch) -> None:
-        real = checks.checks
-        patch.setattr(measure, "checks", lambda *of: [one for one in real(*of) if one.check != name])
-
-    return patched
+    return measure, "checks", lambda *of: [one for one in checks.checks(*of) if one.check != name]
 
 
 def lax_check_of(name: str) -> Patch:
-    def patched(patch: pytest.MonkeyPatch) -> None:
-        def thousandth(check: Any) -> Any:
-            return replace(check, worst=check.worst / 1000) if check.check == name else check
+    def lax(*of: Any) -> list[Check]:
+        return [replace(one, worst=one.worst / (1000 if one.check == name else 1)) for one in checks.checks(*of)]
 
-        real = checks.checks
-        patch.setattr(measure, "checks", lambda *of: [thousandth(one) for one in real(*of)])
-
-    return patched
+    return measure, "checks", lax
 
 
 NAMES = sorted(all_checks(scene_files.load("toggle_press")))
-FROM_THE_START = {
-    "sizes times 1000": sizes_a_thousand_times_too_large,
-    "one scale for all forces": one_scale_for_all_forces,
-    "round-off times 1e6": round_off_that_explains_a_million_times_as_much,
-    "the first row": the_first_row_for_the_worst,
-    "the best row": the_best_row_for_the_worst,
-    **{f"no check of {name}": no_check_of(name) for name in NAMES},
-    **{f"a lax check of {name}": lax_check_of(name) for name in NAMES if name != "branch"},
+EXPLAINS, ROWS = Explained.error, (errors, measure, gates_module)
+FROM_THE_START: dict[str, list[Patch]] = {
+    "sizes times 1000": [(module, "sizes", lambda *of: 1000 * scale_sizes(*of)) for module in (scales, checks)],
+    "one scale for all forces": [(scales, "force_scales", one_scale_for_all_forces)],
+    "round-off times 1e6": [(Explained, "error", lambda *of: 1e6 * EXPLAINS(*of))],
+    "the first row": [(module, "worst_of", lambda rows, _="max": rows[0]) for module in ROWS],
+    "the best row": [
+        (module, "worst_of", lambda rows, of="max": min(rows, key=lambda row: getattr(row, of))) for module in ROWS
+    ],
+    **{f"no check of {name}": [no_check_of(name)] for name in NAMES},
+    **{f"a lax check of {name}": [lax_check_of(name)] for name in NAMES if name != "branch"},
 }
 
 
 @pytest.mark.parametrize("wrong", FROM_THE_START)
 def test_what_is_wrong_from_the_start_is_noticed(wrong: str, press: Judgement, monkeypatch: pytest.MonkeyPatch) -> None:
     runs = {m.run.engine: m.run for m in press.measurements}
-    FROM_THE_START[wrong](monkeypatch)
-    found = judgement(
-        reference.uncertified(press.scene),
-        [*runs],
-        SAMPLING,
-        lambda name: (offers(name, "balanced"), ""),
-        print,
-        known(runs),
-    )
-    assert canaries(found)
+    patched(monkeypatch, FROM_THE_START[wrong])
+    assert canaries(judged(reference.uncertified(press.scene), [*runs], SAMPLING, known(runs)))
 
 
 @SLOW

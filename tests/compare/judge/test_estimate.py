@@ -20,7 +20,7 @@ from compare.mechanics.scales import scales
 from scenes import Motion, Sampling, Settings, Status, hard
 from scenes.model.motion import force_channels, quantity
 from tests import scene_files
-from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of, vector_of
+from tests.comparisons import SAMPLING, References, changed, commanded, size_of, vector_of
 
 
 def largest(reference: Reference, motion: Motion) -> dict[str, float]:
@@ -152,16 +152,6 @@ def test_forces_that_an_engine_cannot_give_are_left_out(reference: Reference, mo
     rest = Motion({channel: samples for channel, samples in motion.samples.items() if channel not in forces})
     assert set(largest(reference, rest)).isdisjoint(forces)
     assert {c.check for c in checks(reference.mechanics, rest, reference.travel)}.isdisjoint(("reaction", "torque"))
-
-
-@pytest.mark.parametrize("of", ["stiffness", "length"])
-def test_another_spring_than_the_scenes_is_known_by_its_forces(references: References, of: str) -> None:
-    reference = references("driven_toggle")
-    (spring,) = reference.scene.springs
-    wrong = replace(reference.scene, springs=(replace(spring, **{of: 1.001 * getattr(spring, of)}),))
-    off = largest(reference, commanded(of_scene(reference, wrong)))
-    assert max(error for channel, error in off.items() if channel in force_channels(wrong)) > 1e-6
-    assert max(error for channel, error in off.items() if channel not in force_channels(wrong)) <= 1e-12
 
 
 def test_nothing_to_compare_with_is_judged_all_the_same() -> None:
