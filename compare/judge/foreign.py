@@ -5,6 +5,7 @@ the checks of the result's own output it explains what they find in the referenc
 """
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
@@ -105,13 +106,10 @@ def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, S
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
     position, moved = _way(reference, time, true), dict[str, Samples]()
     for sign in (1, -1) if position.any() else ():
-        there = true[reference.scene.drive_channel] + sign * position
-        try:
-            other = reference.at(there, true["time"] + sign * time)
-        except Failure:  # beyond the end of the drive
-            continue
-        for channel, error in relative_errors(other, true, reference.scale).items():
-            moved[channel] = np.maximum(moved.get(channel, 0.0), error)
+        with suppress(Failure):  # beyond the end of the drive
+            other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
+            for channel, error in relative_errors(other, true, reference.scale).items():
+                moved[channel] = np.maximum(moved.get(channel, 0.0), error)
     return moved
 
 
@@ -126,20 +124,17 @@ def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) ->
     They explain what checks find in the reference's, each number off by as much as it may be as written. A balance adds
     up many channels, each of which is held against the reference by itself: it has no other limit.
     """
-    draw = np.random.default_rng(SEED)
+    draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
     halves = {**halves, reference.scene.drive_channel: _way(reference, halves["time"], true)}
     off = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in own.samples}
-    written = Motion(off | {"time": true["time"]})
-    allowed, checked = (_checks(reference, motion, true) for motion in (written, own))
+
+    def found(motion: Motion) -> list[Check]:
+        may = reference.acts(motion, true) if complete else None  # decimals may put a slider beyond a press's switch
+        return checks(reference.mechanics, motion, reference.travel, may, reference.stroke_ends)
+
+    allowed = found(Motion(off | {"time": true["time"]}))
     most = {_of(each): min(ALIKE * each.worst, np.inf if each.check in BALANCES else MOST) for each in allowed}
-    return [replace(check, worst=0.0) if check.worst <= most.get(_of(check), 0.0) else check for check in checked]
-
-
-def _checks(reference: Reference, motion: Motion, true: Motion) -> list[Check]:
-    """What checks find; decimals may put a press's slider on the other side of a switch than in `true`."""
-    complete = motion.samples.keys() >= reference.mechanics.units.keys()
-    may = reference.acts(motion, true) if complete else None
-    return checks(reference.mechanics, motion, reference.travel, may, reference.stroke_ends)
+    return [replace(each, worst=0.0) if each.worst <= most.get(_of(each), 0.0) else each for each in found(own)]
 
 
 def _of(check: Check) -> tuple[str, str]:

@@ -127,8 +127,7 @@ def checked_run(
 
 def offers(engine: str, tier: str) -> list[Settings]:
     """The settings of that name, then the more accurate ones, then the cheaper ones, all of one promise."""
-    offered = [*tiers(engine).values()]
-    asked = tiers(engine)[tier]
+    offered, asked = [*tiers(engine).values()], tiers(engine)[tier]
     first = offered.index(asked)
     return promising(asked.promise, (*offered[first:], *reversed(offered[:first])))
 
@@ -149,15 +148,16 @@ def attempts(measure: Callable[[Settings], Measurement], offered: Sequence[Setti
 
 def escalated(measure: Callable[[Settings], Measurement], offered: Sequence[Settings]) -> tuple[Measurement, str]:
     """The first measurement that is ok, or else the one asked for; and in a sentence what was tried."""
-    first, *further = attempts(measure, offered)
+    first, *further = tried = [*attempts(measure, offered)]
     if not further:
         return first, ""
-    engine = first.run.engine
-    if further[-1].run.status is not Status.ok:
-        return replace(first, finer=_finer(first, further)), f"{engine}: {_ended(first, *further)}"
-    taken = further[-1].run
+    taken = tried[-1].run
+    failed = tried if taken.status is not Status.ok else tried[:-1]
+    ended = "; ".join(f"{_label(m.run)} ended {m.run.status.name}, {m.run.reason}" for m in failed)
+    if taken.status is not Status.ok:
+        return replace(first, finer=_finer(first, further)), f"{taken.engine}: {ended}"
     note = f": {taken.settings.note}" if taken.settings and taken.settings.note else ""
-    return further[-1], f"{engine}: {_ended(first, *further[:-1])}; so {_label(taken)} was taken{note}"
+    return tried[-1], f"{taken.engine}: {ended}; so {_label(taken)} was taken{note}"
 
 
 def _finer(first: Measurement, further: Iterable[Measurement]) -> str:
@@ -165,10 +165,6 @@ def _finer(first: Measurement, further: Iterable[Measurement]) -> str:
     off = first.largest
     left = min(((m.largest / off, _label(m.run)) for m in further if m.largest < NEARLY_ALL * off), default=None)
     return f"{left[1]} leave {share(left[0])}" if left else ""
-
-
-def _ended(*failed: Measurement) -> str:
-    return "; ".join(f"{_label(m.run)} ended {m.run.status.name}, {m.run.reason}" for m in failed)
 
 
 def _label(run: Run) -> str:

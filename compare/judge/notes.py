@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from scenes import Failure, Motion, Scene
+from scenes import Failure, Scene
 from scenes.corners import heights
 from scenes.scene import MotionLaw
 
@@ -32,21 +32,14 @@ def notes(scene: Scene) -> Iterator[str]:
                     )
 
 
-def at_sketch(reference: Reference) -> Motion | None:
-    """The reference's motion at the sketch's position of the drive, one sample; None where it has none."""
-    try:
-        return reference.at(np.array([reference.scene.sketch.drive]), np.array([0.0]))
-    except Failure:
-        return None
-
-
 def off_sketch(reference: Reference) -> dict[str, float]:
     """How far each sketched point is from where the reference has it, m; none where it has no pose."""
-    motion = at_sketch(reference)
-    if motion is None:
+    sketch = reference.scene.sketch
+    try:
+        motion = reference.at(np.array([sketch.drive]), np.array([0.0]))
+    except Failure:
         return {}
-    drawn = reference.scene.sketch.points
-    return {p: abs(complex(motion[f"{p}.x"][0] - x, motion[f"{p}.y"][0] - y)) for p, (x, y) in drawn.items()}
+    return {p: abs(complex(motion[f"{p}.x"][0] - x, motion[f"{p}.y"][0] - y)) for p, (x, y) in sketch.points.items()}
 
 
 def warnings(reference: Reference) -> Iterator[str]:

@@ -14,7 +14,7 @@ from ...engines.registry import REFERENCE
 from ...engines.runner import ON_TIME
 from ...mechanics.reference import Reference
 from ..measure import Measurement
-from .curves import CycleCurve, curves
+from .curves import curves
 from .numbers import CycleNumber, numbers
 from .refined import refined
 
@@ -47,8 +47,8 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
     is below the reference's floor.
     """
     scene, wanted = reference.scene, set(sampling.wanted(reference.scene))
-    asked = wanted.issuperset(reference.mechanics.units)
-    known = Motion({c: v for c, v in reference.cycle.samples.items() if asked or c in wanted})
+    everything = wanted.issuperset(reference.mechanics.units)
+    known = Motion({c: v for c, v in reference.cycle.samples.items() if everything or c in wanted})
     followed = curves(scene, reference.scale, known)
     if not followed:
         return []
@@ -106,7 +106,8 @@ def _differences(reference: Reference, motion: Motion) -> dict[str, float]:
         theirs = {number.name: number for number in numbers(scene, followed, own)}
         for number in numbers(scene, followed, true):
             off = abs(float(theirs[number.name].value - number.value)) if number.name in theirs else nan
-            shown = np.maximum(off / number.size, _floor(reference, number.curve)) if number.size > 0 else nan
+            floor = max(reference.floor.by_channel.get(channel, 0.0) for channel in number.curve.channels)
+            shown = np.maximum(off / number.size, floor) if number.size > 0 else nan
             largest[number.name] = float(np.maximum(largest.get(number.name, 0.0), shown))
     return largest
 
@@ -117,7 +118,3 @@ def _cycles(cycles: Samples) -> Iterator[slice]:
     turns = int(passed[-1])
     for turn in dict.fromkeys(np.linspace(0, turns - 1, min(turns, TURNS)).astype(int).tolist()):
         yield slice(*np.searchsorted(passed, (turn, turn + 1 + 2 * ON_TIME)))
-
-
-def _floor(reference: Reference, curve: CycleCurve) -> float:
-    return max((reference.floor.by_channel.get(channel, 0.0) for channel in curve.channels), default=0.0)

@@ -53,18 +53,15 @@ def plain(verdict: Agreement) -> Agreement:
 
 
 def test_they_agree(judge: Judge, reference: Reference) -> None:
-    judged = judge(
-        changed(commanded(reference), "P3.fx", 3.3e-5 * reference.scale["P3.fx"]), reaction=1e-3, torque=1e-3
-    )
-    verdict = plain(agreement(judged))
-    assert judged.ok
-    assert verdict == Agreement(Word.agrees, verdict.sentence)
-    assert verdict.sentence == (
+    off = changed(commanded(reference), "P3.fx", 3.3e-5 * reference.scale["P3.fx"])
+    judged = judge(off, reaction=1e-3, torque=1e-3)
+    sentence = (
         "exudyn and stub agree with the closed form to 0.004 % in every channel;"
         " a calculation with 50 digits confirms the closed form to 14 digits at 72 positions of the drive."
         " All 2 tolerances are met."
     )
-    assert judged.agreement == verdict
+    assert judged.ok
+    assert judged.agreement == plain(agreement(judged)) == Agreement(Word.agrees, sentence)
 
 
 def test_one_that_is_wrong_is_named_with_channel_size_and_cause(judge: Judge, reference: Reference) -> None:
@@ -80,12 +77,6 @@ def test_a_cause_is_there_whatever_its_body_is_called(judge: Judge, reference: R
     judged = judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))
     vars(judged)["causes"] = {"stub": f"stub: {name}'s mass is 12 % too large"}
     assert agreement(judged).sentence.endswith(f"; likely cause: {name}'s mass is 12 % too large.")
-
-
-def test_one_that_is_a_little_off_its_promise_disagrees(judge: Judge, reference: Reference) -> None:
-    verdict = plain(agreement(judge(changed(commanded(reference), "P3.fx", 0.3 * reference.scale["P3.fx"]))))
-    assert verdict.word is Word.disagrees
-    assert "by 30 % in P3.fx" in verdict.sentence
 
 
 def test_a_missed_tolerance_is_a_disagreement(judge: Judge, reference: Reference) -> None:
