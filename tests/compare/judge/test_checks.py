@@ -94,18 +94,15 @@ def test_another_load_than_the_scenes_is_noticed(references: References, of: str
 
 
 @pytest.mark.parametrize("noise", [1e-5, 1.0])
-def test_forces_on_a_body_that_carries_nothing_are_relative_to_the_largest(
-    references: References, noise: float
-) -> None:
+def test_a_body_that_carries_nothing_is_relative_to_the_largest_force(references: References, noise: float) -> None:
     """Noise alone is no violation of 100 % of itself; a force as large as any is one."""
     reference = references("telescope")
     motion = commanded(reference)
     largest = max(float(np.abs(motion[channel]).max()) for channel in ("O.fx", "A.fx"))
     assert np.abs(motion["C.fx"]).max() < 1e-12 * largest
     noisy = changed(motion, "C.fx", noise * largest)
-    assert violations(reference, noisy)["Newton", "cylinder"] == pytest.approx(
-        noise, rel=0.5
-    )  # the largest of both axes
+    off = violations(reference, noisy)["Newton", "cylinder"]  # the largest of both axes
+    assert off == pytest.approx(noise, rel=0.5)
 
 
 @pytest.mark.parametrize("name", scene_files.MECHANISMS)

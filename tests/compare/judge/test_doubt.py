@@ -57,11 +57,8 @@ def test_a_core_that_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None
     """A rate that is off by 1e-9 is far below every promise of the simulators, and far above its own."""
     scene = scenes.load("toggle_press")
     result = judged(monkeypatch, scene, scene, faster)
-    assert {engine: status for engine, (status, _) in result.verdicts.items()} == {
-        "analytic": "inconsistent",
-        "exudyn": "ok",
-        "pymunk": "ok",
-    }
+    assert [*result.verdicts] == ["analytic", "exudyn", "pymunk"]
+    assert [status for status, _ in result.verdicts.values()] == ["inconsistent", "ok", "ok"]
     assert not result.ok
     assert result.verdicts["analytic"][1].startswith("the core contradicts itself, suspect the core: ")
 

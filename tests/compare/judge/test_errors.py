@@ -47,19 +47,17 @@ def test_an_error_in_any_channel_of_any_drive_is_found(references: References, n
 
 
 def test_scales(reference: Reference) -> None:
-    S, w = 0.1836316, 2 * np.pi
+    S, w, scale = 0.1836316, 2 * np.pi, reference.scale
+    expected = {"P2.vx": 2 * 0.077 * w, "P5.ay": S * w**2, "P3.fx": scale["P3.fy"]}  # P2: of its own circle
+    expected["slider.guide_moment"] = S * scale["slider.guide_force"]
     assert reference.stroke == pytest.approx(S, abs=5e-8)
-    assert reference.scale["P2.vx"] == pytest.approx(2 * 0.077 * w, rel=1e-6)  # of its own circle
-    assert reference.scale["P5.ay"] == pytest.approx(S * w**2, rel=1e-6)
-    assert reference.scale["drive.torque"] == pytest.approx(13888, abs=0.5)
-    assert reference.scale["slider.guide_moment"] == pytest.approx(S * reference.scale["slider.guide_force"], rel=1e-6)
-    assert reference.scale["P3.fx"] == reference.scale["P3.fy"]
+    assert {channel: scale[channel] for channel in expected} == pytest.approx(expected, rel=1e-6)
+    assert scale["drive.torque"] == pytest.approx(13888, abs=0.5)
 
 
 def test_angles_count_modulo_a_turn(reference: Reference, motion: Motion) -> None:
     turned = Motion({**motion.samples, "rod.angle": motion["rod.angle"] + 2 * np.pi})
-    table = rows_of(reference, turned)
-    assert row_of(table, "rod.angle").max <= 1e-14
+    assert row_of(rows_of(reference, turned), "rod.angle").max <= 1e-14
 
 
 def test_the_drives_error_is_told_apart(reference: Reference) -> None:
@@ -105,13 +103,9 @@ def test_scales_of_a_driven_slider(references: References) -> None:
     """The crosshead goes 250 mm at 150 mm/s; the platen goes S meanwhile."""
     reference = references("driven_toggle")
     S, w, force = reference.stroke, 0.150 / 0.250, commanded(reference, Sampling(3600))["drive.force"]
-    assert reference.scale["C.x"] == S
-    assert reference.scale["C.vx"] == pytest.approx(S * w, rel=1e-12)
-    assert reference.scale["C.ax"] == pytest.approx(S * w**2, rel=1e-12)
-    assert reference.scale["plate.omega"] == pytest.approx(w, rel=1e-12)
-    assert reference.scale["plate.alpha"] == pytest.approx(w**2, rel=1e-12)
-    assert reference.scale["drive.displacement"] == pytest.approx(0.250, rel=1e-12)
-    assert reference.scale["drive.force"] == pytest.approx(np.abs(force).max(), rel=1e-12)
+    expected = {"C.x": S, "C.vx": S * w, "C.ax": S * w**2, "plate.omega": w, "plate.alpha": w**2}
+    expected |= {"drive.displacement": 0.250, "drive.force": np.abs(force).max()}
+    assert {channel: reference.scale[channel] for channel in expected} == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -187,10 +181,15 @@ def pressing() -> Reference:
     return establish(scenes.load("crank_press", {"drive.start": 90}))
 
 
+def press_force(reference: Reference) -> PressForce:
+    (load,) = reference.scene.loads
+    assert isinstance(load, PressForce)
+    return load
+
+
 def standing(reference: Reference, row: int, *, acting: bool) -> Motion:
     """Return the motion with the press force acting, or not, at one row, and as it should be elsewhere."""
-    plain, load = commanded(reference), reference.scene.loads[0]
-    assert isinstance(load, PressForce)
+    plain, load = commanded(reference), press_force(reference)
     loads = (Force(load.body, load.at, load.force),) if acting else ()
     there = commanded(of_scene(reference, replace(reference.scene, loads=loads)))
     return Motion({c: np.where(np.arange(len(plain[c])) == row, there[c], plain[c]) for c in channels(reference.scene)})
@@ -225,9 +224,8 @@ def test_a_lagging_drive_does_not_decide_the_side(pressing: Reference) -> None:
     lag = SAMPLING.commanded(scene) - 5e-3
     without = of_scene(pressing, replace(scene, loads=()))
     on, off = (r.at(lag, SAMPLING.times(scene)) for r in (pressing, without))
-    motion = Motion(
-        {c: np.where(np.arange(SAMPLING.count) == LOWER_DEAD_POINT, off[c], on[c]) for c in channels(scene)}
-    )
+    there = np.arange(SAMPLING.count) == LOWER_DEAD_POINT
+    motion = Motion({c: np.where(there, off[c], on[c]) for c in channels(scene)})
     assert max(compare(pressing, SAMPLING, motion).actual[c].max() for c in ("A.fy", "B.fy")) <= 1e-12
 
 
@@ -243,33 +241,22 @@ def test_the_floor_is_certified_across_a_switch(
 
 
 def test_the_stroke_ends_between_samples(pressing: Reference) -> None:
-    scene = pressing.scene
-    (load,) = scene.loads
-    assert isinstance(load, PressForce)
-    state = MotionVectors(
-        scene, pressing.at(scene.drive.start + 0.3 + np.linspace(0, 2 * np.pi, 73), np.linspace(0, 1, 73))
-    )
-    assert state.stroke_end(load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
-    half = MotionVectors(
-        scene, pressing.at(scene.drive.start + np.linspace(0, 3, 73), np.linspace(0, 3 / (2 * np.pi), 73))
-    )
+    scene, load = pressing.scene, press_force(pressing)
+
+    def turned(first: float, by: float) -> MotionVectors:
+        way = np.linspace(0, by, 73)
+        return MotionVectors(scene, pressing.at(scene.drive.start + first + way, way / (2 * np.pi)))
+
+    whole, half = turned(0.3, 2 * np.pi), turned(0.0, 3.0)
+    assert whole.stroke_end(load) == pytest.approx(-1.48, abs=1e-9)  # the quintic's h^6/46080 of the sixth derivative
     assert half.stroke_end(load) == half.displacement(scene.bodies[load.body])[0][-1]
 
 
 def test_a_creeping_press_is_no_switch(pressing: Reference) -> None:
     """At a ten-thousandth of the peak speed, but well before the end, the force must act."""
-    scene = pressing.scene
-    (load,) = scene.loads
-    assert isinstance(load, PressForce)
-    still = np.zeros(3)
-    moving = {
-        "B.x": still,
-        "B.y": np.array([-1.3, -1.478, -1.4799999]),
-        "B.vx": still,
-        "B.vy": np.array([-1.0, -1e-4, -1e-4]),
-    }
-    state = MotionVectors(scene, Motion({"time": still, **moving, "B.ax": still, "B.ay": still}))
-    (may,) = state.acts([-1.48])
+    samples = dict.fromkeys(("time", "B.x", "B.vx", "B.ax", "B.ay"), np.zeros(3))
+    samples |= {"B.y": np.array([-1.3, -1.478, -1.4799999]), "B.vy": np.array([-1.0, -1e-4, -1e-4])}
+    (may,) = MotionVectors(pressing.scene, Motion(samples)).acts([-1.48])
     assert may.all(axis=0).tolist() == [False, True, False]
     assert may.any(axis=0).tolist() == [False, True, True]
 

@@ -76,14 +76,11 @@ def test_a_point_that_moves_little_is_judged_by_its_own_travel(
 
 def test_scales_of_points(beside_a_lever: Reference) -> None:
     """The guide's moment is nothing by symmetry: relative to its force times the travel of the slider."""
-    w = beside_a_lever.scene.drive.peak_rate
-    scale = beside_a_lever.scale
-    assert beside_a_lever.stroke == pytest.approx(3.6, rel=1e-12)
-    assert scale["B.x"] == pytest.approx(0.0375, rel=1e-6)
-    assert (scale["B.vx"], scale["B.ax"]) == pytest.approx((0.0375 * w, 0.0375 * w**2), rel=1e-6)
-    assert scale["T.x"] == pytest.approx(3.6, rel=1e-12)
-    assert scale["slider.guide_moment"] == pytest.approx(0.0375 * scale["slider.guide_force"], rel=1e-6)
-    assert scale["A.x"] == pytest.approx(0.0375, rel=1e-12)
+    w, scale = beside_a_lever.scene.drive.peak_rate, beside_a_lever.scale
+    expected = {"B.x": 0.0375, "B.vx": 0.0375 * w, "B.ax": 0.0375 * w**2}
+    expected["slider.guide_moment"] = 0.0375 * scale["slider.guide_force"]
+    assert {channel: scale[channel] for channel in expected} == pytest.approx(expected, rel=1e-6)
+    assert (beside_a_lever.stroke, scale["T.x"], scale["A.x"]) == pytest.approx((3.6, 3.6, 0.0375), rel=1e-12)
 
 
 def test_no_point_is_judged_by_less_than_a_hundredth_of_the_largest_travel() -> None:
