@@ -96,9 +96,6 @@ def assembles(d: Design) -> NDArray[np.bool_]:
     return np.asarray(np.all([np.abs(sine_phi(d, alpha)) < 1 for alpha in (0.0, upright, d.alpha_max)], axis=0))
 
 
-# --- lengths and strokes ---------------------------------------------------------------------------------------------
-
-
 def third_length(d: Design) -> Array:
     """Return L3 = BD by the cosine law."""
     return np.asarray(sqrt(d.L1**2 + d.L5**2 - 2 * d.L1 * d.L5 * cos(d.gamma)))
@@ -135,9 +132,6 @@ def crosshead_stroke(p: Pose, root: int = -1) -> Array:
 def stroke_ratio(d: Design) -> Array:
     """Return R_S = S_m / S_o over the whole stroke, with the signs of the roots that hold."""
     return np.asarray(platen_stroke(opened(d)) / crosshead_stroke(opened(d)))
-
-
-# --- ratios, rates and accelerations ---------------------------------------------------------------------------------
 
 
 def velocity_ratio(p: Pose) -> Array:

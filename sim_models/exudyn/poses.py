@@ -105,11 +105,7 @@ class PoseSolver:
     def follow(
         self, state: Configuration, position: float, bisections: int = BISECTIONS, goal: float | None = None
     ) -> Configuration:
-        """The state at another position: predicted and corrected, in smaller steps if the correction is large.
-
-        Raises:
-            Failure: no pose continues the motion on this branch, or the budget is spent.
-        """
+        """The state at another position: predicted and corrected, in smaller steps if the correction is large."""
         if position == state.position:
             return state
         self.budget.check(f"a pose was sought past {self.system.scene.where(float(state.position))}")

@@ -27,12 +27,7 @@ def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitch
 
 
 def start(poses: PoseSolver) -> Configuration:
-    """Assemble the system where the sketch shows it, and move it to the drive's start.
-
-    Raises:
-        Failure: the constraints leave a freedom or repeat each other; no pose is found near the sketch; or none from
-            there to the start.
-    """
+    """Assemble the system where the sketch shows it, and move it to the drive's start."""
     system, drawn = poses.system, _sketched_position(poses.system.scene)
     where, rough = system.scene.where(drawn), _rough(system, drawn)
     assembled = poses.nearest(rough, drawn)

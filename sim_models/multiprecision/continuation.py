@@ -68,9 +68,6 @@ class Continuation:
         A Taylor predictor of second order is followed by Newton; a step is shortened until Newton contracts and the
         Jacobian stays regular from one pose to the next, which keeps the assembly branch. The next step is as long as
         the change of the Jacobian allows.
-
-        Raises:
-            Failure: the Jacobian becomes singular on the way, or the budget does not last.
         """
         share, longest = 0.0, LARGEST_TURN
         while share < 1:
@@ -96,9 +93,6 @@ class Continuation:
         The image q - J(X)^-1 (f(q) - goal) of a box X about q holds all solutions in X; where it lies in X there is
         one, and where all of J(X) is regular no other. Moore, Kearfott & Cloud (2009), Introduction to Interval
         Analysis, ch. 8.
-
-        Raises:
-            Failure: nothing is proven at this precision.
         """
         box = q + self.halo
         J, left = self.rows.jacobian(box), self.rows.value(q) - goal
@@ -204,10 +198,7 @@ def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
 
 
 def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
-    """Return which joint stays open, near a pose q, at the first position of the drive where one does, or nothing.
-
-    A sentence for the user, so in doubles.
-    """
+    """A sentence on which joint stays open, near a pose q, at the first position where one does; so in doubles."""
     scene = linkage.scene
     sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
     joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(scene.pins))}

@@ -183,11 +183,7 @@ def _column(entries: list[arb]) -> arb_mat:
 
 
 def solved(groups: Sequence[DiagonalBlock], matrix: arb_mat, right: arb_mat, **how: Any) -> arb_mat:
-    """Return the solution for a column by forward substitution, `how` as for FLINT's matrices.
-
-    Raises:
-        ZeroDivisionError: a block is singular, or is not proven to be regular.
-    """
+    """The solution for a column by forward substitution; ZeroDivisionError where no block is proven to be regular."""
     if right.nrows() <= AT_ONCE:
         return matrix.solve(right, **how)
     solution = arb_mat(right.nrows(), 1)

@@ -46,23 +46,19 @@ class PymunkSettings(Settings):
         return float(1 - self.error_bias(dt) ** dt)
 
     def error_bias(self, dt: float) -> float:
-        """The part of a joint's error left after a second, pymunk's parameter, for steps of dt, s.
-
-        Raises:
-            Failure: unsupported, so small a number that pymunk would correct the whole error.
-        """
+        """The part of a joint's error left after a second, pymunk's parameter, for steps of dt, s."""
         if self.correction is None:
             return ERROR_BIAS
         left = 1 - self.correction
         bias = float(left ** (1 / dt))
-        if left and not bias:
+        if left and not bias:  # so small a number that pymunk would correct the whole error
             raise Failure(Status.unsupported, f"pymunk cannot leave {left:g} of an error over in steps of {dt:.3g} s")
         return bias
 
 
 @dataclass(frozen=True)
 class TextbookSettings(Settings):
-    """The set-up of the manual's examples, with pymunk's defaults; see `textbook`."""
+    """The set-up of the manual's examples, with pymunk's defaults; see `runs.stepping`."""
 
     steps: Annotated[int, "per cycle, at least: rounded up to a multiple of the samples"]
     iterations: Annotated[int, "Gauss-Seidel sweeps over all joints per step"] = 10

@@ -44,11 +44,7 @@ def begun(scene: Scene, masses: Masses) -> Posed:
 
 
 def start(linkage: LinkageConstraints) -> PoseArray:
-    """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3).
-
-    Raises:
-        Failure: cannot_assemble, or nearly singular not_converged, here or somewhere on the drive's way.
-    """
+    """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3)."""
     position = _sketched_position(linkage.scene)
     q = _sketch(linkage, position)
     gaps = linkage.gaps(q, np.array([position]))

@@ -51,20 +51,7 @@ class ExudynSimulation:
         self._motion = Motion({"time": self.times} | samples)
 
     def read(self) -> Motion:
-        """The channels, unless a spring has no direction or the poses are of another branch."""
-        self._check_springs()
-        self._check_branch()
-        return self._motion
-
-    def _solved(self) -> Array:
-        """Find the samples, shape (2 to 4, n, 3 bodies)."""
-        raise NotImplementedError
-
-    def _check_branch(self) -> None:
-        """Refuse poses of another branch than the start's."""
-
-    def _check_springs(self) -> None:
-        """Refuse an instant at which a spring pushes and has no direction, which Exudyn takes for no force."""
+        """The channels, unless a spring has no direction at an instant, which Exudyn takes for no force."""
         for spring in self.scene.springs:
             (_, p), (_, q) = spring.first, spring.second
             length = np.abs(channels.place(self.system, q, self._q) - channels.place(self.system, p, self._q))
@@ -72,6 +59,11 @@ class ExudynSimulation:
                 where = self.scene.where(self.positions[np.argmin(length)])
                 reason = f"a spring has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)
+        return self._motion
+
+    def _solved(self) -> Array:
+        """Find the samples, shape (2 to 4, n, 3 bodies)."""
+        raise NotImplementedError
 
 
 class PointwiseSimulation(ExudynSimulation):

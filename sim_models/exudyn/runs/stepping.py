@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenes import Failure, Request, Scene, Status
+from scenes import Failure, Motion, Request, Scene, Status
 
 from ..ablations import ReducedSystem, SpatialSystem, add_extras
 from ..drive import ExudynDrive, Piece, pieces
@@ -58,8 +58,6 @@ class TimeSteppedSimulation(ExudynSimulation):
         add_extras(self.model, options, step, forces=self.sampling.wants_forces(scene))
         _configure(self.model, options)
         self._runs = [self._buffer() for _ in range(2 if options.richardson else 1)]
-
-    # --- what is integrated, from where -------------------------------------------------------------------------------
 
     def _stretches(self) -> list[Stretch]:
         """Choose what to integrate: each piece of the drive that has samples, or in a first script all in one."""
@@ -106,8 +104,6 @@ class TimeSteppedSimulation(ExudynSimulation):
 
     def _step(self, stride: int) -> float:
         return self.scene.drive.cycle / (stride * self.sampling.samples)
-
-    # --- the integration ----------------------------------------------------------------------------------------------
 
     def _solved(self) -> Array:
         self.counters = dict.fromkeys(("steps", "newton_iterations", "jacobians"), 0) | self.model.counts()
@@ -189,8 +185,9 @@ class TimeSteppedSimulation(ExudynSimulation):
             return singular
         return Failure(Status.diverged, f"Newton's method found no solution for the step at {self._where(clock)}")
 
-    def _check_branch(self) -> None:
-        start, poses = self._at_start, self.poses
+    def read(self) -> Motion:
+        """The channels, unless the poses are of another branch than the start's."""
+        motion, start, poses = super().read(), self._at_start, self.poses
         jacobians = (poses.equations.jacobian(self._q[rows]) for rows in blocks(self._q))
         branch = np.concatenate([*map(poses.branch, jacobians)])
         other = branch * start.branch < 0
@@ -198,7 +195,8 @@ class TimeSteppedSimulation(ExudynSimulation):
             positions = self.positions[: int(other.argmax()) + 1]
             poses.through(start, positions, curved=False)  # it raises where it meets the singular pose
             where = self.scene.where(float(positions[-1]))
-            raise Failure(Status.wrong_branch, f"the bodies are assembled the other way round at {where}", self._motion)
+            raise Failure(Status.wrong_branch, f"the bodies are assembled the other way round at {where}", motion)
+        return motion
 
 
 def _configure(model: ExudynSystem, options: TimeStepping) -> None:

@@ -20,8 +20,7 @@ from ..loads import Active, active_presses, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import Posed, assembles, begun, obstacle
-from .stepping import Integration
-from .textbook import TextbookRun
+from .stepping import Integration, TextbookRun
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
 LARGEST_DRIFT = 1e-6
