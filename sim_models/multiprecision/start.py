@@ -73,14 +73,11 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
 
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
     """Return the end of every press force's stroke, see `end_of_stroke`."""
-    ends, known = dict[PressForce, float](), dict[tuple[str, int], float]()
-    for load in linkage.scene.loads:
-        if isinstance(load, PressForce):
-            stroke = load.body, closing_sign(linkage.scene, load)
-            if stroke not in known:
-                known[stroke] = end_of_stroke(linkage, continuation, q, load)
-            ends[load] = known[stroke]
-    return ends
+    presses = [load for load in linkage.scene.loads if isinstance(load, PressForce)]
+    strokes = {load: (load.body, closing_sign(linkage.scene, load)) for load in presses}
+    one_of = {stroke: load for load, stroke in strokes.items()}
+    ends = {stroke: end_of_stroke(linkage, continuation, q, load) for stroke, load in one_of.items()}
+    return {load: ends[stroke] for load, stroke in strokes.items()}
 
 
 def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_mat, load: PressForce) -> float:

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# --- the toggle press ------------------------------------------------------------------------------------------------
-
 CRANK, ROCKER, SIDE, BASE, ROD = 0.077, 0.300, 0.490, 0.760, 0.300
 P1 = complex(0.404709, 0.872339 - 1.090)
 STEP = 2e-3  # rad: five points give a second derivative to 1e-9
@@ -98,9 +96,6 @@ def _roots(A: Array, B: Array, C: Array) -> tuple[Array, Array]:
     """The angles at which A cos + B sin + C = 0: 2 atan((B +- root) / (A - C)) in another form."""
     towards, apart = np.arctan2(B, A), np.arccos(-C / np.hypot(A, B))
     return towards + apart, towards - apart
-
-
-# --- the clamp -------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,6 @@ def rows() -> dict[str, Claim]:
     return {claim.claim: claim for claim in (*claims(), *by_engines(pytest.fail))}
 
 
-# --- formulas and numbers --------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", CLAMPS)
 def test_the_formulas_are_those_of_the_second_transcription(name: str) -> None:
     clamp, alphas = CLAMPS[name], np.linspace(1, CLAMPS[name].alpha_max - 1, 40)
@@ -71,9 +68,6 @@ def test_the_readings_of_the_acceleration(rows: dict[str, Claim]) -> None:
     assert "as printed, over the stroke" in row.note
 
 
-# --- verdicts --------------------------------------------------------------------------------------------------------
-
-
 def test_the_clamps_verdicts(rows: dict[str, Claim]) -> None:
     assert rows["eq R_S"].verdict is Verdict.WRONG_BRANCH
     assert rows["eq a_m"].verdict is Verdict.MISPRINT
@@ -110,9 +104,6 @@ def test_an_engine_that_cannot_run_has_no_row(monkeypatch: pytest.MonkeyPatch) -
     notes: list[str] = []
     assert list(by_engines(notes.append)) == []
     assert len(notes) == len(ENGINES)
-
-
-# --- the rounding of table 2 -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", CLAMPS)

@@ -6,25 +6,9 @@ import numpy as np
 import pytest
 
 import analytic
+from papers.clamp import formulas
 from papers.clamp.constraints import ALONE, BOTH, LITERAL, OPENING, SLENDER, STROKE, slacks, tightest
-from papers.clamp.formulas import (
-    DEGREE,
-    INITIAL,
-    PUBLISHED,
-    RATED,
-    SCHEME_4,
-    Array,
-    Design,
-    acceleration,
-    assembles,
-    at,
-    crosshead,
-    crosshead_stroke,
-    opened,
-    platen,
-    sine_phi,
-    velocity_ratio,
-)
+from papers.clamp.formulas import DEGREE, INITIAL, PUBLISHED, RATED, SCHEME_4, Array, Design
 from papers.clamp.measures import measure
 from papers.clamp.optimisation.recheck import locking
 from papers.clamp.optimisation.study import BROKEN
@@ -36,7 +20,7 @@ from .designs import some_designs
 
 
 def solved(scene: Scene, d: Design, alpha: Array) -> Motion:
-    position = 1e-3 * crosshead(at(d, alpha))
+    position = 1e-3 * formulas.crosshead(formulas.at(d, alpha))
     return analytic.solve(scene, position, (position - scene.drive.start) / 0.1)
 
 
@@ -56,13 +40,15 @@ def test_l3_closes_the_triangle(name: str, length: float) -> None:
 def test_formulas_are_the_motion_of_the_shipped_scene(name: str) -> None:
     d, scene = PUBLISHED[name], load(SCENES[name])
     alpha = np.linspace(d.alpha_max, 0.0, 501)
-    motion, pose = solved(scene, d, alpha), at(d, alpha)
-    assert np.abs(1e3 * np.array(scene.drive.extent) - crosshead(pose)[[0, -1]]).max() <= 1e-12  # mm; as many digits
+    motion, pose = solved(scene, d, alpha), formulas.at(d, alpha)
+    assert (
+        np.abs(1e3 * np.array(scene.drive.extent) - formulas.crosshead(pose)[[0, -1]]).max() <= 1e-12
+    )  # mm; as many digits
     assert (motion["D.x"] > motion["E.x"]).all()  # E is on the tail side of D throughout
-    assert np.abs(1e3 * motion["C.x"] - platen(pose)).max() <= 1e-11  # mm, rounding
-    assert np.abs(motion["C.vx"] / motion["E.vx"] - velocity_ratio(pose)).max() <= 1e-13  # rounding
+    assert np.abs(1e3 * motion["C.x"] - formulas.platen(pose)).max() <= 1e-11  # mm, rounding
+    assert np.abs(motion["C.vx"] / motion["E.vx"] - formulas.velocity_ratio(pose)).max() <= 1e-13  # rounding
     per_mm = 1e-3 * motion["C.ax"] / 0.1**2
-    assert np.abs(per_mm - acceleration(pose)).max() <= 1e-14  # of 1e-2, rounding
+    assert np.abs(per_mm - formulas.acceleration(pose)).max() <= 1e-14  # of 1e-2, rounding
     assert abs(measure("S_m", d) - 1e3 * np.ptp(motion["C.x"])) <= 1e-11
     assert abs(measure("a_m range", d) / np.ptp(per_mm) - 1) <= 1e-4  # of 501 samples
     assert abs(multiplied(scene, d) - measure("M_P", d)) <= 1e-11
@@ -84,13 +70,10 @@ def test_formulas_are_the_motion_of_any_design(number: int) -> None:
 
 def test_a_design_that_does_not_assemble_is_nan() -> None:
     short = SCHEME_4._replace(L4=115.0)  # mm: DE does not reach from the crosshead's guide to D in the locked clamp
-    assert not assembles(short)
-    assert np.isnan(crosshead_stroke(opened(short)))
-    assert assembles(SCHEME_4)
-    assert assembles(INITIAL)
-
-
-# --- constraints ------------------------------------------------------------------------------------------------------
+    assert not formulas.assembles(short)
+    assert np.isnan(formulas.crosshead_stroke(formulas.opened(short)))
+    assert formulas.assembles(SCHEME_4)
+    assert formulas.assembles(INITIAL)
 
 
 def test_which_constraints_the_published_designs_meet() -> None:
@@ -108,8 +91,8 @@ def test_the_limit_of_160_degrees_in_both_readings() -> None:
 
 def test_phi_is_largest_at_an_end_of_the_stroke() -> None:
     d = some_designs(50)
-    inside = sine_phi(d, np.linspace(0, 1, 501)[:, None] * d.alpha_max).max(axis=0)
-    assert (inside <= np.maximum(sine_phi(d, 0.0), sine_phi(d, d.alpha_max)) + 1e-15).all()
+    inside = formulas.sine_phi(d, np.linspace(0, 1, 501)[:, None] * d.alpha_max).max(axis=0)
+    assert (inside <= np.maximum(formulas.sine_phi(d, 0.0), formulas.sine_phi(d, d.alpha_max)) + 1e-15).all()
 
 
 def test_the_sizes_amount_to_the_clearance() -> None:

@@ -51,9 +51,6 @@ def six() -> Optimum:
     return search(ahead(SIX, MET, ALONE), 4)
 
 
-# --- gradients --------------------------------------------------------------------------------------------------------
-
-
 def by_differences(problem: Problem, u: Array) -> Array:
     """The gradients of all rows, (rows, 8), by central differences extrapolated to no step, good to 1e-9."""
     steps = 4e-3 / 2.0 ** np.arange(5)
@@ -78,9 +75,6 @@ def test_gradients_are_exact(d: Design, names: Sequence[str], tolerance: float) 
         values, gradients = problem.with_gradients(u)
         assert np.abs(values - problem.rows(d)).max() <= 1e-14  # rounding
         assert np.abs(gradients - by_differences(problem, u)).max() <= tolerance
-
-
-# --- optima -----------------------------------------------------------------------------------------------------------
 
 
 def test_a_limit_that_is_broken_counts() -> None:
@@ -172,9 +166,6 @@ def test_no_design_is_no_optimum() -> None:
     assert optimum.feasible == 0
     assert np.isnan([optimum.value, *optimum.design]).all()
     assert improved([Point(MAIN, "", impossible, optimum)])
-
-
-# --- dynamic models and the report -----------------------------------------------------------------------------------
 
 
 def test_the_dynamic_models_confirm_a_design(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,9 +29,6 @@ def variables() -> Variables:
     return over_two_turns()
 
 
-# --- equations -------------------------------------------------------------------------------------------------------
-
-
 def test_the_kinematic_verdicts(rows: dict[str, Claim]) -> None:
     """What was found by hand, equation by equation; every form that holds does so to rounding."""
     assert {f"eq {k}" for k in range(1, 33)} <= set(rows)
@@ -89,9 +86,6 @@ def test_the_rates_of_the_uneven_crank_are_derivatives(variables: Variables) -> 
     assert after.position[-1] - after.position[0] == pytest.approx(2 * np.pi, abs=1e-12)
 
 
-# --- the second transcription ----------------------------------------------------------------------------------------
-
-
 def some(v: Variables) -> tuple[NDArray[np.intp], list[second.Angle]]:
     at = np.arange(7, len(v.t[0]), 60)
     return at, second.moving(v.t[0][at], v.w[0][at], v.a[0][at])
@@ -124,9 +118,6 @@ def test_roots_are_those_of_the_second_transcription(variables: Variables) -> No
     assert np.abs(minus).max() < EXACT
     for root in roots["eq 14"]:
         assert np.nanmax(np.abs(np.exp(1j * (variables.t[3][at] - root)) - 1)) > 0.1
-
-
-# --- numbers ---------------------------------------------------------------------------------------------------------
 
 
 def crank_press(height: float) -> tuple[float, float]:

@@ -173,9 +173,6 @@ def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
     check(found, SMOOTH | {"acceleration": 2e-5, "force": 2e-5, "moment": 2e-5})  # measured 5e-6 at 165.9 deg
 
 
-# --- poses -----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("knots", [exudyn_poses.KNOTS, 1])
 def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """From a single knot they are too far to be guessed, and each has to be followed."""

@@ -17,20 +17,11 @@ from scenes.model.motion import channels
 from sim_models.exudyn import channels as exudyn_channels
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
+from sim_models.exudyn import settings as named
 from sim_models.exudyn.engine import ABLATIONS, DEFAULT, EXACT, FAST, LONG_WORK_PRECISION, WORK_PRECISION
 from sim_models.exudyn.poses import PoseSolver
 from sim_models.exudyn.runs.stepping import TimeSteppedSimulation
-from sim_models.exudyn.settings import (
-    LITTLE_DAMPED,
-    REDUCED,
-    TIGHT,
-    TRAPEZOIDAL,
-    ExudynExtra,
-    ExudynSettings,
-    JacobianUse,
-    TextbookTimeStepping,
-    TimeStepping,
-)
+from sim_models.exudyn.settings import ExudynExtra, ExudynSettings, JacobianUse, TextbookTimeStepping, TimeStepping
 from sim_models.exudyn.system import exudyn
 from tests import scene_files
 from tests.absolute_coordinates import solve
@@ -63,13 +54,13 @@ def error(name: str, settings: ExudynSettings) -> float:
 # trapezoidal integrations with 288 and 576 steps.
 RANGES: dict[str, tuple[Mapping[str, Any], tuple[int, ...], int]] = {
     "generalised-alpha": ({"richardson": False}, (288, 576, 1152), 2),
-    "generalised-alpha 0.8": ({"richardson": False, **LITTLE_DAMPED}, (288, 576, 1152), 2),
-    "generalised-alpha, reduced": ({"richardson": False, **REDUCED}, (288, 576, 1152), 2),
-    "trapezoidal": ({"richardson": False, **TRAPEZOIDAL}, (144, 288, 576), 2),
+    "generalised-alpha 0.8": ({"richardson": False, **named.LITTLE_DAMPED}, (288, 576, 1152), 2),
+    "generalised-alpha, reduced": ({"richardson": False, **named.REDUCED}, (288, 576, 1152), 2),
+    "trapezoidal": ({"richardson": False, **named.TRAPEZOIDAL}, (144, 288, 576), 2),
     "generalised-alpha, extrapolated": ({}, (288, 432, 576), 3),
-    "generalised-alpha, reduced, extrapolated": (REDUCED, (288, 432, 576), 3),
-    "generalised-alpha 0.8, extrapolated": (LITTLE_DAMPED, (96, 144, 288), 4),
-    "trapezoidal, extrapolated": (TIGHT, (96, 144, 288), 4),
+    "generalised-alpha, reduced, extrapolated": (named.REDUCED, (288, 432, 576), 3),
+    "generalised-alpha 0.8, extrapolated": (named.LITTLE_DAMPED, (96, 144, 288), 4),
+    "trapezoidal, extrapolated": (named.TIGHT, (96, 144, 288), 4),
 }
 
 
@@ -291,6 +282,8 @@ def without_steps(settings: Settings) -> dict[str, Any]:
 def test_extrapolated_trapezoidal_runs_have_an_even_number_of_steps_a_sample() -> None:
     """Their errors have a period of two steps, and do not cancel between odd and even numbers of steps."""
     for steps, made in ((24, 48), (48, 48), (72, 96)):
-        simulation = model.build(scenes.load("toggle_press"), TimeStepping("", steps=steps, **TIGHT), Sampling(24))
+        simulation = model.build(
+            scenes.load("toggle_press"), TimeStepping("", steps=steps, **named.TIGHT), Sampling(24)
+        )
         simulation.solve()
         assert simulation.counters["steps"] == 3 * (made + 2)  # once and twice, each with its run-up

@@ -122,8 +122,6 @@ def test_doubles_do_not_change_with_more_digits() -> None:
         assert np.abs(fifty[channel] - eighty[channel]).max() <= 1e-40
 
 
-# --- every scene -----------------------------------------------------------------------------------------------------
-
 ROUNDED = 1e-14  # of a channel's scale: what doubles leave in the other formulation
 CONDITION = {"busy": 20, "slotted_class_iii": 3, "walking_leg": 2} | dict.fromkeys(
     ("double_toggle_clamp", "double_toggle_clamp_scheme4"), 5

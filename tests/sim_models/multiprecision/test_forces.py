@@ -74,9 +74,6 @@ def test_scene_without_masses_moves_alike_and_has_no_forces() -> None:
     assert np.array_equal(motion["B.ax"], run(slider_crank())["B.ax"])
 
 
-# --- loads -----------------------------------------------------------------------------------------------------------
-
-
 def stroke_end(scene: Scene, force: float) -> float:
     load = PressForce("slider", "B", (force, 0.0), 0.1, -1 if force > 0 else 1)
     with flint.ctx.workdps(50):

@@ -91,9 +91,6 @@ def test_driven_slider_carries_its_load_alone() -> None:
     assert motion["slider.guide_moment"] == pytest.approx(-50, abs=0.05)
 
 
-# --- motion laws, whose kinks of the acceleration must cost no accuracy -----------------------------------------------
-
-
 # Measured: 2e-4, 3e-5 and 2e-7; by the mean accelerations of the steps 3e-3, 1e-3 and 3e-4.
 @pytest.mark.parametrize(("settings", "largest"), [(FAST, 1e-3), (DEFAULT, 1e-4), (EXACT, 2e-6)])
 @pytest.mark.parametrize("name", ["swinging_law", "turning_law"])

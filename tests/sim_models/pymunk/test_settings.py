@@ -48,8 +48,6 @@ def orders(name: str, make: Make, steps: Sequence[int]) -> dict[str, float]:
     return {k: -float(np.polyfit(np.log(steps), np.log([run[k] for run in runs]), 1)[0]) for k in runs[0]}
 
 
-# --- orders of convergence -------------------------------------------------------------------------------------------
-
 FORCES = ("x", "vx", "fx", "torque")
 ALL = (*FORCES, "ax")
 PRESSES, PRESS_AND_RETURN = ("toggle_press", "crank_press"), ("toggle_press", "quick_return")
@@ -90,9 +88,6 @@ def test_order(family: str, name: str) -> None:
 def test_a_joint_lags_by_what_a_step_moves_it_off_over_what_a_step_corrects(name: str, sweeps: int) -> None:
     full, half = (error(name, PymunkSettings("", 288, 1, sweeps, correction)) for correction in (1.0, 0.5))
     assert half["x"] == pytest.approx(2 * full["x"], rel=0.05)
-
-
-# --- masses ----------------------------------------------------------------------------------------------------------
 
 
 # Masses cannot part what geometry joins: three bars on one plate, and a rod that stands oblique to its slider's guide.
@@ -151,9 +146,6 @@ def test_reactions_that_are_not_the_impulses_do_not_pass(monkeypatch: pytest.Mon
     monkeypatch.setattr(simulation._linkage, "scene", wrong)
     with pytest.raises(Failure, match="the reactions are not the engine's impulses"):
         simulation.read()
-
-
-# --- speed against error ---------------------------------------------------------------------------------------------
 
 
 def test_settings_reach_what_they_are_for() -> None:
@@ -222,9 +214,6 @@ def test_refused(name: str, settings: AnySettings, reason: str) -> None:
         pymunk_model.build(scene, settings, Sampling(24))
     assert caught.value.status is Status.unsupported
     assert reason in caught.value.reason
-
-
-# --- the textbook ----------------------------------------------------------------------------------------------------
 
 
 def test_textbook_gets_there_by_small_steps() -> None:
