@@ -6,15 +6,11 @@ constraints at every sample, and solves for velocities, accelerations and reacti
 there.
 """
 
-from typing import TYPE_CHECKING
-
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import ExudynSettings, Pointwise
-
-if TYPE_CHECKING:
-    from .runs.simulation import ExudynSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
@@ -28,7 +24,7 @@ def version() -> str:
     return f"exudyn {exudyn.__version__}"
 
 
-def build(scene: Scene, settings: ExudynSettings, request: Request) -> "ExudynSimulation":
+def build(scene: Scene, settings: ExudynSettings, request: Request) -> Simulation:
     """Assemble the linkage on the sketch's branch and prepare its solution, see `scenes.model.engine.Engine.build`.
 
     Raises:

@@ -14,15 +14,11 @@ depends on the number of Gauss-Seidel sweeps, `iterations`: with too few the lin
 dt. The masses determine how many are enough.
 """
 
-from typing import TYPE_CHECKING
-
 from scenes import Request, Scene
+from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import AnySettings, PymunkSettings
-
-if TYPE_CHECKING:
-    from .runs.simulation import PymunkSimulation
 
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION, at_steps = named.WORK_PRECISION, named.LONG_WORK_PRECISION, named.at_steps
@@ -42,7 +38,7 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     return sweeps.iterations_needed(scene, settings)
 
 
-def build(scene: Scene, settings: AnySettings, request: Request) -> "PymunkSimulation":
+def build(scene: Scene, settings: AnySettings, request: Request) -> Simulation:
     """Prepare one run, or one for each level, from a consistent start, see `scenes.model.engine.Engine.build`.
 
     Raises:
@@ -50,6 +46,6 @@ def build(scene: Scene, settings: AnySettings, request: Request) -> "PymunkSimul
             of the drive; `cannot_assemble` or `not_converged`, no pose on the sketch's branch, with the drive's
             position.
     """
-    from .runs import simulation
+    from .runs.simulation import PymunkSimulation
 
-    return simulation.build(scene, settings, request)
+    return PymunkSimulation(scene, settings, request)

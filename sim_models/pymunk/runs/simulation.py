@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, ProcessorBudget, Request, Sampling, Scene, Status
+from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
 from scenes.scene import MotionLaw
@@ -19,7 +19,7 @@ from ..constraints import LinkageConstraints, PoseArray, blocks, planes, with_gr
 from ..loads import Active, active_presses, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
-from ..start import Posed, assembles, begun, obstacle
+from ..start import assembles, begun, obstacle
 from .stepping import Integration, TextbookRun
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
@@ -33,29 +33,23 @@ LIGHTER = 10  # times fewer sweeps do with the fictitious masses
 PymunkRun: TypeAlias = Integration | TextbookRun
 
 
-def build(scene: Scene, settings: AnySettings, request: Request) -> "PymunkSimulation":
-    """Prepare one run for each level from a consistent start, see `engine.build`.
-
-    Where no forces are requested, they have fictitious masses and fewer sweeps.
-    """
-    sampling = equal_steps(request)
-    if isinstance(settings, TextbookSettings):
-        run = TextbookRun(scene, sampling, settings)
-        return PymunkSimulation(sampling, begun(scene, own_masses), [run], [])
-    masses = masses_of(scene, settings, sampling)
-    start, ends = begun(scene, masses), stroke_ends(scene)
-    if masses is fictitious_masses and not settings.fictitious:
-        settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
-    strides = [ceil(settings.steps / sampling.samples) * 2**level for level in range(settings.levels)]
-    return PymunkSimulation(sampling, start, [Integration(scene, sampling, n, settings, ends) for n in strides], ends)
-
-
 class PymunkSimulation:
-    """One run for each level."""
+    """One run for each level from a consistent start; with fictitious masses and fewer sweeps without forces."""
 
-    def __init__(self, sampling: Sampling, start: Posed, runs: Sequence[PymunkRun], ends: Sequence[float]) -> None:
-        self._linkage, self._q = start
-        self._scene, self._sampling, self._runs, self._stroke_ends = self._linkage.scene, sampling, runs, ends
+    def __init__(self, scene: Scene, settings: AnySettings, request: Request) -> None:
+        self._scene, self._sampling = scene, equal_steps(request)
+        self._stroke_ends: Sequence[float] = []
+        if isinstance(settings, TextbookSettings):
+            self._runs: Sequence[PymunkRun] = [TextbookRun(scene, self._sampling, settings)]
+            self._linkage, self._q = begun(scene, own_masses)
+        else:
+            masses = masses_of(scene, settings, self._sampling)
+            self._linkage, self._q = begun(scene, masses)
+            self._stroke_ends = ends = stroke_ends(scene)
+            if masses is fictitious_masses and not settings.fictitious:
+                settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
+            strides = [ceil(settings.steps / self._sampling.samples) * 2**level for level in range(settings.levels)]
+            self._runs = [Integration(scene, self._sampling, n, settings, ends) for n in strides]
         self._branch = self._linkage.branch(self._q)
         self._channels: Mapping[str, Samples] = {}
         self.residuals: dict[str, float] = {}

@@ -1,4 +1,4 @@
-"""The Exudyn model on every joint, drive and load, against equations of motion written in the tests."""
+"""The Exudyn model on every joint, drive and load, whole or reduced, against equations of motion of the tests' own."""
 
 from dataclasses import replace
 
@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+import scenes
 from scenes import Sampling, Scene
 from scenes.model.motion import channels
 from scenes.scene import ConstantSpeed, MotionLaw, PressForce
 from sim_models.exudyn import engine as model
 from sim_models.exudyn import poses as exudyn_poses
+from sim_models.exudyn.ablations import ReducedSystem
 from sim_models.exudyn.drive import ExudynDrive, pieces
 from sim_models.exudyn.engine import DEFAULT, EXACT
+from sim_models.exudyn.equations import Equations
 from sim_models.exudyn.loads import press_switches
 from sim_models.exudyn.poses import PoseSolver
 from sim_models.exudyn.settings import ExudynSettings, TimeStepping
@@ -195,3 +198,26 @@ def test_curvature_is_the_change_of_the_tangent() -> None:
     state, h = start(poses), 1e-4
     after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
     assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
+
+
+@pytest.mark.parametrize(
+    ("name", "left", "pivots", "sliders"),
+    [
+        ("toggle_press", 9, {"crank", "rocker"}, {"slider"}),  # of 15 each
+        ("shared_pivot", 9, {"crank", "rocker", "other"}, set()),
+        ("wedge", 7, set(), {"follower"}),  # on the wedge another body slides
+        ("oldham", 7, {"crank"}, set()),  # a disc slides on what turns
+        ("swinging_block", 5, {"crank", "block"}, set()),
+        ("three_at_a_pin", 9, {"crank", "rocker"}, {"slider"}),  # a coupler turns about no pin of the ground
+    ],
+)
+def test_what_is_left(name: str, left: int, pivots: set[str], sliders: set[str]) -> None:
+    system = ReducedSystem(scene_files.load(name), ExudynDrive(0.0))
+    assert system.unknowns == system.counts()["coordinates"] == system.counts()["constraints"] == left
+    assert (set(system.pivots), set(system.sliders)) == (pivots, sliders)
+
+
+def test_no_force_is_found_where_none_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Equations, "forces", None)
+    motion = run(scenes.load("toggle_press"), replace(DEFAULT, reduced=True), channels=frozenset({"P5.ay"}))
+    assert set(motion.samples) == {"time", "crank_angle", "P5.ay"}

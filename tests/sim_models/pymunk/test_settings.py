@@ -141,7 +141,7 @@ def test_engine_confirms_its_forces_with_true_masses_only(name: str) -> None:
 def test_reactions_that_are_not_the_impulses_do_not_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, _ = shipped("toggle_press")
     wrong = replace(scene, loads=())
-    simulation = pymunk_model.build(scene, DEFAULT, SAMPLING)
+    simulation: Any = pymunk_model.build(scene, DEFAULT, SAMPLING)
     simulation.solve()
     monkeypatch.setattr(simulation._linkage, "scene", wrong)
     with pytest.raises(Failure, match="the reactions are not the engine's impulses"):
