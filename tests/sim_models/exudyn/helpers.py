@@ -36,10 +36,10 @@ def run(
     return simulation.read()
 
 
-def locking(start: float, end: float = 100, sketch: scene_files.Changes = scene_files.NONE) -> Scene:
+def locking(start: float, end: float = 100) -> Scene:
     """The toggle press with a short rod, which locks at -95.06 and at 166.09 deg, driven between those."""
     drive = {"body": "crank", "speed": 60 if end > start else -60, "start": start, "end": end}
-    return scene_files.load("toggle_press", {ROD: 200, "drive": drive, **sketch})
+    return scene_files.load("toggle_press", {ROD: 200, "drive": drive})
 
 
 def meeting_spring(length: float) -> scene_files.Changes:

@@ -156,15 +156,6 @@ def test_pieces_end_where_the_jerk_jumps() -> None:
     assert len(pieces(ConstantSpeed("crank", 2.0, 0.0, None), 100.0)) == 1
 
 
-def test_way_to_the_start_stays_in_the_range() -> None:
-    """From 160 to -94 deg it is nearer through 180 deg, where this press cannot go."""
-    scene = locking(start=-94, end=160)
-    motion = run(scene, EXACT, samples=60)
-    places = {p: [1e3 * float(motion[f"{p}.{c}"][-1]) for c in "xy"] for p in scene.sketch.points}
-    again = run(locking(-94, 160, {"sketch": {"angle": 160, **places}}), EXACT, samples=60)
-    assert np.abs(again["P5.y"] - motion["P5.y"]).max() <= 1e-12  # m, round-off
-
-
 @pytest.mark.parametrize("start", [165.0, 165.9])
 def test_start_near_a_lock_takes_smaller_steps(start: float) -> None:
     scene = locking(start)
@@ -191,13 +182,6 @@ def test_poses_found_together_are_those_found_one_by_one(knots: int, monkeypatch
         assert np.abs(together.q[row] - state.q).max() <= 1e-13
         assert np.abs(together.tangent[row] - state.tangent).max() <= 1e-13
         assert np.abs(together.curvature[row] - state.curvature).max() <= 1e-9  # round-off over its difference of 1e-5
-
-
-def test_curvature_is_the_change_of_the_tangent() -> None:
-    poses = PoseSolver(scene_files.load("loaded_four_bar"))
-    state, h = start(poses), 1e-4
-    after, before = (poses.follow(state, float(state.position) + way) for way in (h, -h))
-    assert np.abs((after.tangent - before.tangent) / (2 * h) - state.curvature).max() <= 1e-6  # h^2 times some hundred
 
 
 @pytest.mark.parametrize(

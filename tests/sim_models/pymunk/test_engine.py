@@ -1,4 +1,4 @@
-"""The pymunk model: orders of convergence, repetition, mirror images; and that only what is asked for is worked out."""
+"""The pymunk model: it repeats itself, and spares what a scene that asks for less does not need."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import scenes
-from scenes import Motion, Sampling, Scene
+from scenes import Sampling
 from sim_models.pymunk import engine as pymunk_model
 from sim_models.pymunk import loads, start
 from sim_models.pymunk.constraints import LinkageConstraints
@@ -16,54 +16,16 @@ from sim_models.pymunk.runs import simulation as pymunk_simulation
 from sim_models.pymunk.settings import AnySettings, PymunkSettings, TextbookSettings
 from sim_models.pymunk.start import DrivePlace
 
-from .runs import off, reference, solve
+from .runs import off, solve
 
 
-@pytest.fixture(scope="module")
-def press() -> Scene:
-    return scenes.load("toggle_press")
-
-
-@pytest.fixture(scope="module")
-def pressed(press: Scene) -> Motion:
-    return solve(press)
-
-
-def test_second_order_at_one_level(press: Scene) -> None:
-    limit = solve(press, PymunkSettings("", 144, 3, 2000), Sampling(72))
-    motions = [solve(press, PymunkSettings("", steps, 1, 2000), Sampling(72)) for steps in (288, 576)]
-    for channel in ("P5.y", "P5.vy", "P5.ay", "P4.fx", "P4.fy", "slider.guide_force", "drive.torque"):
-        coarse, fine = (off(motion[channel], limit[channel]) for motion in motions)
-        # Measured: within 0.01. Half a step of misalignment makes it 1.
-        assert np.log2(coarse / fine) == pytest.approx(2, abs=0.05), channel
-
-
-def test_extrapolation_removes_two_orders(press: Scene) -> None:
-    true, wrong = reference(press, Sampling(72))["P5.y"], {}
-    for levels in (1, 2, 3):
-        motion = solve(press, PymunkSettings("", 72, levels, 2000), Sampling(72))
-        wrong[levels] = np.abs(motion["P5.y"] - true).max()
-    # Measured: 110 each time; smaller steps alone, without the extrapolation, would give 4.
-    assert wrong[2] <= wrong[1] / 20
-    assert wrong[3] <= wrong[2] / 20
-
-
-def test_many_turns_repeat(press: Scene) -> None:
-    motion = solve(press, PymunkSettings("", 360, 1, 2000), Sampling(72, turns=3))
+def test_many_turns_repeat() -> None:
+    motion = solve(scenes.load("toggle_press"), PymunkSettings("", 360, 1, 2000), Sampling(72, turns=3))
     first, last = slice(0, 73), slice(144, 217)
     # Measured: 1e-12, since the steps before zero have warmed up the joints by the first turn.
     for channel in ("P5.y", "P4.fy", "drive.torque"):
         assert off(motion[channel][last], motion[channel][first]) <= 1e-10, channel
     assert motion["crank_angle"][-1] == pytest.approx(6 * np.pi, rel=1e-12)
-
-
-def test_mirror_image_moves_and_pulls_mirrored(pressed: Motion) -> None:
-    changes = {"ground.points.P1.0": -404.709, "drive.speed": -60, "drive.start": 180, "sketch.angle": 168.5}
-    motion = solve(scenes.load("toggle_press", {**changes, "sketch.P2.0": -480}))
-    # Both runs do the same sums on mirrored numbers; rounding, amplified by dt^-2, tells them apart.
-    for channel, sign in (("P4.x", -1), ("P5.y", 1), ("P4.fx", -1), ("P4.fy", 1), ("drive.torque", -1)):
-        assert off(motion[channel], sign * pressed[channel]) <= 1e-9, channel
-    assert off(motion["slider.guide_force"], -pressed["slider.guide_force"]) <= 1e-9
 
 
 SAMPLING = Sampling(72)
