@@ -18,11 +18,9 @@ with starting(__name__):
 
     from .claims import Claim
     from .clamp import claims as clamp
-    from .clamp import figures as clamp_figures
     from .clamp.printed import SCENES
     from .page import page
     from .toggle_press import claims as toggle_press
-    from .toggle_press import figures as toggle_press_figures
 
 FILES = ("audit.html", "audit.json")
 
@@ -64,7 +62,7 @@ def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: P
     Raises:
         InputError: the folder cannot be written; what it held is then unchanged.
     """
-    figures = (*toggle_press_figures.figures(), *clamp_figures.figures())
+    figures = (*toggle_press.figures(), *clamp.figures())
     rows = [
         {"source": source} | asdict(claim) | {"verdict": str(claim.verdict)}
         for source, of in claims.items()

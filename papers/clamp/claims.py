@@ -1,4 +1,4 @@
-"""Double-toggle clamp: all claims of its source, against the closed loops of the reference, and against the engines."""
+"""Double-toggle clamp: all claims of its source, by the reference's loops and by the engines; and its pictures."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
@@ -6,17 +6,19 @@ from dataclasses import fields, replace
 import numpy as np
 
 from compare.engines.runner import run
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import colour, layout, marker
 from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.loads import Force
 
 from ..claims import Claim, comparison, judge, largest
 from ..reference import solved
 from .equations import EQUATIONS, KINDS, Moving, moving, scale
-from .formulas import PUBLISHED, velocity_ratio
+from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .limits import constraints, largest_force_ratio
-from .printed import SCENES, TABLE_2
+from .printed import SCENES, TABLE_1, TABLE_2
 from .rounding import corners
-from .tables import measured, table_1, table_2
+from .tables import SPEED, measured, table_1, table_2
 
 SOURCE = "double-toggle clamp"
 ENGINES = ("exudyn", "pymunk")
@@ -85,3 +87,31 @@ def over_strokes(solve: Callable[[Scene], Motion]) -> Moving:
         loaded = replace(scene, loads=(Force("platen", "C", (-FORCE, 0.0)),))
         parts.append(moving(scene, d, solve(loaded), solve(replace(scene, loads=())), FORCE))
     return Moving(*(np.concatenate([getattr(p, field.name) for p in parts]) for field in fields(Moving)))
+
+
+def figures() -> Iterator[tuple[str, str, Figure]]:
+    """Yield title, note and figure of every picture."""
+    ratios, accelerations = stacked(), stacked()
+    for number, (name, d) in enumerate(PUBLISHED.items()):
+        pose = at(d, d.alpha_max * np.linspace(1, 0, 361))
+        ratio, left = velocity_ratio(pose), platen_stroke(pose)
+        way, line = left[0] - left, {"color": colour(number), "width": 1.8}
+        draw(ratios, name, way, ratio, line=line)
+        printed = [float(TABLE_1[what][name]) for what in ("R_V max", "R_V startup")]
+        there, circle = way[[int(ratio.argmax()), 0]], marker(number, "circle-open", 9)
+        draw(ratios, f"{name}, printed", there, printed, mode="markers", marker=circle)
+        draw(accelerations, name, way, acceleration(pose, SPEED), line=line | {"dash": "solid"})
+        misprinted = acceleration(pose, SPEED, printed=True)
+        draw(accelerations, f"{name}, as printed", way, misprinted, line=line | {"dash": "dot"})
+    for figure in (ratios, accelerations):
+        figure.update_xaxes(title="way of the platen from open [mm]")
+    yield (
+        "Clamp: velocity ratio over the stroke",
+        "From open to locked. Circles: the printed peaks and startup values, where the computed ones are.",
+        ratios.update_yaxes(title="R_V = v_m / v_o [-]", rangemode="tozero").update_layout(layout(480)),
+    )
+    yield (
+        "Clamp: acceleration of the platen over the stroke",
+        f"At an assumed {SPEED:g} mm/s of the crosshead. Solid: the corrected formula; dotted: as printed.",
+        accelerations.update_yaxes(title="a_m [mm/s²]").update_layout(layout(480)),
+    )

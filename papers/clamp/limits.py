@@ -7,8 +7,7 @@ from . import printed
 from .constraints import ALONE, BOTH, LOOSEST, Clearance, opening
 from .formulas import DEGREE, at
 from .measures import MEASURES
-from .optimisation.problem import Problem
-from .optimisation.search import search
+from .optimisation.search import Problem, search
 from .rounding import Corners
 
 PINS = (60.0, 140.0)  # mm, plausible diameters of the pins B, D and E

@@ -1,4 +1,4 @@
-"""Toggle press: all claims of Yang (2023); geometry, stroke and conclusions here, the others in files of their own."""
+"""Toggle press: all claims of Yang (2023), of which the equations and table 1 have files of their own; its pictures."""
 
 from collections.abc import Iterator, Sequence
 from math import degrees, hypot, tau
@@ -7,14 +7,16 @@ import numpy as np
 
 from compare.engines import registry
 from compare.mechanics.motion_vectors import MotionVectors
+from compare.report.figures.figure import Figure, draw, stacked
+from compare.report.figures.style import DASHES, GREY, LEGEND_BESIDE, colour, layout, marker
 from scenes import load
+from scenes.model.motion import Samples
 
 from ..claims import OPEN, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
-from .kinematics import POSITIONS, RATES
-from .presses import PART, PATHS, Press, family, press, rounded
-from .table_1 import CRANK, HEIGHT, TOGGLE, column, virtual_work
-from .variables import LENGTHS, over_two_turns
+from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns
+from .presses import PART, PATHS, Press, Side, family, press, rounded
+from .table_1 import CRANK, HEIGHT, MOST, TOGGLE, column, speed, virtual_work
 
 SOURCE = "toggle press"
 SCENES = ("toggle_press", "crank_press")
@@ -131,3 +133,65 @@ def _conclusions(toggle: Press, crank: Press) -> Iterator[Claim]:
         OPEN,
         f"stroke {least:.1f} to {most:.1f} mm with one length {100 * PART:g} % longer or shorter",
     )
+
+
+STRIDE = 10  # of the presses' samples: a degree of the crank
+
+
+def figures() -> Iterator[tuple[str, str, Figure]]:
+    """Yield title, note and figure of every picture."""
+    yield (
+        "Toggle press against crank press: the slider over a turn",
+        f"From where each slider is lowest, as the crank turns; {MOST} strokes a minute. Circles: 6 mm above it.",
+        _presses(),
+    )
+    yield (
+        "Toggle press: one length 1 % longer or shorter",
+        "Height of the slider above its lowest point. Solid: longer; dashed: shorter; grey: as printed.",
+        _family(),
+    )
+
+
+def _presses() -> Figure:
+    toggle, crank = press("toggle_press"), press("crank_press")
+    sides = {
+        "toggle press, clockwise": (toggle.after, toggle.before),
+        "toggle press, counter-clockwise": (toggle.before, toggle.after),
+        "crank press": (crank.before, crank.after),
+    }
+    figure = stacked(1, 1)
+    for place, (name, (closing, opening)) in enumerate(sides.items()):
+        angles, heights, speeds = _over_the_turn(closing, opening)
+        angle, rate = closing.at(HEIGHT)
+        line, circle = {"color": colour(place), "width": 1.8}, marker(place, "circle-open", 9)
+        for row, values, there in ((1, heights, 1e3 * HEIGHT), (2, speeds, -speed(rate))):
+            draw(figure, name, angles, values, row, line=line)
+            above = f"{name}, 6 mm above"
+            draw(figure, above, [-degrees(angle)], [there], row, group=name, mode="markers", marker=circle)
+    figure.update_yaxes(title="height [mm]", panel=1)
+    figure.update_yaxes(title="speed [mm/s]", panel=2)
+    figure.update_xaxes(dtick=60)
+    figure.update_xaxes(title="crank angle from the lowest point [deg]", panel=2)
+    return figure.update_layout(layout(560))
+
+
+def _over_the_turn(closing: Side, opening: Side) -> Iterator[Samples]:
+    """The crank's angles, deg, and the slider's heights, mm, and speeds, mm/s."""
+    yield np.degrees(np.concatenate([-closing.angle[::-STRIDE], opening.angle[::STRIDE]]))
+    yield 1e3 * np.concatenate([closing.height[::-STRIDE], opening.height[::STRIDE]])
+    yield speed(1.0) * np.concatenate([-closing.rate[::-STRIDE], opening.rate[::STRIDE]])
+
+
+def _family() -> Figure:
+    figure = stacked()
+
+    def add(name: str, of: Press, line: dict[str, object]) -> None:
+        angles, heights, _ = _over_the_turn(of.before, of.after)
+        draw(figure, name, angles, heights, line={"width": 1.5} | line)
+
+    add("as printed", press("toggle_press"), {"color": GREY, "width": 3})
+    for place, (name, member) in enumerate(family()):
+        add(name, member, {"color": colour(place // 2), "dash": DASHES[1 - place % 2]})
+    figure.update_yaxes(title="height [mm]")
+    figure.update_xaxes(title="crank angle from the lowest point, counter-clockwise [deg]", dtick=60)
+    return figure.update_layout(layout(560) | {"legend": LEGEND_BESIDE})

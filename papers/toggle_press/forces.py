@@ -23,7 +23,7 @@ from scenes.model.motion import Samples
 from ..claims import EXACT, Claim, Difference, Verdict, judge, largest
 from ..reference import solved
 from ..written import equation
-from .variables import bars
+from .kinematics import bars
 
 SAMPLES = 24  # a turn: enough to separate equations that hold from others, for thousands of signs at once
 CHANNELS = {"RP": "P1", "RP2": "P2", "RO": "O", "RP3": "P3", "RP4": "P4", "RP5": "P5"}  # forces, and their pins

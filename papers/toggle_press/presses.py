@@ -11,7 +11,7 @@ from compare.engines import registry
 from scenes import Sampling, load
 from scenes.model.motion import Samples
 
-from .variables import LENGTHS
+from .kinematics import LENGTHS
 
 TURN = Sampling(3600)
 STEP = tau / TURN.samples

@@ -3,7 +3,7 @@
 import numpy as np
 
 from papers.clamp.formulas import UNITS, Design, assembles, closed
-from papers.clamp.optimisation.problem import in_box
+from papers.clamp.optimisation.search import in_box
 
 AHEAD_IN_SIX = closed(Design(*(UNITS * [369.2, 415, np.nan, 138.072, 280, 244.769, 4, 18.516, 108.62])))
 

@@ -21,10 +21,21 @@ from compare.engines.processes.inside import Limits
 from papers.clamp.constraints import ALONE, BOTH, Clearance, slacks
 from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, acceleration, at, closed
 from papers.clamp.measures import MEASURES, measure
-from papers.clamp.optimisation.problem import LOWER, UPPER, VARIABLES, Limit, Problem, gains, in_box
 from papers.clamp.optimisation.recheck import ENGINES, rechecks
 from papers.clamp.optimisation.report import DesignStudy, write
-from papers.clamp.optimisation.search import FEASIBLE, Optimum, restart, search
+from papers.clamp.optimisation.search import (
+    FEASIBLE,
+    LOWER,
+    UPPER,
+    VARIABLES,
+    Limit,
+    Optimum,
+    Problem,
+    gains,
+    in_box,
+    restart,
+    search,
+)
 from papers.clamp.optimisation.study import (
     AHEAD,
     BROKEN,

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from papers.claims import EXACT, Claim, Verdict, judge
 from papers.toggle_press.claims import claims
-from papers.toggle_press.kinematics import POSITIONS, RATES
-from papers.toggle_press.variables import Uneven, Variables, over_two_turns
+from papers.toggle_press.kinematics import POSITIONS, RATES, Uneven, Variables, over_two_turns
 
 from . import audit_transcription as second
 

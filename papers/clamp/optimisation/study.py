@@ -19,8 +19,7 @@ from compare.engines.processes.isolation import isolated
 from ..constraints import ALONE, BOTH, LITERAL, LOOSEST, Clearance, slacks
 from ..formulas import SCHEME_4
 from ..measures import MEASURES, measure
-from .problem import Limit, Problem
-from .search import Optimum, restart, search
+from .search import Limit, Optimum, Problem, restart, search
 
 LIMITS = Limits(seconds=3600.0, workers=2)  # a point takes minutes of processor time at most
 RATIOS = tuple(round(1 + 0.01 * step, 2) for step in range(13))  # of R_S

@@ -10,9 +10,8 @@ from ..constraints import BOTH, SLENDER, STROKE, Clearance, slacks
 from ..formulas import INITIAL, PUBLISHED, SCHEME_4, UNITS, Array, Design
 from ..measures import FINE, MEASURES, measure, peak_valley, range_of_acceleration
 from ..printed import LARGEST_FORCE_RATIO, LENGTH_RATIO, PLATEN_STROKE, TABLE_1
-from .problem import VARIABLES, gains
 from .recheck import Recheck
-from .search import AGREES, FEASIBLE
+from .search import AGREES, FEASIBLE, VARIABLES, gains
 from .study import AHEAD, BASELINE, FORCE, LENGTHS, LITERALLY, MAIN, MOST_ROOM, ROOM, SIX, Point
 
 Row: TypeAlias = dict[str, Any]
