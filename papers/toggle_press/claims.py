@@ -15,8 +15,22 @@ from scenes.model.motion import Samples
 from ..claims import OPEN, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
 from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns
-from .presses import PART, PATHS, Press, Side, family, press, rounded
-from .table_1 import CRANK, HEIGHT, MOST, TOGGLE, column, speed, virtual_work
+from .table_1 import (
+    CRANK,
+    HEIGHT,
+    MOST,
+    PART,
+    PATHS,
+    TOGGLE,
+    Press,
+    Side,
+    column,
+    family,
+    press,
+    rounded,
+    speed,
+    virtual_work,
+)
 
 SOURCE = "toggle press"
 SCENES = ("toggle_press", "crank_press")
