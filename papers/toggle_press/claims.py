@@ -15,22 +15,7 @@ from scenes.model.motion import Samples
 from ..claims import OPEN, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
 from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns
-from .table_1 import (
-    CRANK,
-    HEIGHT,
-    MOST,
-    PART,
-    PATHS,
-    TOGGLE,
-    Press,
-    Side,
-    column,
-    family,
-    press,
-    rounded,
-    speed,
-    virtual_work,
-)
+from .table_1 import HEIGHT, MOST, PART, PATHS, Press, Side, entries, family, press, rounded, speed
 
 SOURCE = "toggle press"
 SCENES = ("toggle_press", "crank_press")
@@ -47,9 +32,7 @@ def claims() -> Iterator[Claim]:
     corners, crank = rounded(), press("crank_press")
     toggle = corners[0]
     yield from _geometry(toggle, corners)
-    yield from column(TOGGLE, toggle, corners)
-    yield from column(CRANK, crank, [crank])
-    yield from virtual_work(toggle, corners)
+    yield from entries(toggle, crank, corners)
     yield from _conclusions(toggle, crank)
 
 

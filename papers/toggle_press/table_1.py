@@ -120,8 +120,14 @@ def speed(rate: float, strokes: float = MOST) -> float:
     return 1e3 * rate * tau * strokes / 60
 
 
-def column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
-    """A row for each entry of a press; `corners` are that press within the rounding of its lengths."""
+def entries(toggle: Press, crank: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+    """Every row; `corners` are the toggle press within the rounding of its lengths."""
+    yield from _column(TOGGLE, toggle, corners)
+    yield from _column(CRANK, crank, [crank])
+    yield from _virtual_work(toggle, corners)
+
+
+def _column(name: str, press: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     printed = PRINTED[name]
 
     def entry(what: str, value: Callable[[float, float], float], at: str = "", least: float = 1.0) -> Claim:
@@ -182,7 +188,7 @@ def _unit(name: str, printed: str, press: Press) -> Claim:
     )
 
 
-def virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
+def _virtual_work(toggle: Press, corners: Sequence[Press]) -> Iterator[Claim]:
     """Yield rows on entries of table 1 together: its speeds, torques and force, and its speed and a conclusion."""
     for name, printed in PRINTED.items():
         v, torque = abs(float(printed["speed"])) / 1e3, float(printed["torque"])

@@ -21,12 +21,12 @@ from compare.engines.processes.inside import Limits
 from papers.clamp.constraints import ALONE, BOTH, Clearance, slacks
 from papers.clamp.formulas import DEGREE, INITIAL, SCHEME_4, Array, Design, acceleration, at, closed
 from papers.clamp.measures import MEASURES, measure
+from papers.clamp.optimisation import search as searched
+from papers.clamp.optimisation import study as studied
 from papers.clamp.optimisation.recheck import ENGINES, rechecks
 from papers.clamp.optimisation.report import DesignStudy, write
 from papers.clamp.optimisation.search import (
     FEASIBLE,
-    LOWER,
-    UPPER,
     VARIABLES,
     Limit,
     Optimum,
@@ -36,19 +36,7 @@ from papers.clamp.optimisation.search import (
     restart,
     search,
 )
-from papers.clamp.optimisation.study import (
-    AHEAD,
-    BROKEN,
-    LENGTHS,
-    MAIN,
-    MET,
-    SIX,
-    Effort,
-    Point,
-    ahead,
-    fixed_ratio,
-    study,
-)
+from papers.clamp.optimisation.study import AHEAD, LENGTHS, MAIN, MET, SIX, Effort, Point, ahead, fixed_ratio, study
 from papers.clamp.optimisation.tables import findings, improved
 from tests.deaths import children
 
@@ -80,7 +68,7 @@ def by_differences(problem: Problem, u: Array) -> Array:
 )
 def test_gradients_are_exact(d: Design, names: Sequence[str], tolerance: float) -> None:
     limits = (*(Limit(name, 0.1, np.inf) for name in names), Limit("R_S", 1.05, 1.05))
-    u = (np.array([getattr(d, name) for name in VARIABLES]) - LOWER) / (UPPER - LOWER)
+    u = (np.array([getattr(d, name) for name in VARIABLES]) - searched.LOWER) / (searched.UPPER - searched.LOWER)
     for objective in ("M_P", "L_sum"):
         problem = Problem(objective, BOTH, limits, frozenset(), SCHEME_4)
         values, gradients = problem.with_gradients(u)
@@ -102,7 +90,7 @@ def test_a_few_starts_find_the_optimum(ratio: float, best: float) -> None:
     assert optimum.agree >= 2
     d = optimum.design
     inside = np.array([getattr(d, name) for name in VARIABLES])
-    assert ((inside >= LOWER) & (inside <= UPPER)).all()
+    assert ((inside >= searched.LOWER) & (inside <= searched.UPPER)).all()
     pose = at(d, np.linspace(0, d.alpha_max, 2001))
     assert (pose.ear + pose.phi).min() > 0
     assert (pose.ear + pose.phi).max() <= 160 * DEGREE + 1e-9  # no dead point of the crosshead within the stroke
@@ -142,7 +130,7 @@ def test_a_design_is_ahead_of_scheme_4_and_no_worse_to_the_searchs_sampling(six:
     for name in ("R_V start", "R_V peak-valley", "a_m range"):
         margin = (measure(name, SCHEME_4) - measure(name, d)) * (1 if MEASURES[name].least else -1)
         assert margin >= -FEASIBLE, name
-    kept = {name: slack for name, slack in slacks(d, ALONE).items() if name not in BROKEN}
+    kept = {name: slack for name, slack in slacks(d, ALONE).items() if name not in studied.BROKEN}
     assert min(kept.values()) >= -FEASIBLE
 
 
