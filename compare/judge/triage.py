@@ -8,15 +8,14 @@ from scenes import Failure, Motion, Rows, Status
 
 from ..engines.registry import REFERENCE
 from ..mechanics.reference import Reference
-from .causes.cause import UNKNOWN, Cause, Kind, Way
-from .causes.course import course_causes, noisy, starting
-from .causes.drive import drive_causes, strayed
+from .causes.cause import UNKNOWN, Cause, Kind, stem
+from .causes.course import course_causes, irregular
 from .causes.evidence import EXACT, NEARLY_ALL, Evidence, Hypothesis, away_from_switches, evidence, price
 from .causes.forces import force_causes, late_loads
-from .causes.frames import frame_causes
 from .causes.numbers import affordable, number_causes
-from .causes.read_out import read_out_causes
-from .causes.samples import in_some_rows, incomplete, sample_causes
+from .causes.read_out import in_some_rows, read_out_causes
+from .causes.samples import incomplete, sample_causes
+from .causes.whole import drive_causes, frame_causes, strayed
 from .causes.words import words
 from .errors import worst_of
 from .measure import Measurement
@@ -25,9 +24,11 @@ ROUNDING = 1e-11  # relative, a sample
 FEWEST = 4  # rows, of which a course can be judged
 FAR_LESS = 0.1  # of an error: others that have less do not share its cause
 ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no more are told apart by nothing
+COARSE = "its settings are too coarse: of its error {one}"
+FEW = 3  # bodies, joints and points: of more, what is wrong in the scene is in several
 
 Ranked: TypeAlias = list[tuple[float, float, Hypothesis]]  # with its price and what it leaves over, the best first
-Stages: TypeAlias = Sequence[tuple[Callable[[Evidence], Iterator[Hypothesis]], Evidence]]
+Causes: TypeAlias = Callable[[Evidence], Iterator[Hypothesis]]
 
 
 def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
@@ -51,29 +52,24 @@ def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
 def ranked(evidence: Evidence) -> Ranked:
     """Return causes by their price; costly ones where no plain one explains what one body or joint has."""
     elsewhere = away_from_switches(evidence)
-    plain: Stages = (
-        *((sample_causes, evidence), (read_out_causes, evidence), (frame_causes, evidence), (course_causes, evidence)),
-        *((force_causes, elsewhere), (late_loads, evidence)),
-    )
-    known = [*_left(plain)]
-    if not (evidence.elsewhere and any(left <= ROUGHLY and one.cause.place != "all" for left, one in known)):
-        known += _left(((drive_causes, evidence), (number_causes, affordable(elsewhere))))
+    known: list[tuple[float, Hypothesis]] = []
+
+    def try_all(of: Evidence, *causes: Causes) -> None:
+        known.extend((of.left(hypothesis.predicted), hypothesis) for each in causes for hypothesis in each(of))
+
+    try_all(evidence, sample_causes, read_out_causes, frame_causes, course_causes)
+    try_all(elsewhere, force_causes)
+    try_all(evidence, late_loads)
+    many = len({stem(channel) for channel in evidence.names}) > FEW
+    if not (many and any(left <= ROUGHLY and one.cause.place != "all" for left, one in known)):
+        try_all(evidence, drive_causes)
+        try_all(affordable(elsewhere), number_causes)
     if not any(left <= EXACT for left, _ in known):
-        known += _left(((_of_some_rows, evidence),))
+        try_all(evidence, in_some_rows)
     least = min((left for left, _ in known), default=0.0)  # what the engine is off besides
     floor = min(max(least, ROUGHLY), EXACT)
     priced = [(price(max(left, floor), one.freedom), left, one) for left, one in known]
     return sorted(priced, key=lambda one: one[:2])
-
-
-def _left(stages: Stages) -> Iterator[tuple[float, Hypothesis]]:
-    """Yield causes with what they leave over."""
-    for causes, of in stages:
-        yield from ((of.left(hypothesis.predicted), hypothesis) for hypothesis in causes(of))
-
-
-def _of_some_rows(evidence: Evidence) -> Iterator[Hypothesis]:
-    yield from in_some_rows(evidence, read_out_causes)
 
 
 def likeliest(evidence: Evidence) -> Cause:
@@ -85,7 +81,7 @@ def likeliest(evidence: Evidence) -> Cause:
         return UNKNOWN
     causes = ranked(evidence)
     if not (causes and causes[0][0] <= NEARLY_ALL):
-        return noisy(evidence) or starting(evidence) or strayed(evidence) or UNKNOWN
+        return irregular(evidence) or strayed(evidence) or UNKNOWN
     _, left, best = causes[0]
     close = [one.cause for _, own, one in causes if own <= ALIKE * left + ROUGHLY and one.freedom <= best.freedom + 1]
     close = [one for one in close if len(one.besides) <= len(best.cause.besides) and not one.widens(best.cause)]
@@ -112,7 +108,9 @@ def sentences(
     failed = [m for m in measurements if m.run.status is not Status.ok or m.run.engine in off]
     alone = len(failed) == 1 and len(measurements) > 2 and _alone(failed[0], measurements)
     causes = {
-        m.run.engine: _too_coarse(m) or cause(reference, m.asked if m.foreign else sampling, m.run.motion)
+        m.run.engine: Cause(Kind.solver, "all", COARSE, names=(m.finer,))
+        if m.finer  # others leave hardly any of the error
+        else cause(reference, m.asked if m.foreign else sampling, m.run.motion)
         for m in failed
         if m.run.motion is not None
     }
@@ -128,8 +126,3 @@ def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:
     worst = worst_of(failed.errors)
     theirs = [[row.max for row in m.errors if row.channel == worst.channel] for m in others]
     return all(own and max(own) <= FAR_LESS * worst.max for own in theirs)
-
-
-def _too_coarse(measured: Measurement) -> Cause | None:
-    """Return that the settings are the cause, where others of the engine leave hardly any of the error."""
-    return Cause(Kind.solver, "all", Way.settings, names=(measured.finer,)) if measured.finer else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from compare.judge.canaries.sizes import apart
 from compare.judge.canaries.thinned import CleanRun
-from compare.judge.causes.parts import stem
+from compare.judge.causes.cause import stem
 from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.motion_vectors import MotionVectors
 from compare.mechanics.scales import sizes

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.judge.canaries import spoilt_motion as spoilt
-from compare.judge.causes.cause import Kind
-from compare.judge.causes.parts import common, stem
+from compare.judge.causes.cause import Kind, common, stem
 from compare.mechanics.mechanics import GROUPS
 from scenes import Failure, Motion
 from scenes.model.motion import Samples, quantity

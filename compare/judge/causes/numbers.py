@@ -13,14 +13,16 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Scene
+from scenes import Scene
 from scenes.model.motion import Samples
 
 from ...engines import registry
-from .cause import Cause, Kind, Way
-from .evidence import EXACT, Channels, Evidence, Hypothesis, added, fitted, least_squares, price, thinned, with_changes
-from .scene_numbers import HAIR, Direction, Numbers, numbers_of_causes, standing_alone
+from .cause import Cause, Kind
+from .evidence import EXACT, Channels, Evidence, Hypothesis, least_squares, price, thinned
+from .scene_numbers import LENGTH, Direction, Numbers, numbers_of_causes, standing_alone
+from .whole import solved
 
+HAIR = 1e-6  # of the linkage's size, rad, or a share: what a number is varied by, for a slope
 WIDE = 16  # groups of numbers, that are tried with every further one
 CLOSER = 2  # groups of numbers by each of two measures, that are solved for as they are
 MOST = 4  # groups that are off at once
@@ -29,7 +31,6 @@ ROUNDS = 8
 FEW = 100  # numbers, of which derivatives take no second
 WORK = 1.2e7  # numbers that all slopes are: of five bodies all rows of a usual run, of sixty some forty
 
-Ranking = list[tuple[float, tuple[int, ...]]]  # prices of groups, by their numbers
 Slopes = Mapping[str, Channels]  # by path in the file the change of each channel, SI
 
 
@@ -56,9 +57,8 @@ def number_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 
 
 def affordable(evidence: Evidence) -> Evidence:
-    """Return the evidence at so many rows that all slopes are found in seconds: of few bodies all of them."""
-    count = len(evidence.reference.scene.numbers)
-    return thinned(evidence, int(WORK / (count * len(evidence.names))))
+    """Return the evidence at so many rows that all slopes are found in seconds."""
+    return thinned(evidence, int(WORK / (len(evidence.reference.scene.numbers) * len(evidence.names))))
 
 
 def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slopes:
@@ -67,35 +67,20 @@ def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slop
     channels = frozenset(evidence.names) - {scene.drive_channel}
     if not (paths and channels):
         return {}
-    position, time = evidence.true[scene.drive_channel], evidence.true["time"]
     size = np.array([scene.size(scene.numbers[path]) for path in paths])
+    position, time = evidence.true[scene.drive_channel], evidence.true["time"]
     if len(paths) <= FEW:
         by = registry.derivatives(scene, paths, position, time, channels)
-    else:
-        by = _differences(evidence, scene, dict(zip(paths, size, strict=True)), channels)
-    in_si = {c: own / size[:, np.newaxis] for c, own in by.items()}
-    return {path: {c: own[k] for c, own in in_si.items()} for k, path in enumerate(paths)}
-
-
-def _differences(
-    evidence: Evidence, scene: Scene, sizes: Mapping[str, float], channels: frozenset[str]
-) -> Mapping[str, Samples]:
-    """Return slopes in place of derivatives, by machines that have one number each that is another, but for the last.
-
-    Of hundreds of numbers the derivatives are code that takes a minute to make.
-    """
-    own = {path: scene.numbers[path] for path in sizes}
-    typical = {
-        path: evidence.reference.mechanics.size if n.quantity.dimension == "length" else 1.0 for path, n in own.items()
-    }
-    hairs = {path: HAIR * (abs(n.value) or typical[path]) / sizes[path] for path, n in own.items()}
-    others = {path: np.full(len(own) + 1, n.value / sizes[path]) for path, n in own.items()}
-    for number, path in enumerate(own):
-        others[path][number] += hairs[path]
-    position, time = (np.tile(evidence.true[c], (len(own) + 1, 1)) for c in (scene.drive_channel, "time"))
-    motions = registry.many(scene, others, channels)(position, time).samples
-    hair = np.array([*hairs.values()])[:, np.newaxis]
-    return {c: (motions[c][:-1] - motions[c][-1]) / hair for c in channels}
+    else:  # of hundreds of numbers the derivatives are code that takes a minute to make
+        value = np.array([scene.numbers[path].value for path in paths])
+        is_length = np.array([scene.numbers[path].quantity.dimension == "length" for path in paths])
+        typical = np.where(is_length, evidence.reference.mechanics.size, 1.0)
+        hair = np.diag(HAIR * np.where(value != 0, np.abs(value), typical) / size)
+        numbers = np.vstack([value / size + hair, value / size])  # a machine each, the last one with no number changed
+        machines = registry.many(scene, dict(zip(paths, numbers.T, strict=True)), channels)
+        motions = machines(*(np.tile(of, (len(numbers), 1)) for of in (position, time))).samples
+        by = {c: (motions[c][:-1] - motions[c][-1]) / np.diag(hair)[:, np.newaxis] for c in channels}
+    return {path: {c: own[k] / size[k] for c, own in by.items()} for k, path in enumerate(paths)}
 
 
 def _along(slopes: Slopes, direction: Direction) -> Channels:
@@ -112,21 +97,17 @@ def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator
     They leave least of the whole, or of every row as if it were as large: next to a dead point few rows have nearly
     all of the deviation, and go least along their slopes. All least squares are those of one triangle, R of Q R.
     """
-    off = np.array([evidence.difference(c, evidence.true[c]) for c in evidence.names])
-    size = np.linalg.norm(off, axis=0)
+    off, nothing = np.array([*evidence.deviation.values()]), np.zeros(len(evidence.rows))
     ends = np.cumsum([0, *(len(group) for group in ways)])
-    columns = np.array([_weighted(evidence, change) for group in ways for change in group])
-    known = [
-        k
-        for k in range(len(ways))
-        if np.isfinite(columns[ends[k] : ends[k + 1]]).all() and columns[ends[k] : ends[k + 1]].any()
-    ]
+    weighted = [[change.get(c, nothing) / evidence.scale[c] for c in evidence.names] for way in ways for change in way]
+    columns = np.array(weighted)
+    own = np.split(columns, ends[1:-1])
+    known = [k for k, column in enumerate(own) if np.isfinite(column).all() and column.any()]
     columns[~np.isfinite(columns)] = 0.0
-    best: list[Ranking] = [[(0.0, ())], [(0.0, ())]]
-    triangles = []
-    for weight in (np.ones_like(size), 1 / (size + np.median(size) + EXACT * size.max())):
-        whole = np.array([*columns, off]) * weight
-        triangles.append(np.linalg.qr(whole.reshape(len(whole), -1).T)[1])
+    size = np.linalg.norm(off, axis=0)
+    wholes = (np.array([*columns, off]) * by for by in (1.0, 1 / (size + np.median(size) + EXACT * size.max())))
+    triangles = [np.linalg.qr(whole.reshape(len(whole), -1).T)[1] for whole in wholes]
+    best: list[list[tuple[float, tuple[int, ...]]]] = [[(0.0, ())], [(0.0, ())]]  # by price
     for _ in range(MOST):
         for number, triangle in enumerate(triangles):
             wider = {tuple(sorted({*subset, k})) for _, subset in best[number][:WIDE] for k in known if k not in subset}
@@ -141,61 +122,43 @@ def _left(triangle: NDArray[np.float64], ends: NDArray[np.intp], subset: Sequenc
     return price(float(np.linalg.norm(rest)), len(own))
 
 
-def _weighted(evidence: Evidence, change: Channels) -> NDArray[np.float64]:
-    nothing = np.zeros(len(evidence.rows))
-    return np.array([change.get(c, nothing) / evidence.scale[c] for c in evidence.names])
-
-
 def _solved(
     evidence: Evidence, both: tuple[Scene, Scene], groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]
 ) -> Iterator[Hypothesis]:
     """Yield numbers that are off by what explains most, and the motion then; and the same without each of them."""
-    starts = np.cumsum([0, *(len(group.directions) for group in groups)])
     if len(groups) == 1 and groups[0].linear:
-        x, predicted = added(evidence, ways[0])
+        x, predicted = evidence.added(ways[0])
         yield from _named(groups, [x], predicted)
         return
-    directions = [direction for group in groups for direction in group.directions]
     scene = both[any(group.alone for group in groups)]
-    steps = np.repeat([group.step for group in groups], np.diff(starts))
+    directions = [direction for group in groups for direction in group.directions]
+    steps = []
+    for direction in directions:
+        is_length = scene.numbers[next(iter(direction))].quantity.dimension == "length"
+        size = evidence.reference.mechanics.size / max(map(abs, direction.values())) if is_length else 1.0
+        steps.append(HAIR * size)
 
     def predict(x: Samples) -> Channels:
-        return solved(evidence, with_amounts(scene, directions, x))
+        numbers: dict[str, float] = {}
+        for direction, amount in zip(directions, x, strict=True):
+            for path, weight in direction.items():
+                numbers[path] = numbers.get(path, scene.numbers[path].value) + float(amount) * weight
+        return solved(evidence, scene.with_numbers(numbers))
 
-    x, predicted = fitted(evidence, predict, steps, ROUNDS)
-    yield from _named(groups, np.split(x, starts[1:-1]), predicted)
-    for number in range(len(groups)) if len(groups) > 1 else ():
-        less = x.copy()
-        less[starts[number] : starts[number + 1]] = 0.0
-        rest = [own for k, own in enumerate(np.split(x, starts[1:-1])) if k != number]
-        yield from _named([group for k, group in enumerate(groups) if k != number], rest, predict(less))
+    x, predicted = evidence.fitted(predict, steps, ROUNDS)
+    counts = [len(group.directions) for group in groups]
+    own = np.split(x, np.cumsum(counts)[:-1])
+    yield from _named(groups, own, predicted)
+    for kept in combinations(range(len(groups)), len(groups) - 1) if len(groups) > 1 else ():
+        rest = x * np.repeat([number in kept for number in range(len(groups))], counts)
+        yield from _named([groups[k] for k in kept], [own[k] for k in kept], predict(rest))
 
 
 def _named(groups: Sequence[Numbers], amounts: Sequence[Samples], predicted: Channels) -> Iterator[Hypothesis]:
     """Yield the cause that groups of numbers are, off by some amounts, if there can be such a one."""
-    causes = [group.cause(own) for group, own in zip(groups, amounts, strict=True)]
-    known = [cause for cause in causes if cause is not None]
-    if predicted and len(known) == len(groups):
-        yield Hypothesis(replace(known[0], besides=tuple(known[1:])), predicted, sum(map(len, amounts)))
-
-
-def with_amounts(scene: Scene, directions: Iterable[Direction], amounts: Iterable[float]) -> Scene:
-    """Return a scene with its numbers changed by amounts along directions."""
-    numbers: dict[str, float] = {}
-    for direction, amount in zip(directions, amounts, strict=True):
-        for path, weight in direction.items():
-            numbers[path] = numbers.get(path, scene.numbers[path].value) + float(amount) * weight
-    return scene.with_numbers(numbers)
-
-
-def solved(evidence: Evidence, scene: Scene) -> Channels:
-    """Return the channels of another scene with the drive where it is; nothing where there is no motion."""
-    try:
-        with np.errstate(all="ignore"):
-            motion = registry.reference(scene)(evidence.true[scene.drive_channel], evidence.true["time"])
-    except Failure:
-        return {}
-    return {channel: motion[channel] for channel in evidence.names}
+    measured = [group.measured(own) for group, own in zip(groups, amounts, strict=True)]
+    if predicted and all(np.isfinite(cause.amounts).all() for cause in measured):
+        yield Hypothesis(replace(measured[0], besides=tuple(measured[1:])), predicted, sum(map(len, amounts)))
 
 
 def _swapped(evidence: Evidence, slopes: Slopes) -> Iterator[Hypothesis]:
@@ -204,16 +167,15 @@ def _swapped(evidence: Evidence, slopes: Slopes) -> Iterator[Hypothesis]:
     for one, two in combinations(masses, 2):
         more = masses[two] - masses[one]
         changes = [slopes.get(f"bodies.{name}.mass", {}) for name in (one, two)]
-        cause = Cause(Kind.mass, one, Way.masses_swapped, names=(two,))
-        yield Hypothesis(cause, with_changes(evidence, (more, -more), changes))
+        cause = Cause(Kind.mass, one, "the masses of {place} and {one} are swapped", names=(two,))
+        yield Hypothesis(cause, evidence.changed((more, -more), changes))
 
 
 def _varying(evidence: Evidence, groups: Sequence[Numbers], ways: Sequence[Sequence[Channels]]) -> Iterator[Hypothesis]:
     """Yield lengths that vary over the turn, by a sine of one amount."""
     turn = 2 * np.pi * evidence.true["time"] / evidence.reference.scene.drive.cycle
-    courses = (np.ones_like(turn), np.cos(turn), np.sin(turn))
+    waves = (np.ones_like(turn), np.cos(turn), np.sin(turn))
     for group, (change, *_) in zip(groups, ways, strict=True):
-        if group.way is Way.length:
-            x, predicted = added(evidence, [{c: by * course for c, by in change.items()} for course in courses])
-            amount = float(np.hypot(*x[1:]))
-            yield Hypothesis(Cause(group.kind, group.place, Way.varying, (amount,), group.names), predicted, len(x))
+        if group.cause.text == LENGTH:
+            cause = replace(group.cause, text="{place}'s length {one} varies by {wave} over the turn")
+            yield evidence.with_amounts(cause, *({c: by * wave for c, by in change.items()} for wave in waves))

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from functools import partial
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -12,40 +13,29 @@ from scenes.scene import Force, ForceTable
 
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.reference import Reference
-from .cause import Cause, Kind, Way
+from .cause import Cause, Kind
 
-HAIR = 1e-6  # of the linkage's size, rad, or a share: what a number is varied by, for a slope
 NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too small: none at all, but for rounding
 STANDARD_GRAVITY = (0.0, -9.81)  # m/s^2
 OF_LINKAGE = {"ground", "bodies", "springs"}  # which have the lengths of a linkage
+LENGTH = "{place}'s length {one} is {length} too {long}"
 
 Direction: TypeAlias = Mapping[str, float]  # by path in the file what is added to a number, SI
-
-
-def _as_it_is(x: Samples) -> Samples:
-    return x
 
 
 class Numbers(NamedTuple):
     """Numbers of a scene that are off together, along k directions, and the cause that they are then."""
 
-    kind: Kind
-    place: str
-    way: Way
+    cause: Cause  # without its amounts
     directions: tuple[Direction, ...]
-    names: tuple[str, ...] = ()
-    amounts: Callable[[Samples], Samples] = _as_it_is  # of the cause, by those of the directions, shape (k,)
-    step: float = HAIR
+    amounts: Callable[[Samples], Any] = np.asarray  # of the cause, by those of the directions, shape (k,)
     linear: bool = False  # as forces are in masses
     alone: bool = False  # in the scene whose centres of mass and moments of inertia stand by themselves
 
-    def cause(self, x: Samples) -> Cause | None:
-        """Return the cause that numbers are, off by so much of each direction; None where they cannot be."""
-        amounts = self.amounts(x)
-        none = self.kind in (Kind.mass, Kind.inertia) and x[0] < NONE
-        if none or not np.isfinite(amounts).all():
-            return None
-        return Cause(self.kind, self.place, self.way, tuple(amounts.tolist()), self.names)
+    def measured(self, x: Samples) -> Cause:
+        """Return the cause that numbers are, off by so much of each direction; not finite where they cannot be."""
+        none = self.cause.kind in (Kind.mass, Kind.inertia) and x[0] < NONE
+        return replace(self.cause, amounts=(np.nan,) if none else tuple(np.ravel(self.amounts(x)).tolist()))
 
 
 def standing_alone(scene: Scene) -> Scene:
@@ -62,101 +52,96 @@ def standing_alone(scene: Scene) -> Scene:
 def numbers_of_causes(reference: Reference) -> Iterator[Numbers]:
     """Yield the groups of numbers that one cause changes."""
     if reference.scene.has_masses:
-        for group in (*_of_weights(reference), *_of_gravity(reference.scene)):
-            yield group._replace(linear=group.kind is not Kind.com)
+        yield from _of_weights(reference.scene)
         yield from _of_forces(reference.scene)
-    yield from _of_places(reference)
+    yield from _of_places(reference.scene)
 
 
-def _of_weights(reference: Reference) -> Iterator[Numbers]:
-    """Yield masses, moments of inertia and centres of mass, of each body and of all."""
-    scene = reference.scene
+def _of_weights(scene: Scene) -> Iterator[Numbers]:
+    """Yield masses, moments of inertia and centres of mass, of each body and of all, and gravity."""
+    alone, a_mass = partial(Numbers, linear=True, alone=True), "{place}'s mass is {percent}"
     own = {name: weights(scene, body) for name, body in scene.bodies.items() if body.mass}
     turning = [name for name in scene.turning if name in own and own[name].inertia]
     masses = {f"bodies.{name}.mass": w.mass for name, w in own.items()}
     inertias = {f"bodies.{name}.inertia": own[name].inertia for name in turning}
     for name in own:
-        body, mass = scene.bodies[name], {f"bodies.{name}.mass": own[name].mass}
-        if body.inertia is None:  # which goes with the mass
-            yield Numbers(Kind.mass, name, Way.mass, (mass,))
-        if body.inertia is not None or name in turning:
-            yield Numbers(Kind.mass, name, Way.mass, (mass,), alone=True)
+        inertia, mass = scene.bodies[name].inertia, {f"bodies.{name}.mass": own[name].mass}
+        if inertia is None:  # which goes with the mass
+            yield Numbers(Cause(Kind.mass, name, a_mass), (mass,), linear=True)
+        if inertia is not None or name in turning:
+            yield alone(Cause(Kind.mass, name, a_mass), (mass,))
         if name in turning:
-            inertia = {f"bodies.{name}.inertia": own[name].inertia}
-            yield Numbers(Kind.inertia, name, Way.inertia, (inertia,), alone=True)
+            of_own = {f"bodies.{name}.inertia": own[name].inertia}
+            yield alone(Cause(Kind.inertia, name, "{place}'s moment of inertia is {inertia}"), (of_own,))
         if name in scene.turning:
-            com = _both(f"bodies.{name}.com")
-            yield Numbers(Kind.com, name, Way.com, com, step=HAIR * reference.mechanics.size, alone=True)
+            com = Cause(Kind.com, name, "{place}'s centre of mass is {com}")
+            yield Numbers(com, _both(f"bodies.{name}.com"), alone=True)
     if len(own) > 1:
-        yield Numbers(Kind.mass, "all", Way.masses, (masses | inertias,), alone=True)
-        yield Numbers(Kind.inertia, "all", Way.inertias, (inertias,), alone=True)
+        yield alone(Cause(Kind.mass, "all", "each body's mass is {percent}"), (masses | inertias,))
+        yield alone(Cause(Kind.inertia, "all", "each body's moment of inertia is {percent}"), (inertias,))
     if scene.gravity is not None:  # without it this is the same as each body's mass
         less = {f"gravity.{axis}": -g for axis, g in enumerate(scene.gravity)}
-        yield Numbers(Kind.mass, "all", Way.inertia_share, (masses | inertias | less,), alone=True)
+        yield alone(Cause(Kind.mass, "all", "inertia's share of all forces is {percent}"), (masses | inertias | less,))
     bars = [name for name in turning if scene.bodies[name].inertia is None and len(scene.bodies[name].corners) == 2]
     if bars:  # as wide as w they have m w²/12 more
         wide = {f"bodies.{name}.inertia": own[name].mass / 12 for name in bars}
-        width = lambda x: np.sqrt(np.where(x > 0, x, np.nan))  # noqa: E731
-        yield Numbers(Kind.inertia, "all", Way.width, (wide,), amounts=width, alone=True)
-
-
-def _of_gravity(scene: Scene) -> Iterator[Numbers]:
-    """Yield gravity by a factor, and as another vector; where there is none, some."""
-    down = scene.gravity or STANDARD_GRAVITY
-    ways = _turned("gravity", complex(*down))
-    size = (lambda x: x) if scene.gravity else (lambda x: x * float(np.hypot(*down)))
-    way = Way.gravity if scene.gravity else Way.gravity_size
-    yield Numbers(Kind.gravity, "all", way, ways[:1], amounts=size, alone=True)
-    other = lambda x: np.add(scene.gravity or (0.0, 0.0), _components(complex(*x) * complex(*down)))  # noqa: E731
-    yield Numbers(Kind.gravity, "all", Way.gravity_vector, ways, amounts=other, alone=True)
+        cause = Cause(Kind.inertia, "all", "each uniform bar's moment of inertia is that of one {length} wide")
+        yield alone(cause, (wide,), lambda x: np.sqrt(np.where(x > 0, x, np.nan)))
+    down = complex(*(scene.gravity or STANDARD_GRAVITY))
+    ways = _turned("gravity", down)
+    if scene.gravity:
+        yield alone(Cause(Kind.gravity, "all", "gravity is {percent}"), ways[:1])
+    else:
+        yield alone(Cause(Kind.gravity, "all", "gravity is {number} m/s^2"), ways[:1], lambda x: x * abs(down))
+    cause = Cause(Kind.gravity, "all", "gravity is ({numbers}) m/s^2")
+    yield alone(cause, ways, partial(_turned_vector, complex(*(scene.gravity or ())), down))
 
 
 def _of_forces(scene: Scene) -> Iterator[Numbers]:
     """Yield loads and springs."""
+    linear = partial(Numbers, linear=True)
     for number, load in enumerate(scene.loads):
-        at = f"loads.{number}"
+        at, cause = f"loads.{number}", Cause(Kind.load, load.at, "the load at {place} is {percent}")
         if isinstance(load, ForceTable):
-            forces = {f"{at}.table.{row}.1": force for row, force in enumerate(load.forces)}
-            yield Numbers(Kind.load, load.at, Way.load, (forces,), linear=True)
-            rows = dict.fromkeys((f"{at}.table.{row}.0" for row in range(len(load.forces))), 1.0)
-            hair = HAIR * float(np.ptp(load.displacements))
-            yield Numbers(Kind.load, load.at, Way.table_shifted, (rows,), step=hair)
+            rows = {f"{at}.table.{row}": force for row, force in enumerate(load.forces)}
+            yield linear(cause, ({f"{row}.1": force for row, force in rows.items()},))
+            shifted = Cause(Kind.load, load.at, "the table of the load at {place} is shifted by {signed_length}")
+            yield Numbers(shifted, ({f"{row}.0": 1.0 for row in rows},))
             continue
         own = complex(*load.force)
         ways = _turned(f"{at}.force", own)
-        yield Numbers(Kind.load, load.at, Way.load, ways[:1], linear=True)
+        yield linear(cause, ways[:1])
         if isinstance(load, Force):
-            other = lambda x, own=own: _components((1 + complex(*x)) * own)  # noqa: E731
-            yield Numbers(Kind.load, load.at, Way.load_vector, ways, amounts=other, linear=True)
+            vector = Cause(Kind.load, load.at, "the load at {place} is {force} at {way}")
+            yield linear(vector, ways, partial(_turned_vector, own, own))
     for number, spring in enumerate(scene.springs):
         place = f"{spring.first[1]}-{spring.second[1]}"
-        stiffness, length = (
-            {f"springs.{number}.stiffness": spring.stiffness},
-            {f"springs.{number}.length": spring.length},
-        )
-        yield Numbers(Kind.spring, place, Way.stiffness, (stiffness,), linear=True)
-        yield Numbers(Kind.spring, place, Way.spring_length, (length,), linear=True)
+        for of, value, text in (
+            ("stiffness", spring.stiffness, "the spring {place}{stiffness}"),
+            ("length", spring.length, "the spring {place}'s length is {percent}"),
+        ):
+            yield linear(Cause(Kind.spring, place, text), ({f"springs.{number}.{of}": value},))
 
 
-def _of_places(reference: Reference) -> Iterator[Numbers]:
+def _of_places(scene: Scene) -> Iterator[Numbers]:
     """Yield lengths, points, guides, and the scale of the whole linkage."""
-    scene, hair = reference.scene, HAIR * reference.mechanics.size
     for point in scene.ground:
-        yield Numbers(Kind.place, point, Way.ground, _both(f"ground.points.{point}"), step=hair)
+        yield Numbers(Cause(Kind.place, point, "{place} is {length} off"), _both(f"ground.points.{point}"))
     for name, body in scene.bodies.items():
         for point in body.local or ():
-            yield Numbers(Kind.length, name, Way.point, _both(f"bodies.{name}.points.{point}"), (point,), step=hair)
+            cause = Cause(Kind.length, name, "{place}'s point {one} is {length} off", names=(point,))
+            yield Numbers(cause, _both(f"bodies.{name}.points.{point}"))
         for ends in body.lengths or ():
             ordered = "-".join(point for point in body.points if point in ends)
             length = {f"bodies.{name}.lengths.{'-'.join(sorted(ends))}": 1.0}
-            yield Numbers(Kind.length, name, Way.length, (length,), (ordered,), step=hair)
+            yield Numbers(Cause(Kind.length, name, LENGTH, names=(ordered,)), (length,))
         if body.slide is not None:
-            guide, along = f"bodies.{name}.slides", complex(*body.slide.along)
-            yield Numbers(Kind.guide, name, Way.beside, _turned(f"{guide}.through", along)[1:], step=hair)
-            yield Numbers(Kind.guide, name, Way.tilted, _turned(f"{guide}.along", along)[1:])
+            for of, how in (("through", "{length} beside its place"), ("along", "turned by {angle}")):
+                beside = _turned(f"bodies.{name}.slides.{of}", complex(*body.slide.along))[1:]
+                yield Numbers(Cause(Kind.guide, name, f"{{place}}'s guide is {how}"), beside)
     of_linkage = (one for one in scene.numbers.values() if one.at[0] in OF_LINKAGE)
     lengths = {one.path: one.value for one in of_linkage if one.quantity.dimension == "length"}
-    yield Numbers(Kind.length, "all", Way.scale, (lengths,), amounts=lambda x: 1 + x)
+    yield Numbers(Cause(Kind.length, "all", "each length is {times}"), (lengths,), lambda x: 1 + x)
 
 
 def _both(path: str) -> tuple[Direction, Direction]:
@@ -170,5 +155,7 @@ def _turned(path: str, vector: complex) -> tuple[Direction, Direction]:
     return {f"{path}.0": x, f"{path}.1": y}, {f"{path}.0": -y, f"{path}.1": x}
 
 
-def _components(vector: complex) -> Samples:
-    return np.array([vector.real, vector.imag])
+def _turned_vector(now: complex, vector: complex, x: Samples) -> tuple[float, float]:
+    """Return the components of what a vector is with so much of another one along and beside it added."""
+    other = now + complex(*x) * vector
+    return other.real, other.imag

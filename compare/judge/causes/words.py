@@ -11,7 +11,7 @@ from scenes import Scene
 from ...mechanics.bodies import arms, weights
 from .cause import Cause
 
-NEAR_ONE = 0.01  # a factor that is no farther from one is shown in per cent
+NEAR_ONE = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
 NEAR_NONE, NEAR_OPPOSITE = 5e-3, 1e-2  # of a number: it is missing, or of the opposite sign
 NEAR_INERTIA = 2e-2  # of a moment of inertia: it is that of something else
 NEAR_PLACE = 5e-3  # of a body's length: the centre of mass is there
@@ -23,21 +23,15 @@ EXPLAINED = 0.01  # of the error: what a cause leaves over of it is named where 
 
 
 def words(scene: Scene, cause: Cause) -> str:
-    """Return the sentence of a cause, with those that are wrong besides, or that explain as much.
-
-    Args:
-        scene: for units, and names of positions.
-        cause: what is likely wrong.
-    """
+    """Return the sentence of a cause, with those that are wrong besides, or that explain as much."""
     ways = (" and ".join(_sentence(scene, one) for one in each.all) for each in (cause, *cause.others))
     return ", or ".join(ways) + f" (all but {100 * cause.left:.0f} % of the error)" * (cause.left > EXPLAINED)
 
 
 def _sentence(scene: Scene, cause: Cause) -> str:
-    text = cause.way.value
-    gaps = {name: GAPS[name](scene, cause) for _, name, *_ in Formatter().parse(text) if name}
+    gaps = {name: GAPS[name](scene, cause) for _, name, *_ in Formatter().parse(cause.text) if name}
     ends = " from {} to {}".format(*map(scene.where, cause.rows)) if len(cause.rows) > 1 else ""
-    return text.format_map(gaps) + ends
+    return cause.text.format_map(gaps) + ends
 
 
 def plainly(number: float, digits: int = 3) -> str:
@@ -45,11 +39,14 @@ def plainly(number: float, digits: int = 3) -> str:
     return np.format_float_positional(number, digits, unique=False, fractional=False, trim="-")
 
 
-def factor_in_words(by: float, what: str = "it") -> str:
+def _off(share: float) -> str:
+    return f"{plainly(100 * abs(share))} % too {'large' if share > 0 else 'small'}"
+
+
+def _times(_: Scene, cause: Cause) -> str:
     """Return a factor as what is wrong: `0.002 % too large`, `3 times what it should be`."""
-    if abs(by - 1) >= NEAR_ONE:
-        return f"{plainly(by, 4)} times what {what} should be"
-    return f"{plainly(100 * abs(by - 1))} % too {'large' if by > 1 else 'small'}"
+    by, they = cause.amounts[0], _of(cause, "it", "they")
+    return _off(by - 1) if abs(by - 1) < NEAR_ONE else f"{plainly(by, 4)} times what {they} should be"
 
 
 def _percent(share: float) -> str:
@@ -58,9 +55,7 @@ def _percent(share: float) -> str:
         return MISSING
     if abs(share + 2) < NEAR_OPPOSITE:
         return "of the opposite sign"
-    if share > 2:
-        return f"{plainly(share + 1, 4)} times too large"
-    return f"{plainly(100 * abs(share))} % too {'large' if share > 0 else 'small'}"
+    return f"{plainly(share + 1, 4)} times too large" if share > 2 else _off(share)
 
 
 def _stiffness(_: Scene, cause: Cause) -> str:
@@ -86,8 +81,8 @@ def _com(scene: Scene, cause: Cause) -> str:
     return next((where for where, at in known.items() if abs(there - at) < hair), off)
 
 
-def _many(cause: Cause) -> bool:
-    return cause.part is not None and cause.part.many
+def _of(cause: Cause, one: str, many: str) -> str:
+    return many if cause.part is not None and cause.part.many else one
 
 
 def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
@@ -99,10 +94,6 @@ def _numbers(_: Scene, cause: Cause) -> str:
     """Return the components of a vector; one that is nothing beside the others is zero."""
     least = NEAR_ZERO * max(map(abs, cause.amounts))
     return ", ".join(plainly(number if abs(number) > least else 0.0) for number in cause.amounts)
-
-
-def _displacement(scene: Scene, cause: Cause) -> str:
-    return _in_unit(scene, "angle" if scene.driven_slide is None else "length", cause.amounts[-1])
 
 
 def _late(_: Scene, cause: Cause) -> str:
@@ -135,9 +126,9 @@ GAPS: Mapping[str, Callable[[Scene, Cause], str]] = {
     "one": lambda _, cause: cause.names[0],
     "two": lambda _, cause: cause.names[1],
     "part": lambda _, cause: cause.part.name if cause.part else cause.place,
-    "is": lambda _, cause: "are" if _many(cause) else "is",
-    "has": lambda _, cause: "have" if _many(cause) else "has",
-    "its": lambda _, cause: "their" if _many(cause) else "its",
+    "is": lambda _, cause: _of(cause, "is", "are"),
+    "has": lambda _, cause: _of(cause, "has", "have"),
+    "its": lambda _, cause: _of(cause, "its", "their"),
     "where": lambda scene, cause: scene.where(cause.rows[0]),
     "count": lambda _, cause: f"{cause.amounts[0]:.0f}",
     "of": lambda _, cause: f"{cause.amounts[1]:.0f}",
@@ -150,13 +141,16 @@ GAPS: Mapping[str, Callable[[Scene, Cause], str]] = {
     "com": _com,
     "percent": lambda _, cause: _percent(cause.amounts[0]),
     "growth": lambda _, cause: f"{plainly(100 * cause.amounts[0])} %",
-    "times": lambda _, cause: factor_in_words(cause.amounts[0], "they" if _many(cause) else "it"),
+    "times": _times,
     "length": lambda scene, cause: _in_unit(scene, "length", hypot(*cause.amounts)),
+    "wave": lambda scene, cause: _in_unit(scene, "length", hypot(*cause.amounts[1:])),
     "signed_length": lambda scene, cause: _in_unit(scene, "length", cause.amounts[0]),
     "force": lambda scene, cause: _in_unit(scene, "force", hypot(*cause.amounts), 4),
     "way": lambda scene, cause: _in_unit(scene, "angle", atan2(*reversed(cause.amounts)), 4),
     "angle": lambda scene, cause: _in_unit(scene, "angle", cause.amounts[0], 4),
-    "displacement": _displacement,
+    "displacement": lambda scene, cause: _in_unit(
+        scene, "angle" if scene.driven_slide is None else "length", cause.amounts[-1]
+    ),
     "late": _late,
     "late_rows": _late_rows,
     "faster": _faster,

@@ -8,10 +8,10 @@ import pytest
 
 from compare.engines import registry
 from compare.judge.causes.cause import Kind
-from compare.judge.causes.drive import drive_causes
 from compare.judge.causes.evidence import Evidence, evidence
 from compare.judge.causes.forces import force_causes
 from compare.judge.causes.numbers import number_causes
+from compare.judge.causes.whole import drive_causes
 from compare.judge.causes.words import words
 from compare.judge.triage import likeliest
 from compare.mechanics.reference import Reference

@@ -1,0 +1,170 @@
+"""Causes that all of a result shares: another frame and other units, and the drive elsewhere or at another speed.
+
+The factor f, the angle α and the place b of `compare.results.frame` are fitted together; a frame that is not turned,
+not shifted, or of the same unit needs fewer of them.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from scenes import Failure, Scene
+from scenes.model.motion import Samples, quantity
+from scenes.scene import ConstantSpeed, MotionLaw
+
+from ...engines import registry
+from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
+from .cause import Cause, Kind, Part
+from .evidence import Channels, Evidence, Hypothesis
+
+KNOWN_FRAME = 1e-4  # relative: what is fitted and is this near to nothing at all, or to a known unit, is taken for it
+LEAST = 1e-9  # relative: less is rounding
+RATES = {"vx": 1, "vy": 1, "omega": 1, "ax": 2, "ay": 2, "alpha": 2}  # derivatives by the time
+CONSTANT, LATE = 1e-2, 1e-3  # of what the drive is off by: it is off by one amount, and at a constant speed late
+COURSE = 3  # numbers that where the drive really is counts for
+BY_ANGLE = "all rates are by the crank's angle, per {one}, in place of the time"
+AXIS = "the crank's angle, by which the rows are, is in {one} in place of {two}"
+UP_TO, BY = "the drive is off by up to {displacement}", "the drive is off by {displacement}"
+SPEED, RATE = "the drive runs at another speed, {faster}", "the drive has rates of another speed, {faster}"
+CLOCK = "all instants are too far apart, {faster}"
+
+
+def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield other frames and units of all of a result, rates by the crank's angle, and that angle in another unit."""
+    yield from _frame(evidence, mirrored=False)
+    yield from _frame(evidence, mirrored=True)
+    scene, true = evidence.reference.scene, evidence.true
+    if not isinstance(scene.drive, ConstantSpeed) or scene.driven_slide is not None:
+        return
+    orders = {c: RATES[quantity(c)] for c in evidence.names if quantity(c) in RATES}
+    for unit, names in (("rad", ("radian",)), ("deg", ("degree",))):
+        size = KNOWN["rad"][unit] / scene.drive.speed
+        cause = Cause(Kind.unit, "all", BY_ANGLE, names=names)
+        yield Hypothesis(cause, {c: size**order * true[c] for c, order in orders.items()})
+    for units in (("deg", "rad"), ("rad", "deg")):
+        size = KNOWN["rad"][units[0]] / KNOWN["rad"][units[1]]
+        there = evidence.reference.at(size * true[scene.drive_channel], true["time"])
+        others = {c: there[c] for c in evidence.names if c != scene.drive_channel}
+        yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=units), others)
+
+
+def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
+    """Yield the frame and unit of length that are nearest, in as few numbers as explain them."""
+    pairs = (pair for pair in vectors(evidence.names) if quantity(pair[0]) in ("x", "vx"))
+    true = {c: evidence.true[c] for pair in pairs if {*pair} <= {*evidence.names} for c in pair}
+    ways = [seen(Frame(turn, mirrored=mirrored), true) for turn in (0.0, np.pi / 2)]  # by the parts of a, those of b
+    ways += [{c: np.full(own.shape, float(quantity(c) == axis)) for c, own in true.items()} for axis in "xy"]
+    re, im, x, y = evidence.added(ways, {c: 0 * own for c, own in true.items()})[0].tolist()
+    a, b = complex(re, im), complex(x, y)
+    if not abs(a) > LEAST:
+        return
+    unit, _ = unit_near(abs(a), "m", KNOWN_FRAME)
+    factor = 1 / LENGTHS[unit] if unit else abs(a)
+    angle = float(np.angle(a)) if abs(np.angle(a)) > KNOWN_FRAME else 0.0
+    b = b if abs(b) > KNOWN_FRAME * evidence.reference.stroke * factor else 0j
+    if not unit and (angle or b):
+        return  # four numbers that are fitted explain much of anything
+    causes = []
+    if mirrored or angle or b:
+        origin = -b / (factor * np.exp(1j * angle))
+        amounts = (1.0, angle, origin.real, -origin.imag) if mirrored else (0.0, -angle, origin.real, origin.imag)
+        causes.append(Cause(Kind.frame, "all", "all is in another frame, {frame}", amounts))
+    if unit != "m":
+        all_lengths = Part("all lengths", evidence.names, many=True)
+        text = "all lengths are in {one} in place of {two}" if unit else "all lengths are {times}"
+        causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
+    if causes:
+        other = seen(Frame(angle, b, mirrored, factor), {c: evidence.true[c] for c in evidence.names})
+        drive = evidence.reference.scene.drive_channel
+        predicted = {c: own for c, own in other.items() if c != drive or evidence.off[drive] > LEAST}
+        freedom = bool(angle) + 2 * bool(b) + (not unit)
+        yield Hypothesis(replace(causes[0], besides=tuple(causes[1:])), predicted, freedom)
+
+
+def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
+    """Yield what would have been with the drive where it is, at another speed, or by another entry of its law."""
+    scene = evidence.reference.scene
+    drive, asked, there = scene.drive, evidence.true[scene.drive_channel], evidence.given[scene.drive_channel]
+    off, at_one_speed = there - asked, isinstance(drive, ConstantSpeed)
+    most = float(off[np.abs(off).argmax()])
+    late = at_one_speed and np.ptp(off) <= LATE * abs(most)
+    if off.any() and not late and (actual := solved(evidence, scene, there)):
+        constant = np.ptp(off) <= CONSTANT * abs(most)
+        yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else COURSE)
+    if isinstance(drive, ConstantSpeed):
+        yield from _speeds(evidence, scene, drive)
+    else:
+        yield from _offsets(evidence, scene, drive)
+
+
+def strayed(evidence: Evidence) -> Cause | None:
+    """Return that the drive is not where it was asked to be, which no engine has an excuse for."""
+    drive = evidence.reference.scene.drive_channel
+    if drive not in evidence.names:
+        return None
+    off = float(np.abs(evidence.given[drive] - evidence.true[drive]).max())
+    return _drive(UP_TO, off) if off > LEAST * max(1.0, float(np.abs(evidence.true[drive]).max())) else None
+
+
+def _drive(text: str, *amounts: float) -> Cause:
+    return Cause(Kind.drive, "drive", text, amounts)
+
+
+def solved(evidence: Evidence, scene: Scene, position: Samples | None = None) -> Channels:
+    """Return the channels of a scene with its drive at some positions or as asked; nothing where there is no motion."""
+    position = evidence.true[scene.drive_channel] if position is None else position
+    try:
+        with np.errstate(all="ignore"):
+            motion = registry.reference(scene)(position, evidence.true["time"])
+    except Failure:
+        return {}
+    return {channel: motion[channel] for channel in evidence.names}
+
+
+def _offsets(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
+    """Yield a drive that is off by a constant, and its channel not; and a law with another entry in its table."""
+    asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
+    (by,), predicted = evidence.fitted(lambda x: solved(evidence, scene, asked + x[0]), hair, 3)
+    yield Hypothesis(_drive(BY, float(by)), predicted, 1)
+    for number in range(len(law.positions)):
+
+        def predict(x: Samples, number: int = number) -> Channels:
+            moved = list(law.positions)
+            ends = {number, len(moved) - 1 - number} if law.periodic and number in (0, len(moved) - 1) else {number}
+            for end in ends:
+                moved[end] += float(x[0])
+            other = replace(law, positions=tuple(moved))
+            return solved(evidence, replace(scene, drive=other), other.at(evidence.true["time"]).position)
+
+        (by,), predicted = evidence.fitted(predict, hair)
+        cause = _drive("entry {count} of the drive's law is off by {displacement}", number + 1, float(by))
+        yield Hypothesis(cause, predicted, 1)
+
+
+def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[Hypothesis]:
+    """Another speed: with its poses, with those asked for and other rates, or instants that are too far apart."""
+    time, asked = evidence.true["time"], evidence.true[scene.drive_channel]
+    there = evidence.given[scene.drive_channel] - drive.start
+    rates = {float(there @ time / (time @ time)), -drive.speed}
+    if velocities := {c: evidence.true[c] for c in evidence.names if RATES.get(quantity(c)) == 1}:
+        rates.add(drive.speed * (1 + float(evidence.added([velocities])[0][0])))
+    others = [c for c in evidence.names if c != scene.drive_channel]
+
+    def at(rate: float, text: str) -> Channels:
+        other = scene if text == CLOCK else replace(scene, drive=replace(drive, speed=rate))
+        return solved(evidence, other, asked if text == RATE else drive.start + rate * time)
+
+    def without_drive(x: Samples, text: str) -> Channels:
+        predicted = at(drive.speed * (1 + float(x[0])), text)
+        return {channel: predicted[channel] for channel in others} if predicted else {}
+
+    for text in (SPEED, RATE, CLOCK):
+        (share,), _ = evidence.fitted(partial(without_drive, text=text), [1e-6], 4)
+        for rate in (drive.speed * (1 + float(share)), *(rates if text != CLOCK else ())):
+            if not rate or abs(rate / drive.speed - 1) <= LEAST or not (predicted := at(rate, text)):
+                continue
+            times = drive.speed / rate if text == CLOCK else rate / drive.speed
+            for channels in (evidence.names, others):  # its channel may be as commanded
+                yield Hypothesis(_drive(text, times - 1), {c: predicted[c] for c in channels}, 1)
