@@ -25,14 +25,15 @@ SPREAD = 0.15  # of the samples, that noise and what is interpolated have at lea
 def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
     parts = [part for part in evidence.parts if evidence.outside(part.channels) <= EXPLAINED]
-    for part, causes in product(parts, (_late, _late_by_samples, _differences, _smoothed, _growing, _interpolated)):
+    for part, causes in product(parts, (_late, _differences, _smoothed, _growing, _interpolated)):
         yield from causes(evidence, part)
 
 
 def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """All of a part late by one time, s, found by Gauss and Newton from several starts."""
-    time, drive = evidence.motion["time"], evidence.reference.scene.drive
-    step = float(time[1] - time[0])
+    """All of a part late by one time, s, by Gauss and Newton from several starts; or by samples, the first held."""
+    time, scene, rows = evidence.motion["time"], evidence.reference.scene, np.arange(len(evidence.rows))
+    step, drive = float(time[1] - time[0]), scene.drive
+    kind = Kind.drive if part.channels == (scene.drive_channel,) else Kind.lag
 
     def predict(by: Samples, start: float = 0.0) -> Channels:
         late = evidence.late(start + float(by[0]))
@@ -48,21 +49,10 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     if late:
         by = float(by) + start
         even = float(np.ptp(np.diff(time))) <= EVEN * step  # else a lag is no number of samples
-        amounts = (by, by / step) if even else (by,)
-        yield Hypothesis(part.cause(_lag(evidence, part), "{part} {is} {late}", *amounts), late, 1)
-
-
-def _lag(evidence: Evidence, part: Part) -> Kind:
-    return Kind.drive if part.channels == (evidence.reference.scene.drive_channel,) else Kind.lag
-
-
-def _late_by_samples(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
-    """Yield a part late by a few samples, the first one held."""
-    last = len(evidence.rows) - 1
-    for by in WHOLE_SAMPLES:
-        rows = np.clip(np.arange(last + 1) - by, 0, last)
-        predicted = {c: evidence.true[c][rows] for c in part.channels}
-        yield Hypothesis(part.cause(_lag(evidence, part), "{part} {is} {late_rows}", by), predicted)
+        yield Hypothesis(part.cause(kind, "{part} {is} {late}", *((by, by / step) if even else (by,))), late, 1)
+    for count in WHOLE_SAMPLES:
+        predicted = {c: evidence.true[c][np.clip(rows - count, 0, rows[-1])] for c in part.channels}
+        yield Hypothesis(part.cause(kind, "{part} {is} {late_rows}", count), predicted)
 
 
 def _explained(evidence: Evidence, predicted: Channels) -> Channels:

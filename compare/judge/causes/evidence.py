@@ -5,7 +5,7 @@ distance from what it should be, is 0 for a cause that explains all and 1 for on
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -49,6 +49,7 @@ class Evidence:
     motion: Motion  # as the engine returned it
     true: Motion  # at the rows
     rows: NDArray[np.intp]
+    _late: dict[float, Motion | None] = field(default_factory=dict, init=False)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -117,10 +118,6 @@ class Evidence:
             except Failure:
                 self._late[by] = None
         return self._late[by]
-
-    @cached_property
-    def _late(self) -> dict[float, Motion | None]:
-        return {}
 
     @cached_property
     def parts(self) -> list[Part]:

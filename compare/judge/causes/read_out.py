@@ -1,13 +1,11 @@
 """Causes in what is read from a right motion: signs, factors, frames, terms, and channels of something else."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from math import pi
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes.model.motion import UNITS, Samples, quantity
 from scenes.scene import GROUND
@@ -158,7 +156,7 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         return
     for (other, theirs), (text, a, b) in product(_others(evidence, part), _OF_ANOTHER):
         at_one_pin = _pin(other) == _pin(one)
-        relative = text == _RELATIVE and quantity(channels[0]) in TURNING
+        relative = a + b == 0 and quantity(channels[0]) in TURNING
         kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
         predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
         yield Hypothesis(part.cause(kind, text, names=(other,)), predicted, 0 if at_one_pin else CHOICE)
@@ -167,12 +165,11 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         yield Hypothesis(cause, {channels[0]: true[channel]}, CHOICE)
 
 
-_RELATIVE = "{part} {is} relative to that of {one}"
 _OF_ANOTHER = (
     ("{part} {is} that of {one}", 0, 1),
     ("{part} {is} the opposite of that of {one}", 0, -1),
     ("{part} {has} added to it that of {one}", 1, 1),
-    (_RELATIVE, 1, -1),
+    ("{part} {is} relative to that of {one}", 1, -1),
 )
 
 
@@ -211,20 +208,15 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
         ("{part} {is} without {its} {one} term", -1.0),
         ("{part} {has} the opposite sign of {its} {one} term", -2.0),
     )
-    for end, (term, of), (text, times) in product((0, -1), _TERMS.items(), ways):
+    for end, term, (text, times) in product((0, -1), ("centripetal", "tangential"), ways):
         change: dict[str, Samples] = {}
         for x, y in pairs:
-            body = scene.owners[stem(x)][end]
-            first = scene.bodies[body].points[0] if body != GROUND else stem(x)
-            term_there = of(*state.turning(body)[1:]) * (state.place(stem(x)) - state.place(first))
-            change |= {x: term_there.real, y: term_there.imag}
+            body, place = scene.owners[stem(x)][end], state.place(stem(x))
+            arm = place - state.place(scene.bodies[body].points[0]) if body != GROUND else 0j * place
+            _, omega, alpha = state.turning(body)
+            there = (-(omega**2) if term == "centripetal" else 1j * alpha) * arm
+            change |= {x: there.real, y: there.imag}
         yield Hypothesis(part.cause(Kind.term, text, names=(term,)), evidence.changed((times,), [change]))
-
-
-_TERMS: dict[str, Callable[[Samples, Samples], NDArray[Any]]] = {
-    "centripetal": lambda omega, _: -(omega**2) + 0j,
-    "tangential": lambda _, alpha: 1j * alpha,
-}
 
 
 def _moments(evidence: Evidence) -> Iterator[Hypothesis]:

@@ -75,7 +75,7 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
             yield alone(Cause(Kind.inertia, name, "{place}'s moment of inertia is {inertia}"), (of_own,))
         if name in scene.turning:
             com = Cause(Kind.com, name, "{place}'s centre of mass is {com}")
-            yield Numbers(com, _both(f"bodies.{name}.com"), alone=True)
+            yield Numbers(com, _turned(f"bodies.{name}.com"), alone=True)
     if len(own) > 1:
         yield alone(Cause(Kind.mass, "all", "each body's mass is {percent}"), (masses | inertias,))
         yield alone(Cause(Kind.inertia, "all", "each body's moment of inertia is {percent}"), (inertias,))
@@ -126,11 +126,11 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
 def _of_places(scene: Scene) -> Iterator[Numbers]:
     """Yield lengths, points, guides, and the scale of the whole linkage."""
     for point in scene.ground:
-        yield Numbers(Cause(Kind.place, point, "{place} is {length} off"), _both(f"ground.points.{point}"))
+        yield Numbers(Cause(Kind.place, point, "{place} is {length} off"), _turned(f"ground.points.{point}"))
     for name, body in scene.bodies.items():
         for point in body.local or ():
             cause = Cause(Kind.length, name, "{place}'s point {one} is {length} off", names=(point,))
-            yield Numbers(cause, _both(f"bodies.{name}.points.{point}"))
+            yield Numbers(cause, _turned(f"bodies.{name}.points.{point}"))
         for ends in body.lengths or ():
             ordered = "-".join(point for point in body.points if point in ends)
             length = {f"bodies.{name}.lengths.{'-'.join(sorted(ends))}": 1.0}
@@ -144,13 +144,8 @@ def _of_places(scene: Scene) -> Iterator[Numbers]:
     yield Numbers(Cause(Kind.length, "all", "each length is {times}"), (lengths,), lambda x: 1 + x)
 
 
-def _both(path: str) -> tuple[Direction, Direction]:
-    """Return the directions of the two components of a vector."""
-    return {f"{path}.0": 1.0}, {f"{path}.1": 1.0}
-
-
-def _turned(path: str, vector: complex) -> tuple[Direction, Direction]:
-    """Return the directions of a vector along another one, and along that turned by a right angle."""
+def _turned(path: str, vector: complex = 1 + 0j) -> tuple[Direction, Direction]:
+    """Return the directions of a vector along another one or x, and along that turned by a right angle."""
     x, y = vector.real, vector.imag
     return {f"{path}.0": x, f"{path}.1": y}, {f"{path}.0": -y, f"{path}.1": x}
 
