@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 import time
-from importlib import import_module
 from pathlib import Path
 
 import psutil
@@ -99,16 +98,6 @@ def test_the_memory_of_what_an_engine_began_counts(monkeypatch: pytest.MonkeyPat
     ((_, ended),) = isolated(hoard, [80], Limits(60.0, memory=120 * 2**20), lambda: None)
     reason = "it and what it began needed more memory than its limit of 0.117 GiB"
     assert ended == Ended(Status.crashed, reason, at_limit=True)
-
-
-def test_nothing_is_imported_for_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A class of a module that the engine's process has imported does not bring that here."""
-    (tmp_path / "theirs.py").write_text("class Own(str): pass", encoding="utf-8")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    ((_, ended),) = isolated(lambda _: import_module("theirs").Own("a"), [0], Limits(), lambda: None)
-    assert isinstance(ended, Ended)
-    assert ended.reason == "its result cannot be read: UnpicklingError: Own of theirs is not known outside of it"
-    assert "theirs" not in sys.modules
 
 
 def test_a_stop_ends_what_runs() -> None:

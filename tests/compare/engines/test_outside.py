@@ -71,7 +71,10 @@ RETURNED = {  # what comes back, and the reason why it is not ok
     "unknown": ("s |= {'A.foo': s['time'], 'nothing': s['time']}", ""),
     "another_length": ("s |= {'A.z': s['time'][:3], 'B.x': s['time'][:3]}", "B.x is of shape (3,), expected (25,)"),
     "of_no_text": ("s |= {5: s['time'], None: s['time'], (1, 2): s['time']}", ""),
-    "of_its_own": ("s = {K(c): v for c, v in s.items()}", "UnpicklingError: K of of_its_own is not known outside"),
+    "of_its_own": (
+        "s = {K(c): v for c, v in s.items()}",
+        "its result cannot be read: UnpicklingError: K of of_its_own is not known outside of it",
+    ),
     "very_many": ("s |= {f'X{k}.x': s['time'] for k in range(20_000)}", ""),
     "texts": ("s['A.x'] = s['A.x'].astype(str)", "A.x is of <U32, expected float64"),
     "a_number": ("s['A.x'] = 1.0", "A.x is of shape (), expected (25,)"),
@@ -151,6 +154,7 @@ def test_each_is_run_or_is_a_row(capfd: pytest.CaptureFixture[str]) -> None:
     motions = checked.motions
     assert {*motions["very_many"].samples} == {*motions["of_no_text"].samples} == {*channels(checked.scene)}
     assert capfd.readouterr() == ("", "")
+    assert "of_its_own" not in sys.modules, "imported"
     assert main(["--engines", "godo"]) == main(["four_bar", "--engines", "analytic,needy"]) == 2
     wrong = f"--engines: no engine 'godo'; did you mean 'good'?\n--engines needy: {NEEDY}\n"
     assert capfd.readouterr().err == wrong
