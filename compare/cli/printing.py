@@ -26,12 +26,9 @@ def print_result(result: "Study") -> None:
         worst = m.worst()
         errors = "  ".join(f"{group} {worst[group]:.1e}" for group in groups if not isnan(worst.get(group, nan)))
         print(f"{result.scene.name}  {m.run.engine:14} {m.run.status.name:15} {errors}")
-    for m in result.measurements:
-        if m.run.reason:
-            print(f"{result.scene.name}  {m.run.engine}: {m.run.reason}")
-    for cause in result.causes.values():
-        print(f"{result.scene.name}  likely cause: {cause}")
-    for sentence in (*result.reasons, speed_tables.verdict(result)):
+    known = [f"{m.run.engine}: {m.run.reason}" for m in result.measurements if m.run.reason]
+    known += [f"likely cause: {cause}" for cause in result.causes.values()]
+    for sentence in (*known, *result.reasons, speed_tables.verdict(result)):
         print(f"{result.scene.name}  {sentence}")
 
 

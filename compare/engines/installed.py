@@ -3,7 +3,7 @@
 import os
 import platform
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 
@@ -30,19 +30,13 @@ class Entry:
             return self.trouble
         return None if find_spec(self.package) else f"{self.distribution} is not installed: {self.install}"
 
-    @property
+    @cached_property
     def version(self) -> str:
         """Return the installed version of what does the work, without importing it."""
-        return self.outside or installed(self.distribution)
-
-
-@cache
-def installed(distribution: str) -> str:
-    """A distribution with its version, or that it is not installed."""
-    try:
-        return f"{distribution} {version(distribution)}"
-    except PackageNotFoundError:
-        return "not installed"
+        try:
+            return self.outside or f"{self.distribution} {version(self.distribution)}"
+        except PackageNotFoundError:
+            return "not installed"
 
 
 @cache
