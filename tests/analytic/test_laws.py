@@ -13,8 +13,8 @@ from compare.judge.checks import checks
 from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.scales import travels
 from scenes import Sampling, Scene
-from scenes.model.motion import Samples, channels, force_channels
-from scenes.scene import GROUND, Body, Force, ForceTable, Load, MotionLaw
+from scenes.model.motion import channels, force_channels
+from scenes.scene import GROUND, Body, Force, ForceTable, Load
 from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, solve, where
 from tests.comparisons import all_checks
@@ -138,17 +138,7 @@ def test_against_absolute_coordinates(scene: Scene) -> None:
     time = np.linspace(0.003, 0.997, 13) * scene.drive.cycle  # off the ends, where a press force may go
     driven = scene.drive.at(time)
     expected = absolute_coordinates.solve(scene, *driven)
-    assert_agree(
-        scene, analytic.solve(scene, driven.position, time), expected | {"time": own_time(scene, driven[0], time)}
-    )
-
-
-def own_time(scene: Scene, position: Samples, time: Samples) -> Samples:
-    """Return the instants as a motion has them: at a constant speed, the position tells them."""
-    if isinstance(scene.drive, MotionLaw):
-        return time
-    told: Samples = (position - scene.drive.start) / scene.drive.speed
-    return told
+    assert_agree(scene, analytic.solve(scene, driven.position, time), expected | {"time": time})
 
 
 @seldom

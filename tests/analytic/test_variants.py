@@ -27,23 +27,13 @@ def off(name: str, settings: AnalyticSettings) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_half_angles_are_another_form_of_the_same(name: str) -> None:
-    """It loses digits where A + C cancels: thousands of roundings here, and none where there is no RRR dyad."""
-    found = off(name, AnalyticSettings("half angles", half_angles=True))
-    assert max(found.values()) <= 1e-11
-    assert (max(found.values()) > 0) == (name in ("driven_toggle", "carried_block"))
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_single_precision_is_single(name: str) -> None:
-    """Roundings of 6e-8, a hundred times larger at most; and not those of doubles."""
-    found = off(name, AnalyticSettings("single", single=True))
-    assert 1e-9 <= max(found.values()) <= 1e-5
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_differences_are_of_second_order(name: str) -> None:
-    """Half the step, a quarter of the error; positions have none."""
+def test_the_other_ways(name: str) -> None:
+    half_angles = max(off(name, AnalyticSettings("half angles", half_angles=True)).values())
+    assert half_angles <= 1e-11  # thousands of roundings, where A + C cancels, and none where there is no RRR dyad
+    assert (half_angles > 0) == (name in ("driven_toggle", "carried_block"))
+    single = max(off(name, AnalyticSettings("single", single=True)).values())
+    assert 1e-9 <= single <= 1e-5  # roundings of 6e-8, a hundred times larger at most; and not those of doubles
+    # Half the step, a quarter of the error; positions have none.
     coarse, fine = (off(name, AnalyticSettings("differences", steps=steps)) for steps in (720, 1440))
     for group in ("vx", "omega", "ax", "alpha"):
         assert np.log2(coarse[group] / fine[group]) == pytest.approx(2, abs=0.1)  # the next order is h^2 smaller still
