@@ -17,14 +17,14 @@ from scenes.scene import ConstantSpeed, PressForce
 
 from .channels import FromBoth, all_channels, known_channels
 from .core.continuation import Track, misfit
-from .core.decomposition import Dyad, Linkage, decompose, guides_cross
+from .core.decomposition import Dyad, Linkage, decompose, guides_cross, with_needed_groups
 from .core.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions, StrokeEnds
 from .core.placing import Kinematics
 from .recorded.arithmetics.in_numpy import StraightLine
 from .recorded.expressions import Line
-from .recorded.program import inputs_at, needed, recorded, stroke_end_input
+from .recorded.program import inputs_at, recorded, stroke_end_input
 from .way.motion_range import describe
 from .way.slider import stroke_end
 
@@ -74,13 +74,10 @@ def solver(scene: Scene, channels: AbstractSet[str] | None = None) -> "Solver":
 def prepared(
     scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None, tracks: Mapping[Group, Track] | None = None
 ) -> "Solver":
-    """Return the solver of a scene by a decomposition that is at hand, without the groups that are not needed.
-
-    Larger groups are followed unless there are `tracks` of them.
-    """
+    """Return the solver by a decomposition, of groups that are needed, followed unless there are `tracks` of them."""
     request = Sampling(channels=known_channels(scene, whole.groups, channels))
     forces = request.wants_forces(scene)
-    linkage = followed(scene, needed(whole, request.channels, forces=forces), tracks)
+    linkage = followed(scene, with_needed_groups(whole, request.channels, forces=forces), tracks)
     presses = {n: load for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces}
     strokes = {n: (load.body, load.closing) for n, load in presses.items()}
     ends = {stroke: stroke_end(scene, linkage, n) for stroke, n in {s: n for n, s in strokes.items()}.items()}
@@ -182,10 +179,7 @@ class Solver:
 
 
 def driven_at(scene: Scene, position: Samples, time: ArrayLike | None) -> tuple[Samples, Driven]:
-    """Return the instants, s, and what the drive asks for at them and at its positions, both of one shape.
-
-    InputError is raised where a drive follows a law and no instants are given, or not as many as positions.
-    """
+    """Return the instants, s, and what the drive asks for at them and at its positions, of one shape, or InputError."""
     if time is not None:
         time = finite_numbers("time", time)
     if not position.ndim or (time is not None and time.shape[-1:] != position.shape[-1:]):

@@ -7,7 +7,8 @@ one larger group.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Set as AbstractSet
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import TypeAlias
 
@@ -88,10 +89,7 @@ class Linkage:
 
 
 def decompose(scene: Scene) -> Linkage:
-    """Split a linkage into its driver and its Assur groups: dyads as long as there are any, in the order of the file.
-
-    Where the sketch leaves a dyad's branch open, or some bodies are held twice over, Failure is raised: `unsupported`.
-    """
+    """Split a linkage into its driver and its Assur groups: dyads while there are any, in the order of the file."""
     bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
     placed = _Placed(scene, bodies)
     driven = scene.drive.body
@@ -112,25 +110,25 @@ def route(scene: Scene) -> str:
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
-    groups = decompose(scene).groups
     driver = "crank" if scene.driven_slide is None else "driven slider"
-    return ("closed form: " if _dyads_alone(groups) else "") + ", ".join([driver, *map(kind, groups)])
+    groups = ", ".join([driver, *map(kind, decompose(scene).groups)])
+    return f"closed form: {groups}" if in_closed_form(scene) else groups
 
 
 def in_closed_form(scene: Scene) -> bool:
-    """Return whether a scene is solved without iterations, as its groups are dyads alone.
-
-    Args:
-        scene: the mechanism.
-
-    Raises:
-        Failure: as of `route`.
-    """
-    return _dyads_alone(decompose(scene).groups)
+    """Return whether a scene is solved without iterations, as its groups are dyads alone, or raise as `route` does."""
+    return not any(isinstance(group, Group) for group in decompose(scene).groups)
 
 
-def _dyads_alone(groups: tuple[Dyad | Group, ...]) -> bool:
-    return not any(isinstance(group, Group) for group in groups)
+def with_needed_groups(whole: Linkage, channels: AbstractSet[str] | None, *, forces: bool) -> Linkage:
+    """A decomposition without the last groups, unless a force, or a point or body of theirs, is wanted."""
+    if channels is None or forces:
+        return whole
+    names = {channel.rpartition(".")[0] for channel in channels}
+    count = len(whole.groups)
+    while count and not any({body, *whole.carries[body]} & names for body in members(whole.groups[count - 1])):
+        count -= 1
+    return replace(whole, groups=whole.groups[:count])
 
 
 def kind(group: Dyad | Group) -> str:

@@ -32,10 +32,7 @@ def kinematics(
 
 
 def followed(scene: Scene, whole: Linkage, tracks: Mapping[Group, Track] | None = None) -> Linkage:
-    """Return the linkage with the branch of every larger group, each followed once over the drive's way unless given.
-
-    A Failure of `continuation.follow` is raised where one has no branch to follow.
-    """
+    """Return the linkage with the branch of every larger group, each followed over the drive's way unless given."""
     known = dict(tracks or {})
     for number, group in enumerate(whole.groups):
         if isinstance(group, Group) and group not in known:

@@ -55,10 +55,7 @@ class Balance:
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
-        """Return the reactions that are wanted, or all, and the torque or force by which the drive moves as it does.
-
-        One group is balanced after the other, as long as a reaction that is wanted is missing.
-        """
+        """Return the reactions and the effort of the drive, balanced as long as one that is wanted is missing."""
         for group in reversed(self.linkage.groups):
             if wanted is not None and self.has(wanted):
                 return self.reactions

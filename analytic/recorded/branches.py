@@ -29,11 +29,7 @@ BESIDE = 0.05  # of a move: by how much the way to a machine's pose may change m
 
 
 def branches(scene: Scene, program: Program, numbers: Mapping[str, Samples], count: int) -> list[dict[Group, Track]]:
-    """The branches of all larger groups of each machine, NaN where they are unknown.
-
-    The machines are `count`, their numbers that differ SI, shape (machines, 1), and open in the program. Failure is
-    raised where the scene's own branch cannot be followed.
-    """
+    """The branches of all larger groups of each machine, whose numbers are SI, shape (count, 1); NaN where unknown."""
     each: list[dict[Group, Track]] = [{} for _ in range(count)]
     if program.closed:
         whole = decompose(scene)

@@ -9,10 +9,7 @@ from .expressions import Expression, Recorder, needed
 def forward(
     make: Recorder, order: Sequence[Expression], given: Mapping[Expression, Expression]
 ) -> dict[int, Expression]:
-    """Return the changes of expressions, by order of making, of those that change.
-
-    They come each after what it is of; what those whose changes are given are of does not matter.
-    """
+    """Return the changes of expressions, each after what it is of, by order of making, while some change as given."""
     zero = make.constant(0.0)
     d = {expression.order: change for expression, change in given.items()}
     for expression in order:

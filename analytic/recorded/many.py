@@ -37,10 +37,7 @@ Ending: TypeAlias = tuple[Status, str]  # and why, empty where it is ok
 
 @dataclass(frozen=True)
 class Machines:
-    """The answers of m machines: channel name -> samples of shape (m, n), SI; and how each machine ended.
-
-    Where a machine does not assemble, its samples are NaN.
-    """
+    """The answers of m machines: channel name -> samples (m, n), SI, NaN where one does not assemble; how it ended."""
 
     samples: Mapping[str, Samples]
     status: Sequence[Status]

@@ -1,8 +1,13 @@
-"""The core's formulas for one topology as a straight line of real expressions, recorded from the core itself."""
+"""The core's formulas for one topology as a straight line of real expressions, recorded from the core itself.
+
+A larger group is a pose found by Newton's method, its rates, and the forces of its joints. The constraints are those of
+`group_equations`. Their Jacobian is their derivative, and the rates are derivatives of the pose, by the implicit
+function theorem.
+"""
 
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -10,18 +15,19 @@ import numpy as np
 
 from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
-from scenes.scene import ConstantSpeed, PressForce
+from scenes.scene import GROUND, ConstantSpeed, PressForce
 
 from ..channels import all_channels, known_channels
 from ..core.continuation import Track
-from ..core.decomposition import Linkage, decompose, members
+from ..core.decomposition import Linkage, decompose, with_needed_groups
 from ..core.dyads import dot
-from ..core.geometry import guide_of
-from ..core.group_equations import Group
-from ..core.kinetostatics import Reactions
+from ..core.geometry import as_complex, guide_of
+from ..core.group_equations import Group, size_of
+from ..core.kinematics import Pass
+from ..core.kinetostatics import Balance, Reactions
 from ..core.numbers import chosen
-from .expressions import Expression, Inputs, Recorder
-from .groups import RecordedBalance, RecordedPass, inputs_of
+from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
+from .forward import forward
 from .traced import Traced, traced
 
 
@@ -61,7 +67,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     channels = known_channels(scene, every.groups, channels)
     request = Sampling(channels=channels)
     forces = request.wants_forces(scene)
-    linkage = needed(every, channels, forces=forces)
+    linkage = with_needed_groups(every, channels, forces=forces)
     driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
     if isinstance(opened.drive, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
@@ -97,22 +103,8 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     return Program(make, request, opened, linkage, way.closed, by_path, expressions, strokes, least.x, left)
 
 
-def needed(whole: Linkage, channels: AbstractSet[str] | None, *, forces: bool) -> Linkage:
-    """A decomposition without the last groups, unless a force, or a point or body of theirs, is wanted."""
-    if channels is None or forces:
-        return whole
-    names = {channel.rpartition(".")[0] for channel in channels}
-    count = len(whole.groups)
-    while count and not any({body, *whole.carries[body]} & names for body in members(whole.groups[count - 1])):
-        count -= 1
-    return replace(whole, groups=whole.groups[:count])
-
-
 def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs:
-    """The inputs of a line that are no numbers of the scene, at positions (n,), or (m, n) of machines' own.
-
-    `tracks` are the branches of the larger groups, of the one machine or of each of m.
-    """
+    """The inputs of a line that are no numbers of the scene, at positions (n,), or (m, n) of machines' own tracks."""
     given: dict[str, Samples | float] = {**driven._asdict()}
     for group in tracks[0] if tracks else ():
         begin, allowed, branch = inputs_of(group)
@@ -127,3 +119,111 @@ def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs
 def stroke_end_input(number: int) -> str:
     """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
     return f"stroke_end.{number}"
+
+
+def inputs_of(group: Group) -> tuple[list[str], str, str]:
+    """The inputs of a group: where its method begins, how far off that it may end, its branch's sign of det J."""
+    return [f"{body}.{q}" for body in group.bodies for q in ("x", "y", "angle")], f"{group.P}.off", f"{group.P}.branch"
+
+
+class RecordedPass(Pass):
+    """Places everything as expressions."""
+
+    def __init__(self, make: Recorder, scene: Scene, linkage: Linkage, driven: Any) -> None:
+        super().__init__(scene, linkage, driven)
+        self.make = make
+        self.closed: dict[Group, Expression] = {}
+        self.by_time = {driven.position.x: driven.rate.x}
+        if driven.rate.x.sampled:
+            self.by_time[driven.rate.x] = driven.acceleration.x
+
+    def larger(self, group: Group) -> None:
+        """Place a larger group."""
+        make, k = self.make, self.k
+        begin, allowed, branch = inputs_of(group)
+        unknowns = [make.input(f"{name} sought", sampled=True) for name in begin]
+        C = self.constraints(group, unknowns)
+        closing = Closing(unknowns, C, self.jacobian(C, unknowns))
+        size = traced(make, size_of(group, self.linkage.bodies)).x
+        given = [*(make.input(name, sampled=True) for name in (*begin, allowed)), make.input(branch, sampled=False)]
+        closed = self.closed[group] = make.closed(closing, [*given, size, *closing.outer])
+        q = [make.component(closed, i) for i in range(len(begin))]
+        rows = substituted(make, [*closing.C, *closing.J], dict(zip(unknowns, q, strict=True)))
+        C, J = closing.at_zero = rows[: len(q)], rows[len(q) :]
+        dq = self.changes(q, self.by_time)
+        ddq = self.changes(dq, self.by_time)
+        k.jacobian[group.P] = J  # type: ignore[assignment]
+        a_number: Any = Traced(make, make("less_equal", q[0], q[0]))
+        k.reach[group.P] = chosen(a_number, 1.0, -1.0)
+        for b, body in enumerate(group.bodies):
+            (z, v, a) = (Traced(make, x[3 * b], x[3 * b + 1]) for x in (q, dq, ddq))
+            turn, omega, alpha = (Traced(make, x[3 * b + 2]) for x in (q, dq, ddq))
+            foot = self.scene.bodies[body].points[0]
+            if foot not in k.z:
+                k.z[foot], k.v[foot], k.a[foot] = z, v, a  # type: ignore[assignment]
+            self.place(body, foot, np.exp(1j * turn), (omega, alpha))  # type: ignore[arg-type]
+
+    def constraints(self, group: Group, q: Sequence[Expression]) -> list[Expression]:
+        """Return C of a group, in the order of `GroupEquations.open`."""
+        frames, bodies = self.frames(group, q), self.linkage.bodies
+
+        def at(body: str, local: Any) -> Any:
+            z, u = frames[body]
+            return z + u * (local if body == GROUND else local - bodies[body].first)
+
+        gaps = []
+        for pin in group.pins:
+            other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
+            gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
+        offsets, turns = [], []
+        for joint in group.slides:
+            slide = self.scene.bodies[joint.slider].slide
+            assert slide is not None
+            u_on = frames[joint.on][1]
+            away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
+            offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
+            turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
+        make = self.make
+        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in (*offsets, *turns)]
+
+    def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
+        """Return the first points, m, and the attitudes of the group's bodies and of those that it hangs on."""
+        make = self.make
+        frames: dict[str, tuple[Any, Any]] = {GROUND: (traced(make, 0.0), traced(make, 1.0))}
+        for b, body in enumerate(group.bodies):
+            turn: Any = Traced(make, q[3 * b + 2])
+            frames[body] = Traced(make, q[3 * b], q[3 * b + 1]), np.exp(1j * turn)
+        for name in group.hangs_on:
+            if name in self.scene.bodies:
+                frames[name] = self.fixed(name, self.linkage.bodies[name].first)[0], self.k.u[name]
+        return frames
+
+    def jacobian(self, C: Sequence[Expression], q: Sequence[Expression]) -> list[Expression]:
+        """Return dC / dq, row by row."""
+        columns = [self.changes(C, {unknown: self.make.constant(1.0)}) for unknown in q]
+        return [entry for row in zip(*columns, strict=True) for entry in row]
+
+    def changes(self, of: Sequence[Expression], given: dict[Expression, Expression]) -> list[Expression]:
+        """The changes of expressions."""
+        d = forward(self.make, needed(of), given)
+        return [d.get(one.order, self.make.constant(0.0)) for one in of]
+
+
+class RecordedBalance(Balance):
+    """Balances everything as expressions."""
+
+    def larger(self, group: Group) -> None:
+        """Balance a larger group: the multipliers of its constraints, from the transpose of their Jacobian."""
+        J: Any = self.k.jacobian[group.P]
+        make: Recorder = self.k.reach[group.P].make  # type: ignore[attr-defined]
+        loads: list[Expression] = []
+        for body in group.bodies:
+            force, moment = (traced(make, x) for x in self.applied(body, self.scene.bodies[body].points[0]))
+            loads += [make("negative", one) for one in (force.x, force.y, moment.x)]
+        m = len(loads)
+        system = make.system([J[m * row + column] for column in range(m) for row in range(m)], loads)
+        forces = [make.component(system, i) for i in range(len(loads))]
+        p, s = len(group.pins), len(group.slides)
+        pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
+        guides = [Traced(make, x) for x in forces[2 * p :]]
+        self.spread(group, pins, guides[:s], guides[s:])  # type: ignore[arg-type]

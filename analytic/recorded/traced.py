@@ -48,8 +48,6 @@ class Traced(NDArrayOperatorsMixin):
         """The vector mirrored in the x axis."""
         return Traced(self.make, self.x, self.make("negative", self.y))
 
-    conj = conjugate
-
     def astype(self, _: object) -> "Traced":
         """The same: there is one precision."""
         return self
@@ -98,8 +96,8 @@ def _exponential(of: Traced) -> Traced:
     return Traced(of.make, of.make("cos", of.y), of.make("sin", of.y))
 
 
-def _square(a: Traced, exponent: Traced | None = None) -> Traced:
-    assert exponent is None or exponent.x.of[0] == 2
+def _square(a: Traced, exponent: Traced) -> Traced:
+    assert exponent.x.of[0] == 2
     return _product(a, a)
 
 
@@ -125,16 +123,11 @@ FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "absolute": _size,
     "hypot": lambda a, b: _size(a + 1j * b),
     "greater": lambda a, b: b < a,
-    "greater_equal": lambda a, b: b <= a,
-    "equal": lambda a, b: (a <= b) & (b <= a),
-    "square": _square,
     "power": _square,
     "exp": _exponential,
-    "conjugate": Traced.conjugate,
     "sign": lambda a: _where(a.make, a > 0, 1.0, _where(a.make, a < 0, -1.0, 0.0)),
     "where": _where,
     "ndim": lambda _, a: a.ndim,
     "interp": _interpolated,
-    "real": lambda _, a: a.real,
     "clip": lambda make, x, low, high: traced(make, np.minimum(np.maximum(x, low), high)),
 }

@@ -6,7 +6,8 @@ import numpy as np
 
 from scenes import Motion, Scene
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, PressForce, Slide, Spring, Vector
+from scenes.numbers import put, walk
+from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 
@@ -27,78 +28,50 @@ class Change:
         return self.turn * complex(x, self.mirror * y)
 
     def point(self, v: Vector) -> Vector:
-        return xy(self.vector(*v) * self.length + self.shift)
+        return xy(self.vector(*v) + self.shift)
 
     def angle(self, angle: float) -> float:
         return self.mirror * angle + float(np.angle(self.turn))
-
-    def scene(self, scene: Scene) -> Scene:
-        return replace(
-            scene,
-            ground={name: self.point(v) for name, v in scene.ground.items()},
-            bodies={name: self.body(scene, body) for name, body in scene.bodies.items()},
-            drive=self.drive(scene),
-            loads=tuple(map(self.load, scene.loads)),
-            springs=tuple(map(self.spring, scene.springs)),
-            gravity=scene.gravity and xy(self.vector(*scene.gravity) * self.length / self.time**2),
-            sketch=replace(
-                scene.sketch,
-                drive=self.position(scene, scene.sketch.drive),
-                points={name: self.point(v) for name, v in scene.sketch.points.items()},
-            ),
-        )
 
     @property
     def force(self) -> float:
         return self.mass * self.length / self.time**2
 
-    def position(self, scene: Scene, position: float) -> float:
-        """Return a position of the drive."""
-        return self.angle(position) if scene.driven_slide is None else self.length * position
+    def scene(self, scene: Scene) -> Scene:
+        """Return the scene with all its numbers in the other units, and then seen from the other frame."""
+        length, mass, time, driven = self.length, self.mass, self.time, self.length if scene.driven_slide else 1.0
+        many = {"length": length, "mass": mass, "time": time, "force": self.force, "inertia": mass * length**2}
+        many |= {"stiffness": mass / time**2, "gravity": length / time**2, "direction": 1.0}
+        many |= {"position": driven, "speed": driven / time}
+        scene = put(scene, {number.at: many[number.quantity.dimension] * number.value for number in walk(scene)})
+        sketch = replace(scene.sketch, points={name: self.point(v) for name, v in scene.sketch.points.items()})
+        return replace(
+            scene,
+            ground={name: self.point(v) for name, v in scene.ground.items()},
+            bodies={name: self.body(scene, body) for name, body in scene.bodies.items()},
+            drive=scene.drive if scene.driven_slide else self.drive(scene.drive),
+            loads=tuple(map(self.load, scene.loads)),
+            gravity=scene.gravity and xy(self.vector(*scene.gravity)),
+            sketch=sketch if scene.driven_slide else replace(sketch, drive=self.angle(sketch.drive)),
+        )
 
-    def drive(self, scene: Scene) -> Drive:
-        drive, unit = scene.drive, self.mirror if scene.driven_slide is None else self.length
+    def drive(self, drive: Drive) -> Drive:
         if isinstance(drive, MotionLaw):
-            positions = tuple(self.position(scene, position) for position in drive.positions)
-            return replace(drive, times=tuple(time * self.time for time in drive.times), positions=positions)
-        start, end = (None if x is None else self.position(scene, x) for x in (drive.start, drive.end))
-        assert start is not None
-        return replace(drive, speed=unit * drive.speed / self.time, start=start, end=end)
+            return replace(drive, positions=tuple(map(self.angle, drive.positions)))
+        end = None if drive.end is None else self.angle(drive.end)
+        return replace(drive, speed=self.mirror * drive.speed, start=self.angle(drive.start), end=end)
 
     def load(self, load: Load) -> Load:
-        if isinstance(load, ForceTable):
-            displacements, forces = load.displacements, load.forces
-            return replace(
-                load,
-                displacements=tuple(x * self.length for x in displacements),
-                forces=tuple(f * self.force for f in forces),
-            )
-        force = xy(self.vector(*load.force) * self.force)
-        if isinstance(load, PressForce):
-            return replace(load, force=force, last=load.last * self.length)
-        return replace(load, force=force)
-
-    def spring(self, spring: Spring) -> Spring:
-        return replace(
-            spring, stiffness=spring.stiffness * self.mass / self.time**2, length=spring.length * self.length
-        )
+        return load if isinstance(load, ForceTable) else replace(load, force=xy(self.vector(*load.force)))
 
     def body(self, scene: Scene, body: Body) -> Body:
         """Return the body; its frame turns with the world, but one that cannot turn stays parallel to the ground's."""
-        view = self.within(scene, body.name)
-        slide = body.slide
+        view, slide = self.within(scene, body.name), body.slide
         if slide is not None:
             on = self.within(scene, slide.on)
             slide = Slide(slide.on, on.point(slide.through), xy(on.vector(*slide.along)))
-        return replace(
-            body,
-            local=body.local and {name: view.point(v) for name, v in body.local.items()},
-            lengths=body.lengths and {pair: length * self.length for pair, length in body.lengths.items()},
-            mass=None if body.mass is None else body.mass * self.mass,
-            com=body.com and view.point(body.com),
-            inertia=None if body.inertia is None else body.inertia * self.mass * self.length**2,
-            slide=slide,
-        )
+        local = body.local and {name: view.point(v) for name, v in body.local.items()}
+        return replace(body, local=local, com=body.com and view.point(body.com), slide=slide)
 
     def within(self, scene: Scene, name: str) -> "Change":
         """Return the change as it is seen in the frame of a body or the ground."""

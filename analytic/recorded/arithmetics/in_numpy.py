@@ -72,10 +72,7 @@ class NewtonsMethod:
 
 
 def function_of(expressions: Sequence[Expression], known: Mapping[int, str] = MappingProxyType({})) -> Any:
-    """The function of what is given, by name, and of an array, into whose rows it writes the values of expressions.
-
-    Of those `known`, by order of making, the names are given.
-    """
+    """The function of what is given, by name (of those `known`, by order), and of an array for the values in rows."""
     code = _Code(expressions, known)
     run: dict[str, Any] = {"np": np, "inf": inf, "nan": nan, "solutions": solutions, **code.methods}
     exec(compile("\n".join(code.lines), "<straight line>", "exec"), run)  # of names made here alone

@@ -114,10 +114,7 @@ def operations(expressions: Sequence[Expression]) -> int | None:
 
 
 class _Code:
-    """The text of a module whose kernel fills rows with expressions for every machine and position.
-
-    Positions are filled up to whole vectors.
-    """
+    """The text of a module whose kernel fills rows with expressions for machines and positions, up to whole vectors."""
 
     def __init__(self, expressions: Sequence[Expression]) -> None:
         order = needed(expressions)
