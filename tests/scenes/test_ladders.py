@@ -9,7 +9,7 @@ import pytest
 
 import scenes
 from compare.engines.runner import Run, run
-from scenes import InputError, Sampling, Status, hard
+from scenes import InputError, Motion, Sampling, Status, hard
 from scenes.hard import Ladder, Rung
 from scenes.model.motion import quantity
 from scenes.scene import ConstantSpeed
@@ -29,14 +29,17 @@ def ladder(request: pytest.FixtureRequest) -> Ladder:
 
 
 def solved(rung: Rung) -> Run:
-    turns = min(rung.turns, TURNS_ENOUGH)
-    return run("analytic", rung.scene(), Sampling(360, turns))
+    return run("analytic", rung.scene(), Sampling(360, min(rung.turns, TURNS_ENOUGH)))
 
 
-def peak(ran: Run, *quantities: str) -> float:
-    """The largest magnitude of any channel of these quantities."""
+def motion_of(ran: Run) -> Motion:
     assert ran.motion is not None
-    samples = ran.motion.samples
+    return ran.motion
+
+
+def peak(rung: Rung, *quantities: str) -> float:
+    """The largest magnitude of any channel of these quantities."""
+    samples = motion_of(solved(rung)).samples
     return max(float(np.abs(values).max()) for channel, values in samples.items() if quantity(channel) in quantities)
 
 
@@ -85,9 +88,8 @@ def test_the_distance_to_the_lock_is_the_label(name: str) -> None:
     """To 6e-16 m: three roundings of lengths of up to 1.5 m, of the file's and of their sum; 6e-7 of the last rung."""
     rungs = [rung for rung in hard.ladder(name).rungs if rung.status == "ok"]
     for rung in rungs:
-        ran = solved(rung)
-        assert ran.motion is not None
-        (nearest,) = (values.min() for channel, values in ran.motion.samples.items() if quantity(channel) == "to_lock")
+        samples = motion_of(solved(rung)).samples
+        (nearest,) = (values.min() for channel, values in samples.items() if quantity(channel) == "to_lock")
         assert nearest == pytest.approx(float(rung.label), abs=6e-16, rel=0)
     if not name.startswith("kite"):
         assert [rung.label for rung in rungs] == DECADES
@@ -100,7 +102,7 @@ GROWTH = dict.fromkeys(PLAIN_LOCKS, (0.5, 1.0)) | {"dead_centre_driven": (1.5, 2
 @pytest.mark.parametrize("name", GROWTH)
 def test_peaks_grow_as_the_ladder_says(name: str) -> None:
     """Over the last decade but for terms of the next order, the square root of 1e-8."""
-    near, nearest = (solved(rung) for rung in hard.ladder(name).rungs if rung.label in DECADES[-2:])
+    near, nearest = (rung for rung in hard.ladder(name).rungs if rung.label in DECADES[-2:])
     grown = [np.log10(peak(nearest, *of) / peak(near, *of)) for of in (("ax", "ay", "alpha"), ("fx", "fy"))]
     assert grown == pytest.approx(GROWTH[name], abs=1e-3)
 
@@ -108,15 +110,13 @@ def test_peaks_grow_as_the_ladder_says(name: str) -> None:
 def test_the_kite_whirls_as_the_ladder_says() -> None:
     rungs = [rung for rung in hard.ladder("kite").rungs if rung.status == "ok"]
     for rung in rungs:
-        assert peak(solved(rung), "omega") == pytest.approx(2 * np.pi * 0.5 / float(rung.label), rel=1e-9)
+        assert peak(rung, "omega") == pytest.approx(2 * np.pi * 0.5 / float(rung.label), rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["sketch_rrp", "sketch_rrr"])
 def test_the_sketch_changes_nothing(name: str) -> None:
-    first, *others = (solved(rung).motion for rung in hard.ladder(name).rungs)
-    assert first is not None
+    first, *others = (motion_of(solved(rung)) for rung in hard.ladder(name).rungs)
     for other in others:
-        assert other is not None
         assert all((other[channel] == first[channel]).all() for channel in first.samples)
 
 
@@ -126,8 +126,8 @@ def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> Non
     rung = hard.ladder(name).rungs[0]
     scene = rung.scene()
     assert isinstance(scene.drive, ConstantSpeed)
-    drawn = run("analytic", replace(scene, drive=replace(scene.drive, start=scene.sketch.drive)), Sampling(1)).motion
-    assert drawn is not None
+    there = replace(scene, drive=replace(scene.drive, start=scene.sketch.drive))
+    drawn = motion_of(run("analytic", there, Sampling(1)))
     off = [np.hypot(drawn[f"{p}.x"][0] - x, drawn[f"{p}.y"][0] - y) for p, (x, y) in scene.sketch.points.items()]
     assert rung.label == "1e-12"
     assert max(off) == pytest.approx(1e-12 * link, abs=2e-16)
@@ -137,8 +137,7 @@ def test_the_sketch_is_exact_but_for_what_is_said(name: str, link: float) -> Non
 def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
     """Its velocity there is its acceleration's times how long the crank takes for what the label says it is off."""
     for rung in hard.ladder(name).rungs:
-        scene, motion = rung.scene(), solved(rung).motion
-        assert motion is not None
+        scene, motion = rung.scene(), motion_of(solved(rung))
         v, a = motion[f"{scene.output}.vy"], motion[f"{scene.output}.ay"]
         off = float(rung.label.split()[2]) if rung.label.endswith("deg") else 0.0
         expected = abs(a[0]) * np.radians(off) / scene.drive.peak_rate
@@ -147,7 +146,7 @@ def test_the_slider_stands_still_at_its_dead_points(name: str) -> None:
 
 
 def test_a_press_force_that_no_sample_meets_is_in_none() -> None:
-    forces = [peak(solved(rung), "fx", "fy") for rung in hard.ladder("press_last").rungs]
+    forces = [peak(rung, "fx", "fy") for rung in hard.ladder("press_last").rungs]
     assert min(forces[:-2]) > 1.59e6
     assert max(forces[-2:]) < 5e3
 
@@ -155,8 +154,7 @@ def test_a_press_force_that_no_sample_meets_is_in_none() -> None:
 def test_each_turn_is_as_the_first() -> None:
     """The core drifts by what the angle is off: three roundings, of the turns, of 2 pi and of their product."""
     *_, rung = hard.ladder("turns").rungs
-    motion = solved(rung).motion
-    assert motion is not None
+    motion = motion_of(solved(rung))
     y = motion["P5.y"]
     assert y.shape == (36001,)
     first, last = y[:361], y[-361:]
@@ -169,11 +167,8 @@ def test_a_ladder_of_ones_own(tmp_path: Path) -> None:
     file.write_text(MINE, encoding="utf-8")
     mine = hard.ladder(file)
     assert mine.name == "mine"
-    assert [(rung.label, rung.value, rung.turns, rung.status) for rung in mine.rungs] == [
-        ("shorter", 290, 1, "ok"),
-        ("as_is", 300, 1, "ok"),
-        ("locking", 20, 1, "cannot_assemble"),
-    ]
+    ends = {"shorter": (290, 1, "ok"), "as_is": (300, 1, "ok"), "locking": (20, 1, "cannot_assemble")}
+    assert {rung.label: (rung.value, rung.turns, rung.status) for rung in mine.rungs} == ends
     assert [solved(rung).status.name for rung in mine.rungs] == ["ok", "ok", "cannot_assemble"]
 
 
