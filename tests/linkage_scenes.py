@@ -10,22 +10,10 @@ import numpy as np
 from hypothesis import strategies as st
 
 from scenes import Scene
-from scenes.model.motion import Samples
-from scenes.scene import (
-    GROUND,
-    Body,
-    ConstantSpeed,
-    Drive,
-    Force,
-    ForceTable,
-    Load,
-    MotionLaw,
-    PressForce,
-    Sketch,
-    Slide,
-    Spring,
-    Vector,
-)
+from scenes.bodies import GROUND, Body, Slide
+from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
+from scenes.loads import Force, ForceTable, Load, PressForce, Spring
+from scenes.scene import Sketch
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
 
@@ -59,28 +47,14 @@ def _scene(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
         local = {point: (at[point] - origins[name]) / x_axes[name] for point in order[name]}
         bodies[name] = _body(draw, name, local, slides.get(name), by_lengths=name in by_lengths)
     positions = _positions(drawing, x_axes["driver"], order["driver"][0], slides.get("driver"))
-    scene = Scene(
-        name="drawn",
-        title="drawn",
-        source="",
-        file="drawn.toml",
-        ground=MappingProxyType({point: xy(at[point]) for point in drawing.ground}),
-        bodies=MappingProxyType(bodies),
-        drive=_drive(draw, positions, slides="driver" in slides),
-        loads=(),
-        springs=tuple(_springs(draw, drawing)),
-        gravity=draw(vectors(10).map(xy) | st.none()),
-        sketch=Sketch(
-            float(positions[0]), MappingProxyType({p: _rough(z) for p, z in at.items() if p not in drawing.ground})
-        ),
-        output="A",
-        tolerances=MappingProxyType({}),
-    )
+    ground = MappingProxyType({point: xy(at[point]) for point in drawing.ground})
+    drive, springs = _drive(draw, positions, slides="driver" in slides), tuple(_springs(draw, drawing))
+    gravity = draw(vectors(10).map(xy) | st.none())
+    rough = {point: (round(z.real, 2), round(z.imag, 2)) for point, z in at.items() if point not in ground}
+    sketch = Sketch(float(positions[0]), MappingProxyType(rough))
+    has = ground, MappingProxyType(bodies), drive, (), springs, gravity, sketch
+    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}))
     return replace(scene, loads=tuple(draw(loads_on(scene)) for _ in range(draw(st.integers(0, 3))))), positions
-
-
-def _rough(z: complex) -> Vector:
-    return round(z.real, 2), round(z.imag, 2)
 
 
 def _x_axes(
@@ -126,17 +100,9 @@ def _body(draw: st.DrawFn, name: str, local: Mapping[str, complex], slide: Slide
     moved = name.endswith("1")  # some bodies have a mass in every linkage
     mass = draw(numbers(0.1, 10) if moved else st.just(0.0) | numbers(0.1, 10))
     com = draw(vectors(1).map(xy) if len(points) > 3 else vectors(1).map(xy) | st.none())
-    return Body(
-        name,
-        tuple(points),
-        None if by_lengths else MappingProxyType({point: xy(z) for point, z in local.items()}),
-        lengths,
-        tuple(points),
-        mass,
-        com,
-        None if com is None else mass * draw(numbers(0.01, 2)),
-        slide,
-    )
+    inertia = None if com is None else mass * draw(numbers(0.01, 2))
+    places = None if by_lengths else MappingProxyType({point: xy(z) for point, z in local.items()})
+    return Body(name, tuple(points), places, lengths, tuple(points), mass, com, inertia, slide)
 
 
 def _positions(drawing: Drawing, x_axis: complex, first: str, slide: Slide | None) -> Samples:

@@ -4,21 +4,19 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeAlias
 
 import pytest
 
 from compare.engines import outside, registry
 
+Texts: TypeAlias = Mapping[str, str]
+ENGINES = "linkage_crosscheck.engines"  # the group of entry points
 GOOD = "from analytic.engine import DEFAULT, build\n"  # a module of an engine, with the least that it needs
 
 
 def install(
-    site: Path,
-    name: str,
-    points: Mapping[str, str],
-    modules: Mapping[str, str] | None = None,
-    metadata: str = "",
-    group: str = "linkage_crosscheck.engines",
+    site: Path, name: str, points: Texts, modules: Texts | None = None, metadata: str = "", group: str = ENGINES
 ) -> None:
     """Install a distribution with entry points of engines: by name their modules; and by name the text of modules."""
     info = site / f"{name}-1.0.dist-info"

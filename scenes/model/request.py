@@ -22,9 +22,7 @@ class _Channels:
     def wanted(self, scene: Scene) -> tuple[str, ...]:
         """The names of the wanted channels, with time and drive, in the order of the files."""
         known = channels(scene)
-        if self.channels is None:
-            return known
-        wanted = {*self.channels, "time", scene.drive_channel}
+        wanted = {"time", scene.drive_channel, *(known if self.channels is None else self.channels)}
         return tuple(channel for channel in known if channel in wanted)
 
     def wants_forces(self, scene: Scene) -> bool:

@@ -46,11 +46,9 @@ def socket_at(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "what"),
     [
-        (os.mkfifo, "a pipe"),
-        (os.mkdir, "a folder"),
+        *((os.mkfifo, "a pipe"), (os.mkdir, "a folder"), (socket_at, "a socket")),
         (lambda path: path.symlink_to("/dev/zero"), "a device"),
         (lambda path: path.symlink_to("/dev/null"), "a device"),
-        (socket_at, "a socket"),
         (lambda path: path.symlink_to(path), "Too many levels of symbolic links"),
         (lambda path: path.symlink_to("nothing"), "no such scene or file"),
     ],

@@ -74,17 +74,13 @@ def text(key: str) -> Callable[[int], Tables]:
 
 LOAD = {"body": "crank", "at": "T0", "force": [1, 0]}
 SPRING = {"between": ["ground.C0", "crank.T0"], "stiffness": 1, "length": 0}
+TEXTS = ("name", "title", "source")
 LIMITS: list[tuple[str, int, Callable[[int], Tables]]] = [
-    ("bodies", limits.BODIES, bodies),
-    ("bodies", limits.POINTS, points),
-    ("loads", limits.LOADS, several("loads", LOAD)),
-    ("springs", limits.LOADS, several("springs", SPRING)),
-    ("drive.law", limits.ROWS, law),
-    ("loads.0.table", limits.ROWS, table),
+    *(("bodies", limits.BODIES, bodies), ("bodies", limits.POINTS, points)),
+    *(("loads", limits.LOADS, several("loads", LOAD)), ("springs", limits.LOADS, several("springs", SPRING))),
+    *(("drive.law", limits.ROWS, law), ("loads.0.table", limits.ROWS, table)),
     ("variations", limits.VARIATIONS, variations),
-    ("name", limits.NAME, text("name")),
-    ("title", limits.TITLE, text("title")),
-    ("source", limits.SOURCE, text("source")),
+    *((key, most, text(key)) for key, most in zip(TEXTS, (limits.NAME, limits.TITLE, limits.SOURCE), strict=True)),
 ]
 
 
