@@ -168,12 +168,8 @@ def test_andrews_squeezer_at_published_states(state: SqueezerState) -> None:
     scene = scene_files.load("andrews_squeezer", {"drive": drive})
     motion = analytic.solve(scene, np.array([position]), np.array([5e-4]))
     a, b = -0.06934 - 0.00227j, -0.03635 + 0.03273j  # m, the pivots on the ground
-    places = {
-        "E": b - 0.035j * np.exp(1j * gamma),
-        "G": a + 0.040 * np.exp(1j * delta),
-        "H": a - 0.040j * np.exp(1j * epsilon),
-    }
-    for point, place in places.items():
+    g, d, e = np.exp(1j * np.array([gamma, delta, epsilon]))
+    for point, place in {"E": b - 0.035j * g, "G": a + 0.040 * d, "H": a - 0.040j * e}.items():
         assert abs(motion[f"{point}.x"][0] + 1j * motion[f"{point}.y"][0] - place) <= 2e-15, point  # m, rounding
     forces = [motion[f"{pin}.{axis}"][0] for pin in ("E", "E/k4", "E/k6") for axis in ("fx", "fy")]
     assert np.abs(np.array(forces) - state.multipliers).max() <= state.accuracy * max(state.multipliers)

@@ -96,9 +96,8 @@ MAPPINGS = {
     "mirrored": Wrong(Kind.frame, "in another frame, mirrored", written(mirrored=True)),
     "turned": Wrong(Kind.frame, "in another frame, turned by 34.38 deg", written(turn=0.6)),
     "shifted": Wrong(Kind.frame, "its origin at (120 mm, -340 mm)", written(origin=complex(0.12, -0.34))),
-    "all of the frame": Wrong(
-        Kind.frame,
-        "mirrored, turned by 34.38 deg, with its origin at (120 mm, -340 mm) and all lengths are in mm",
+    "all of it": Wrong(
+        *(Kind.frame, "mirrored, turned by 34.38 deg, with its origin at (120 mm, -340 mm) and all lengths are in mm"),
         written(mirrored=True, turn=0.6, origin=complex(0.12, -0.34), length=1e-3),
     ),
     "other sides": Wrong(
