@@ -1,8 +1,9 @@
 """Whether verdicts keep their word: runs called ok within what was promised, and no run refused that is."""
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 from unittest.mock import patch
 
@@ -113,30 +114,24 @@ def features(scene: Scene) -> Iterator[str]:
 @contextmanager
 def _shared() -> Iterator[None]:
     """Let the judgements of one scene share its reference, what round-off explains, the speed table and equal runs."""
-    places = (
-        *((HERE, "run"), (judgement, "explain")),
-        *((study, "establish"), (study, "speed_table"), (study, "workers")),
-    )
-    real = {name: getattr(place, name) for place, name in places}
+    run, explain = HERE.run, vars(judgement)["explain"]
+    establish, speed_table = vars(study)["establish"], vars(study)["speed_table"]
     kept: dict[Hashable, Any] = {}
 
-    def once(name: str, key: Hashable, *arguments: Any) -> Any:
-        if (name, key) not in kept:
-            kept[name, key] = real[name](*arguments)
-        return kept[name, key]
+    def once(real: Callable[..., Any], key: Hashable, *arguments: Any) -> Any:
+        if (real, key) not in kept:
+            kept[real, key] = real(*arguments)
+        return kept[real, key]
 
     def equal_runs(engine: str, scene: Scene, sampling: Sampling, settings: Any = None) -> Run:
-        run: Run = once("run", (engine, getattr(settings, "label", None), sampling), engine, scene, sampling, settings)
-        return run if settings is None else replace(run, settings=settings)  # of another promise
+        ran: Run = once(run, (engine, getattr(settings, "label", None), sampling), engine, scene, sampling, settings)
+        return ran if settings is None else replace(ran, settings=settings)  # of another promise
 
-    shared: dict[str, Callable[..., Any]] = {
-        "run": equal_runs,
-        "explain": lambda reference, sampling: once("explain", sampling, reference, sampling),
-        "establish": lambda *of: once("establish", None, *of),
-        "speed_table": lambda *of: once("speed_table", None, *of),
-        "workers": lambda *_: nullcontext(HERE),
-    }
-    with ExitStack() as stack:
-        for module, name in places:
-            stack.enter_context(patch.object(module, name, shared[name]))
+    with (
+        patch.object(HERE, "run", equal_runs),
+        patch.object(judgement, "explain", lambda reference, sampling: once(explain, sampling, reference, sampling)),
+        patch.object(study, "establish", partial(once, establish, None)),
+        patch.object(study, "speed_table", partial(once, speed_table, None)),
+        patch.object(study, "workers", lambda *_: nullcontext(HERE)),
+    ):
         yield
