@@ -64,44 +64,31 @@ def test_what_is_right_is_right(judge: Callable[..., dict[str, Any]], right: Mot
     assert 0 < row["to_lock_m"] < 1
 
 
-@pytest.mark.parametrize(
-    ("channel", "by"), [("P3.fx", 2e-3), ("P5.ay", 0.02), ("P5.ay", 10.0), ("P4.x", 0.5), ("P4.x", 2e-3)]
-)
-def test_a_wrong_answer_is_found(judge: Callable[..., dict[str, Any]], right: Motion, channel: str, by: float) -> None:
-    """By the answer itself, however little it is off its promise."""
-    size = float(np.abs(right[channel]).max())
-    status, outcome, found_by = told(judge(changed(right, channel, by * size)))
-    assert status != "ok"
-    assert (outcome, found_by) == ("refused", "checks")
+def test_wrong_answers_and_refusals_are_told_apart(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    """A wrong answer is found by itself, however little it is off its promise; another assembly by the reference."""
 
+    def off(channel: str, by: float) -> Motion:
+        return changed(right, channel, by * float(np.abs(right[channel]).max()))
 
-def test_another_assembly_is_found_by_the_reference_alone(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
+    for channel, by in (("P3.fx", 2e-3), ("P5.ay", 0.02), ("P5.ay", 10.0), ("P4.x", 0.5), ("P4.x", 2e-3)):
+        status, *found = told(judge(off(channel, by)))
+        assert (status != "ok", *found) == (True, "refused", "checks"), (channel, by)
     upward = scene_files.load("toggle_press", {"sketch.P5": [0, -400]})
     other = registry.reference(upward)(right["crank_angle"], right["time"])
     assert told(judge(other)) == ("wrong_branch", "silent", "reference")
-
-
-def test_a_refusal_is_right_or_a_false_alarm(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
-    off = changed(right, "P3.fx", 0.1 * float(np.abs(right["P3.fx"]).max()))
-    refused = ("not_converged", "refused", "engine")
-    assert told(judge(Failure(Status.not_converged, "it rings", off))) == refused
-    assert told(judge(Failure(Status.not_converged, "it rings"))) == refused
-    assert told(judge(Failure(Status.not_converged, "it rings", right))) == ("not_converged", "false alarm", "engine")
+    for rings, outcome in ((off("P3.fx", 0.1), "refused"), (None, "refused"), (right, "false alarm")):
+        row = judge(Failure(Status.not_converged, "it rings", rings))
+        assert told(row) == ("not_converged", outcome, "engine")
     denied = judge(Failure(Status.cannot_assemble, "they do not fit"))
     assert told(denied) == ("cannot_assemble", "false alarm", "engine")
-
-
-def test_where_nothing_moves_no_engine_may_say_ok(judge: Callable[..., dict[str, Any]], right: Motion) -> None:
-    assert told(judge(right, "locking")) == ("diverged", "refused", "checks")
+    assert told(judge(right, "locking")) == ("diverged", "refused", "checks"), "where nothing moves"
     assert told(judge(Failure(Status.diverged, "no"), "locking")) == ("diverged", "refused", "engine")
 
 
-@pytest.mark.parametrize(
-    ("rung", "status", "outcome"), [("as_is", "ok", "right"), ("locking", "cannot_assemble", "refused")]
-)
-def test_the_reference_is_held_to_arbitrary_precision(ladder: str, rung: str, status: str, outcome: str) -> None:
-    (row,) = examine(Case(ladder, rung, "analytic"))
-    assert (row["status"], row["outcome"]) == (status, outcome)
+def test_the_reference_is_held_to_arbitrary_precision(ladder: str) -> None:
+    for rung, *expected in (("as_is", "ok", "right"), ("locking", "cannot_assemble", "refused")):
+        (row,) = examine(Case(ladder, rung, "analytic"))
+        assert [row["status"], row["outcome"]] == expected
 
 
 def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,8 +99,7 @@ def test_a_reference_that_is_off_is_silent(ladder: str, monkeypatch: pytest.Monk
 
     monkeypatch.setattr(registry, "checked_reference", wrong)
     monkeypatch.setattr(
-        "compare.mechanics.round_off.sensitivity",
-        lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"]),
+        "compare.mechanics.round_off._sensitivity", lambda _, true, __: dict.fromkeys(true.samples, 0 * true["time"])
     )
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert row["outcome"] == "silent"
@@ -125,9 +111,6 @@ def test_an_expectation_that_does_not_hold_is_told(ladder: str) -> None:
     file.write_text(LADDER.replace('locking = "cannot_assemble"', 'shorter = "cannot_assemble"'), encoding="utf-8")
     assert examine(Case(ladder, "shorter", "analytic"))[0]["outcome"] == "silent"
     assert examine(Case(ladder, "locking", "analytic"))[0]["outcome"] == "false alarm"
-
-
-# --- kept as they come ------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -168,9 +151,6 @@ def test_a_stopped_run_goes_on_where_it_was(ladder: str, tmp_path: Path, examine
     hard.forget(tmp_path)
     hard.hard_cases([ladder], ["analytic"], tmp_path, lambda _: None, print)
     assert len(examined) == 3
-
-
-# --- what is said of them ---------------------------------------------------------------------------------------------
 
 
 def test_counts_and_verdict(ladder: str, tmp_path: Path, examined: list[str]) -> None:

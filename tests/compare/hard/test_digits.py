@@ -49,18 +49,12 @@ def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str
         assert abs(log10(table["condition"][group]) + 0.5 * power * log10(float(label))) <= 1.3, group
 
 
-# --- formulas that are worse are seen ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("name", "formula"), [("lock_rrr", "rrr_reach"), ("lock_rrp", "slide_reach")])
 def test_a_worse_formula_is_seen(monkeypatch: pytest.MonkeyPatch, name: str, formula: str) -> None:
     """Three digits less than a formula may lose there, where the condition is ten."""
     good = getattr(kinematics, formula)
     monkeypatch.setattr(kinematics, formula, lambda *of: good(*of) * (1 + 1e4 * EPS))
     assert not explained(digits_lost(rung(name, "1e-1")))
-
-
-# --- the condition itself ---------------------------------------------------------------------------------------------
 
 
 def test_the_condition_of_a_crank_by_hand() -> None:

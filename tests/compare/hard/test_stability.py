@@ -1,8 +1,6 @@
 """Maps of where engines are stable, and their pictures."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -27,12 +25,6 @@ def press() -> Scene:
 
 def quiet(_: str) -> None:
     pass
-
-
-def to_lock() -> list[stability.Variant]:
-    """Return crank-rockers that lie stretched out once a turn, ever closer: 0.2 m and 0.7 m, and 0.5 m and a gap."""
-    rocker = "bodies.rocker.lengths.B-Q"
-    return [(f"{gap:g}", scene_files.load("stretched_rocker", {rocker: 0.5 + gap})) for gap in (1e-1, 1e-6)]
 
 
 @pytest.fixture(scope="module")
@@ -66,18 +58,17 @@ def test_cells_are_tidy_and_say_all(sweeps: pd.DataFrame) -> None:
 
 
 def test_steps_against_scenes_ever_closer_to_a_lock() -> None:
-    rows = pd.DataFrame([*stability.over_variants("lock", to_lock(), ["pymunk"], quiet, (72, 648))])
-    easy, hard = rows[rows["label"] == "0.1"], rows[rows["label"] == "1e-06"]
-    assert set(easy["status"]) == {"ok"}
-    assert not set(hard["status"]) & {"ok"}
-    assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6]
-
-
-def test_a_scene_without_a_reference_leaves_what_the_engine_says() -> None:
-    broken = scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05})
-    (cell,) = stability.over_variants("lock", [("0", broken)], ["pymunk"], quiet, (72,))
-    assert cell["status"] == "cannot_assemble"
-    assert np.isnan(float(str(cell["error"])))
+    """Crank-rockers that lie stretched out once a turn, ever closer; without a reference what the engine says."""
+    gaps = {f"{gap:g}": {"bodies.rocker.lengths.B-Q": 0.5 + gap} for gap in (1e-1, 1e-6)}
+    variants = [(label, scene_files.load("stretched_rocker", changes)) for label, changes in gaps.items()]
+    variants.append(("0", scene_files.load("loaded_four_bar", {"bodies.rocker.lengths.C-D": 0.05})))
+    rows = pd.DataFrame([*stability.over_variants("lock", variants, ["pymunk"], quiet, (72, 648))])
+    assert list(rows["x"]) == [0.1, 0.1, 1e-6, 1e-6, 0, 0]
+    by_label = rows.groupby("label")["status"].agg(set)
+    assert by_label["0.1"] == {"ok"}
+    assert "ok" not in by_label["1e-06"]
+    assert by_label["0"] == {"cannot_assemble"}
+    assert rows["error"][4:].isna().all()
 
 
 def test_the_heaviest_body_gets_heavier(press: Scene) -> None:
@@ -96,28 +87,15 @@ def test_drift_is_of_the_last_turn(press: Scene) -> None:
     one, four = rows["error"]
     assert four == pytest.approx(one, rel=1e-3)  # no drift: the crank is moved, and the joints close in every step
     assert one == pytest.approx(rows["position_max"][0])
-
-
-def test_what_runs_once_does_not_drift() -> None:
-    clamp = establish(scenes.load("double_toggle_clamp"))
-    assert not [*stability.over_turns(clamp, "pymunk", quiet, (1,), (216,))]
-
-
-def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, few in (("over_sweeps", ((64,), (72,))), ("over_turns", ((1,), (72,))), ("over_variants", ((72,),))):
-        monkeypatch.setattr(stability, name, partial(_shorter, getattr(stability, name), few))
-
-
-def _shorter(
-    whole: Callable[..., Iterator[stability.Cell]], few: tuple[object, ...], *of: object, **by: object
-) -> object:
-    return whole(*of, *few, **by)
+    once = establish(scenes.load("double_toggle_clamp"))
+    assert not [*stability.over_turns(once, "pymunk", quiet, (1,), (216,))]
 
 
 def test_all_maps_of_the_engines_that_have_any(press: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    few(monkeypatch)
-    engines = [name for name in ("pymunk", "analytic") if registry.engine(name).at_steps]
-    assert engines == ["pymunk"]
+    for name, few in (("over_sweeps", ((64,), (72,))), ("over_turns", ((1,), (72,))), ("over_variants", ((72,),))):
+        whole = getattr(stability, name)
+        monkeypatch.setattr(stability, name, lambda *of, whole=whole, few=few, **by: whole(*of, *few, **by))
+    assert [name for name in ("pymunk", "analytic") if registry.engine(name).at_steps] == ["pymunk"]
     table = stability.stability_table(press, ("analytic", "pymunk"), [("0.1", press)], quiet)
     assert [*dict.fromkeys(table["map"])] == ["sweeps", "lock", "mass", "drift"]
     assert set(table["engine"]) == {"pymunk"}
@@ -191,7 +169,4 @@ def test_pictures_tell_errors_failures_and_theory(sweeps: pd.DataFrame) -> None:
 def test_every_failure_has_a_letter_of_its_own() -> None:
     assert {*LETTERS} == {*Status} - {Status.ok}
     assert len({*LETTERS.values()}) == len(LETTERS)
-
-
-def test_no_cells_no_pictures() -> None:
     assert not [*stability_maps(pd.DataFrame())]

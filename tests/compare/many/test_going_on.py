@@ -143,9 +143,6 @@ def test_data_of_nothing_are_refused(data: object) -> None:
         decoded(data)
 
 
-# --- by workers -------------------------------------------------------------------------------------------------------
-
-
 def kill(what: str) -> str:
     if what == "kill":
         os.kill(os.getpid(), SIGKILL)

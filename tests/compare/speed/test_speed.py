@@ -118,9 +118,6 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
         assert "360 steps per cycle took longer than 0.3 s" in str(rows[name]["reason"])
 
 
-# --- the settings of the main run -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("tier", TIERS)
 def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
     (settings, *_), why = _offers(tier, table())("stub")
@@ -171,9 +168,6 @@ def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngi
     result = study(reference.scene, ["stub"], Sampling(360), Budget(1, 0.0), quiet)
     assert result.measurements[0].run.settings == stub.DEFAULT
     assert result.reasons == []
-
-
-# --- what is shown ----------------------------------------------------------------------------------------------------
 
 
 def study_of(reference: Reference, speed: Sequence[SpeedRow]) -> Study:

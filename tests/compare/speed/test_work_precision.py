@@ -171,12 +171,7 @@ ON_A_LINE = 1e-4 / np.array([1, 4, 16]) * 10 ** np.array([0.01, -0.02, 0.01])  #
     ],
 )
 def test_orders_are_fitted_above_the_floor_and_past_too_coarse_settings(
-    steps: Sequence[int],
-    errors: Sequence[float],
-    floor: float,
-    order: float,
-    residual: float | None,
-    points: range,
+    steps: Sequence[int], errors: Sequence[float], floor: float, order: float, residual: float | None, points: range
 ) -> None:
     (row,) = orders(family(steps, errors), {"reaction": floor})
     assert row.points in points
