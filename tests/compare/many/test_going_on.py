@@ -125,19 +125,14 @@ def test_what_is_kept_is_data_that_runs_nothing(tmp_path: Path, solved: list[flo
     assert not (tmp_path / "ran").exists()
 
 
-@pytest.mark.parametrize(
-    "data",
-    [
-        {"subprocess:Popen": {"args": "true"}},
-        {"compare.engines.processes.isolation:Worker": {"function": 1}},
-        {"compare.engines.processes.isolation:os": {}},
-        {"scenes:Status": {"value": "label"}},
-        {"array": ["O", [1], ""]},
-        {"array": ["<f8", [10**9], ""]},
-        {"tuple": [], "frozenset": []},
-        {"nothing": []},
-    ],
+NO_DATA: tuple[object, ...] = (
+    *({"subprocess:Popen": {"args": "true"}}, {"scenes:Status": {"value": "label"}}, {"nothing": []}),
+    *({"compare.engines.processes.isolation:Worker": {"function": 1}}, {"compare.engines.processes.isolation:os": {}}),
+    *({"array": ["O", [1], ""]}, {"array": ["<f8", [10**9], ""]}, {"tuple": [], "frozenset": []}),
 )
+
+
+@pytest.mark.parametrize("data", NO_DATA)
 def test_data_of_nothing_are_refused(data: object) -> None:
     with pytest.raises((ValueError, TypeError)):
         decoded(data)

@@ -7,7 +7,6 @@ import pytest
 
 import scenes
 from compare.measure.many.gradients import as_drawn, gradients
-from compare.measure.many.machines import SolvedMachines
 from scenes.model.motion import Samples
 from tests import scene_files
 
@@ -37,11 +36,12 @@ STEPS = {
 @pytest.mark.parametrize(("name", "steps"), STEPS.items())
 def test_against_differences(name: str, steps: dict[str, float]) -> None:
     """Of fourth order, with steps where neither the fifth derivative nor rounding matters."""
-    derivatives, numbers = of_the_drawing(name, [*steps])
+    nominal = as_drawn(reference(name), [*steps])
+    derivatives = gradients(reference(name), nominal, [*steps])
     differences = np.array([differenced(name, path, step) for path, step in steps.items()])
     size = np.array([*steps.values()])[:, np.newaxis]  # what each changes, as far as its step goes
     scale = np.max(size * np.abs(differences), axis=0)
-    for column, number in enumerate(numbers.numbers):
+    for column, number in enumerate(nominal.numbers):
         if number.row is not None and (number.row < 0).any():
             continue  # the size of what is zero but for rounding has no derivative
         off = np.abs(size[:, 0] * (derivatives - differences)[:, column]).max()
@@ -58,21 +58,3 @@ def differenced(name: str, path: str, step: float) -> Samples:
     moved = many(name, {path: drawn + step * np.array([-2.0, -1.0, 1.0, 2.0])})
     values = np.array([number.value for number in moved.numbers])
     return np.asarray(values @ np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step))
-
-
-def of_the_drawing(name: str, paths: list[str]) -> tuple[Samples, SolvedMachines]:
-    nominal = as_drawn(reference(name), paths)
-    return gradients(reference(name), nominal, paths), nominal
-
-
-def test_a_slider_crank_by_its_formulas() -> None:
-    """Stroke 2 r; acceleration r w^2 (1 + r/l) at the outer dead point; the dwell goes with one over the speed."""
-    derivatives, nominal = of_the_drawing(
-        "slider_crank", ["bodies.crank.points.A.0", "bodies.rod.lengths.A-B", "drive.speed"]
-    )
-    q = dict(zip((number.name for number in nominal.numbers), derivatives.T, strict=True))
-    assert q["stroke"] == pytest.approx([2, 0, 0], abs=1e-9)
-    assert q["closed dead point"] == pytest.approx([1, 1, 0], abs=1e-9)
-    assert q["peak acceleration"] == pytest.approx([100 * (1 + 2 / 3), -100 / 9, 20 * (1 + 1 / 3)], rel=1e-8)
-    dwell = next(float(number.value[0]) for number in nominal.numbers if number.kind == "dwell")
-    assert q["dwell within 1 % of the stroke"][2] == pytest.approx(-dwell / 10, rel=1e-9)

@@ -46,6 +46,7 @@ def rows_of(speed: Sequence[SpeedRow]) -> dict[str, dict[str, Any]]:
 
 @pytest.mark.usefixtures("stub")
 def test_a_table(reference: Reference) -> None:
+    """And the orders and costs of one."""
     rows = rows_of(speed_table(reference, ["stub"], Budget(10, inf), quiet))
     assert list(rows) == ["72 steps", "100 steps", "360 steps"]
     assert rows["100 steps"]["steps"] == 144  # rounded up to a multiple of the samples, as engines do
@@ -53,6 +54,12 @@ def test_a_table(reference: Reference) -> None:
     assert rows["100 steps"]["solve_min_s"] == pytest.approx(0.144)
     assert rows["100 steps"]["timed_runs"] == 3
     assert [row["tier"] for row in rows.values()] == ["fast", "", ""]
+    speed = speed_table(reference, ["stub"], FULL, quiet)
+    (row,) = (row for row in orders(speed, {}) if row.group == "reaction")
+    assert row.points == 5
+    assert row.order == pytest.approx(2, abs=1e-6)
+    (cost,) = step_costs(speed)
+    assert [cost.step_s, cost.fixed_s] == pytest.approx([1e-3, 0], abs=1e-9)
 
 
 def test_a_clock_that_stands_still_divides_nothing_by_zero(reference: Reference, stub: StubEngine) -> None:
@@ -69,17 +76,6 @@ def test_the_fastest_solve_is_the_headline(reference: Reference, stub: StubEngin
     row = rows_of(speed_table(reference, ["stub"], Budget(0, inf, point_s=inf), quiet))["100 steps"]
     found = [row[f"solve_{of}_s"] for of in ("min", "median", "spread", "wall")]
     assert found == pytest.approx([0.144, 0.216, 0.144, 0.144])
-
-
-@pytest.mark.usefixtures("stub")
-def test_orders_and_costs_of_a_table(reference: Reference) -> None:
-    speed = speed_table(reference, ["stub"], FULL, quiet)
-    (row,) = (row for row in orders(speed, {}) if row.group == "reaction")
-    assert row.order == pytest.approx(2, abs=1e-6)
-    assert row.points == 5
-    (cost,) = step_costs(speed)
-    assert cost.step_s == pytest.approx(1e-3)
-    assert cost.fixed_s == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.usefixtures("stub")
@@ -118,14 +114,11 @@ def test_no_setting_eats_the_budget(reference: Reference, monkeypatch: pytest.Mo
         assert "360 steps per cycle took longer than 0.3 s" in str(rows[name]["reason"])
 
 
-@pytest.mark.parametrize("tier", TIERS)
-def test_an_accuracy_by_name(stub: StubEngine, tier: str) -> None:
-    (settings, *_), why = _offers(tier, table())("stub")
-    assert settings == {"fast": stub.FAST, "balanced": stub.DEFAULT, "exact": stub.EXACT}[tier]
-    assert why == ""
-
-
-def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_accuracy_by_name(stub: StubEngine, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A note goes with its settings."""
+    for tier, own in zip(TIERS, (stub.FAST, stub.DEFAULT, stub.EXACT), strict=True):
+        (settings, *_), why = _offers(tier, table())("stub")
+        assert (settings, why) == (own, "")
     monkeypatch.setattr(StubEngine, "EXACT", second_order(72, note="for show"))
     speed = table(("stub", "72 steps", 1.0, 1e-3))
     for accuracy in ("exact", 1e-9):
@@ -135,30 +128,23 @@ def test_a_note_goes_with_its_settings(stub: StubEngine, monkeypatch: pytest.Mon
 
 
 @pytest.mark.usefixtures("stub")
-@pytest.mark.parametrize(
-    ("level", "label", "said"),
-    [
+def test_an_accuracy_by_number(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither what has no error in a group is chosen for it, nor what has a note."""
+    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (second_order(72, note="for show"), *StubEngine.WORK_PRECISION))
+    speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
+    (settings, *_), _ = _offers(1e-2, speed)("stub")
+    assert settings.label == StubEngine.WORK_PRECISION[1].label == "72 steps"
+    speed = [
+        replace(row, errors={**row.errors, "torque_max": nan}) if row.setting == "72 steps" else row for row in speed
+    ]
+    for level, label, said in (
         (1e-2, "100 steps", "100 steps is the cheapest measured to be within 0.01"),
         (1e-5, "360 steps", "within 1e-05"),
         (1e-9, "3600 steps", "no setting was measured to be within 1e-09"),
-    ],
-)
-def test_an_accuracy_by_number(reference: Reference, level: float, label: str, said: str) -> None:
-    speed = speed_table(reference, ["stub", "analytic"], Budget(1, 0.0), quiet)
-    speed = [
-        replace(row, errors={**row.errors, "torque_max": nan}) if row.setting == "72 steps" else row for row in speed
-    ]  # what has no error in a group does not meet it
-    (settings, *_), why = _offers(level, speed)("stub")
-    assert settings.label == label
-    assert said in why
-
-
-@pytest.mark.usefixtures("stub")
-def test_what_has_a_note_is_not_chosen(reference: Reference, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(StubEngine, "WORK_PRECISION", (second_order(72, note="for show"), *StubEngine.WORK_PRECISION))
-    speed = speed_table(reference, ["stub"], Budget(1, 0.0), quiet)
-    (settings, *_), _ = _offers(1e-2, speed)("stub")
-    assert settings.label == StubEngine.WORK_PRECISION[1].label
+    ):
+        (settings, *_), why = _offers(level, speed)("stub")
+        assert settings.label == label
+        assert said in why
 
 
 def test_the_main_run_takes_what_was_chosen(reference: Reference, stub: StubEngine) -> None:
@@ -218,11 +204,8 @@ def test_where_nothing_was_timed(reference: Reference, monkeypatch: pytest.Monke
     assert picture(result).traces == []
     assert speed_tables.verdict(result) == ""
     assert "pip install" in page(result)
-
-
-def test_the_picture_of_an_engine_that_takes_no_steps() -> None:
     result = study(scenes.load("four_bar"), ["multiprecision"], Sampling(24), Budget(1, 0.0), quiet)
-    assert [trace for trace in picture(result).traces if trace["name"] == "multiprecision"]
+    assert [trace for trace in picture(result).traces if trace["name"] == "multiprecision"], "which takes no steps"
 
 
 @pytest.mark.usefixtures("stub")
