@@ -71,27 +71,23 @@ class SymbolicLinkage:
             return vertcat(*self.scene.ground[name])
         return self.place(body, self.bodies[body].points[name])
 
-    def displacement(self, body: str) -> Any:
-        """Return how far a body that slides on the ground is along its guide, m."""
-        return self._from_guide(body, turned=False)
-
     @property
     def drive_position(self) -> Any:
         """The position of the drive, rad or m."""
         body = self.scene.drive.body
-        return self.angle(body) if self.scene.driven_slide is None else self.displacement(body)
+        return self.angle(body) if self.scene.driven_slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
         slide = self.scene.bodies[body].slide
         assert slide is not None
-        return vertcat(self._from_guide(body, turned=True), self.angle(body) - self.angle(slide.on))
+        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(slide.on))
 
-    def _from_guide(self, body: str, *, turned: bool) -> Any:
-        """Return where a slider's first point is from `through`, along its guide or, turned, across it, m."""
+    def slid(self, body: str, *, across: bool = False) -> Any:
+        """Return where a slider's first point is from `through`, along its guide or across it, m."""
         slide = self.scene.bodies[body].slide
         assert slide is not None
         along = vertcat(*slide.along)
-        axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if turned else along))
+        axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if across else along))
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
         return casadi.dot(axis, way)
 
@@ -129,7 +125,7 @@ class SymbolicLinkage:
         """Return the force of a load, N."""
         if isinstance(load, Force):
             return vertcat(*load.force)
-        slide, x = self.scene.bodies[load.body].slide, self.displacement(load.body)
+        slide, x = self.scene.bodies[load.body].slide, self.slid(load.body)
         assert slide is not None
         if isinstance(load, ForceTable):
             within = casadi.fmin(casadi.fmax(x, load.displacements[0]), load.displacements[-1])

@@ -94,18 +94,17 @@ def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:
 
 def stroke_ends(poses: PathFollower, start: ClosedPose) -> Samples:
     """Return by load the displacement where a press force's stroke ends, m; zero for other loads, shape (loads,)."""
-    loads = poses.scene.loads
-    presses = {(load.body, load.closing): load for load in loads if isinstance(load, PressForce)}
-    ends = {stroke: _end(poses, start, load) for stroke, load in presses.items()}
-    return np.array([ends[load.body, load.closing] if isinstance(load, PressForce) else 0.0 for load in loads])
+    strokes = [(load.body, load.closing) if isinstance(load, PressForce) else None for load in poses.scene.loads]
+    ends = {stroke: _end(poses, start, *stroke) for stroke in strokes if stroke}
+    return np.array([ends[stroke] if stroke else 0.0 for stroke in strokes])
 
 
-def _end(poses: PathFollower, start: ClosedPose, load: PressForce) -> float:
+def _end(poses: PathFollower, start: ClosedPose, body: str, closing: int) -> float:
     """Return the furthest displacement in the closing direction: at the best of many positions, or between two."""
     begin, step = poses.scene.drive.start, poses.largest_step / 4
 
     def closed(pose: ClosedPose) -> float:
-        return load.closing * float(poses.system.slid(poses.system.moved(pose.x), load.body)[0].real)
+        return closing * float(poses.system.slid(poses.system.moved(pose.x), body)[0].real)
 
     known = {begin: (closed(start), start)}
     for end in poses.scene.drive.extent:
@@ -122,4 +121,4 @@ def _end(poses: PathFollower, start: ClosedPose, load: PressForce) -> float:
         method="bounded",
         options={"xatol": ACCURACY * (high - low)},
     )
-    return load.closing * max(furthest, -float(refined.fun))
+    return closing * max(furthest, -float(refined.fun))

@@ -85,13 +85,15 @@ class MujocoSimulation(CoordinateSimulation[System]):
                 budget.check(f"{row} of {count} samples are done")
                 q[row] = pose[order]
                 v[row], a[row] = ((data.qvel + rate) / 2)[order], (data.qvel - rate)[order]
-                held[row] = self._held()
+                held[row] = data.efc_force[self._in_plane]
                 largest = max(largest, self._checked_gap(row))
         self.counters = {"steps": len(targets)}
         self.residuals = {"joint_gap": largest}
         bodies = system.moved(q, v / self._units.second, a / self._units.second / self._h)
         self._channels = system.kinematics(bodies)
         if self._forces:
+            held *= self._units.force
+            held[:, -1] *= system.size / system.drive_unit
             self._channels |= forces(system, bodies, held, self._ends)
 
     def _checked_gap(self, row: int) -> float:
@@ -126,12 +128,6 @@ class MujocoSimulation(CoordinateSimulation[System]):
 
     def _site(self, end: End) -> complex:
         return complex(*self._data.site(":".join(end)).xpos[:2])
-
-    def _held(self) -> Samples:
-        """Return the forces of the pins and the drive, N or N m."""
-        held: Samples = self._data.efc_force[self._in_plane] * self._units.force
-        held[-1] *= self._system.size / self._system.drive_unit
-        return held
 
 
 def forces(system: System, moving: Mapping[str, MovingBody], held: Samples, ends: Samples) -> dict[str, Samples]:

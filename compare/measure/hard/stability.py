@@ -36,7 +36,8 @@ from ...mechanics.mechanics import SHOWN_GROUPS
 from ...mechanics.reference import Reference
 
 SAMPLES = 24  # a cycle
-STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples; of long runs all but the last
+STEPS = (24, 72, 216, 648, 1944)  # a cycle, multiples of the samples, up a map
+FEWER = STEPS[:-1]  # of long runs
 SWEEPS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 MASS_FACTORS = (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3)
 TURNS = (1, 3, 10, 30, 100)
@@ -44,6 +45,7 @@ TURNS = (1, 3, 10, 30, 100)
 Variant: TypeAlias = tuple[str, Scene]
 Cell: TypeAlias = dict[str, object]
 Progress: TypeAlias = Callable[[str], None]
+Counts: TypeAlias = Sequence[int]
 
 
 def stability_table(
@@ -77,19 +79,14 @@ def stability_table(
 
 
 def over_sweeps(
-    reference: Reference,
-    engine: str,
-    progress: Progress,
-    sweeps: Sequence[int] = SWEEPS,
-    all_steps: Sequence[int] = STEPS,
-    runs: Runs = HERE,
+    reference: Reference, engine: str, show: Progress, sweeps: Counts = SWEEPS, up: Counts = STEPS, runs: Runs = HERE
 ) -> Iterator[Cell]:
     """Yield steps a cycle against sweeps a step, with how many sweeps theory asks for."""
-    for steps in all_steps:
+    for steps in up:
         known = runs.asked(engine, reference.scene, partial(_needed, engine, reference.scene, steps))
         needed, fault = (np.nan, f"iterations_needed: {known.reason}") if isinstance(known, Ended) else known
         for number in sweeps:
-            progress(f"stability of {engine}: {number} sweeps, {steps} steps")
+            show(f"stability of {engine}: {number} sweeps, {steps} steps")
             cell = _cell(("sweeps", engine, str(number), steps), reference, runs, sweeps=(number,), fault=fault)
             yield cell | {"needed": needed}
 
@@ -98,8 +95,8 @@ def over_variants(
     kind: str,
     variants: Sequence[Variant],
     engines: Sequence[str],
-    progress: Progress,
-    all_steps: Sequence[int] = STEPS,
+    show: Progress,
+    up: Counts = STEPS,
     runs: Runs = HERE,
 ) -> Iterator[Cell]:
     """Yield steps a cycle against scenes, whose labels are numbers."""
@@ -107,22 +104,17 @@ def over_variants(
         reference: Reference | Scene = scene
         with suppress(InputError):  # nothing to compare with; whether the engine notices is to be seen all the same
             reference = establish(scene, runs=runs)
-        for engine, steps in product(engines, all_steps):
-            progress(f"stability of {engine}: {kind} {label}, {steps} steps")
+        for engine, steps in product(engines, up):
+            show(f"stability of {engine}: {kind} {label}, {steps} steps")
             yield _cell((kind, engine, label, steps), reference, runs)
 
 
 def over_turns(
-    reference: Reference,
-    engine: str,
-    progress: Progress,
-    turns: Sequence[int] = TURNS,
-    all_steps: Sequence[int] = STEPS[:-1],
-    runs: Runs = HERE,
+    reference: Reference, engine: str, show: Progress, turns: Counts = TURNS, up: Counts = FEWER, runs: Runs = HERE
 ) -> Iterator[Cell]:
     """Yield steps a cycle against cycles; the error is that of positions in the last cycle. None of a single stroke."""
-    for number, steps in product(turns if reference.scene.drive.repeats else (), all_steps):
-        progress(f"stability of {engine}: drift over {number}, {steps} steps")
+    for number, steps in product(turns if reference.scene.drive.repeats else (), up):
+        show(f"stability of {engine}: drift over {number}, {steps} steps")
         yield _cell(("drift", engine, str(number), steps), reference, runs, turns=number)
 
 
