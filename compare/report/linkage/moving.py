@@ -14,7 +14,6 @@ from scenes import Motion
 from scenes.model.motion import UNITS, Samples, quantity
 
 from ...engines.registry import REFERENCE
-from ...judge.measure import Measurement
 from ...mechanics.axis import axis
 from ...study import Study
 from ..figures.curves import Panel, error
@@ -41,7 +40,7 @@ class MovingPicture:
         self.study, self.panels, self.drawing, self._newton = study, panels, Drawing(scene, study.motion), named["N"]
         self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
         self.engines = {
-            m.run.engine: (m, m.run.motion)
+            m.run.engine: (m.comparison, m.run.motion)
             for m in study.measurements
             if m.run.engine != REFERENCE and not m.foreign and m.run.motion is not None and m.comparison is not None
         }
@@ -78,10 +77,12 @@ class MovingPicture:
         """The reference's channels; then by engine what those compared are off them, and the errors of the panels."""
         own = self._samples(self.study.motion)
         tables = [np.array([own[channel] for channel in self._channels])]
-        for measurement, motion in self.engines.values():
-            samples = self._samples(motion)
+        for comparison, motion in self.engines.values():
+            samples, known = self._samples(motion), comparison.actual.keys()
             off = [samples[channel] - own[channel] for channel in self._compared]
-            tables.append(np.array([*off, *self._errors(measurement)]))
+            none = np.full(len(own["time"]), np.nan)
+            errors = (error(self.study, p, comparison) if known & {*p.judged} else none for p in self.panels)
+            tables.append(np.array([*off, *errors]))
         return tables
 
     def _samples(self, motion: Motion) -> dict[str, Samples]:
@@ -91,15 +92,6 @@ class MovingPicture:
         for arrow in arrows(self.study.scene, self.study.motion, motion):
             samples |= dict(zip(arrow.components, (arrow.force.real, arrow.force.imag), strict=True))
         return samples
-
-    def _errors(self, measurement: Measurement) -> Iterator[Samples]:
-        """Yield by panel the error that is drawn below it."""
-        comparison = measurement.comparison
-        for panel in self.panels:
-            if comparison is not None and any(channel in comparison.actual for channel in panel.judged):
-                yield error(self.study, panel, comparison)
-            else:
-                yield np.full(len(self.study.motion["time"]), np.nan)
 
     def _header(self) -> dict[str, Any]:
         scene, drawing, over = self.study.scene, self.drawing, axis(self.study.scene)

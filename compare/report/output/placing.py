@@ -24,12 +24,7 @@ AT_FOLDER, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of Linux
 
 
 def check_writable(folder: Path, names: Iterable[str], own: Sequence[str]) -> None:
-    """Look for what is in the way of results before they are computed; nothing is created.
-
-    Args:
-        folder: where the folders of results go.
-        names: of these folders.
-        own: patterns of the files that a result has there.
+    """Look for what is in the way of results, whose files `own` matches, before they are computed; nothing is created.
 
     Raises:
         InputError: one of the results is sure not to be written.
@@ -75,8 +70,7 @@ def _is_own(path: Path, own: Sequence[str]) -> bool:
 def placed(folder: Path, name: str, own: Sequence[str]) -> Iterator[Path]:
     """Yield an empty folder for a result, which then takes the place of `folder/<name>/` in one step.
 
-    What that holds beside the files of an older result, which `own` matches, stays there. It is followed where it is a
-    link.
+    What that holds beside the files that `own` matches stays there. It is followed where it is a link.
 
     Raises:
         InputError: the result cannot be written; the older one is then as it was.

@@ -14,7 +14,6 @@ from ...mechanics.mechanics import SHOWN_GROUPS
 from . import TableRows
 
 FINDERS = ("engine", "checks", "isolation", "reader")
-NONE = "nan of nan"  # digits, where they were not counted
 WRONG = (Outcome.silent, Outcome.false_alarm, Outcome.uncertified)
 
 
@@ -50,9 +49,13 @@ def digits(cases: pd.DataFrame) -> TableRows:
     counted = cases[cases[f"{groups[0]}_lost"].notna()] if groups else cases.iloc[:0]
     return [
         {"series": row["ladder"], "linkage": row["rung"], "κ": row["condition"]}
-        | {group: f"{row[f'{group}_lost']:.1f} of {row[f'{group}_allowed']:.1f}".replace(NONE, "–") for group in groups}
+        | {group: _of_allowed(row[f"{group}_lost"], row[f"{group}_allowed"]) for group in groups}
         for row in counted.to_dict("records")
     ]
+
+
+def _of_allowed(lost: float, allowed: float) -> str:
+    return "–" if np.isnan(lost) and np.isnan(allowed) else f"{lost:.1f} of {allowed:.1f}"
 
 
 def ladders(cases: pd.DataFrame) -> Iterator[tuple[hard.Ladder, TableRows]]:

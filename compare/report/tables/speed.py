@@ -1,6 +1,7 @@
 """Speed against error as a reader wants it: one sentence, and tables of text."""
 
 import re
+from math import isnan
 
 from ...engines.registry import REFERENCE
 from ...engines.settings import ABLATION
@@ -12,7 +13,7 @@ from . import TableRows
 
 LEVEL = "0.1 %"  # of the sentence
 NOUNS = {"position": "positions", "velocity": "velocities", "acceleration": "accelerations", "reaction": "reactions"}
-SIZES = ("bodies", "coordinates", "constraints", "sensors")  # counters of what was modelled
+SIZES = ("bodies", "coordinates", "constraints", "sensors", "steps")  # counters of what was modelled
 
 
 def contender(engine: str, note: str) -> str:
@@ -68,10 +69,10 @@ def _choice(choice: Choice) -> str:
     """A setting with its time, that over the fastest of all, and what is level with it."""
     if not choice.setting:
         return "–"
-    others = len(choice.level_with.split("; ")) if choice.level_with else 0
-    level = [f"×{choice.ratio:.3g}", f"level with {others} more" if others else ""]
-    level.append({"cheapest": "cheapest engine", "level": "engines level"}.get(choice.standing or "", ""))
-    return f"{choice.setting}, {1e3 * choice.solve_s:.3g} ms ({', '.join(filter(None, level))})"
+    more = f"level with {len(choice.level_with.split('; '))} more" if choice.level_with else ""
+    stands = {"cheapest": "cheapest engine", "level": "engines level"}.get(choice.standing or "", "")
+    level = ", ".join(filter(None, (f"×{choice.ratio:.3g}", more, stands)))
+    return f"{choice.setting}, {1e3 * choice.solve_s:.3g} ms ({level})"
 
 
 def orders(study: Study) -> TableRows:
@@ -80,8 +81,8 @@ def orders(study: Study) -> TableRows:
     for of in study.orders:
         expected = "–" if of.expected_order is None else f"{of.expected_order:g}"
         family: dict[str, object] = {"engine": of.engine, "family": of.family, "expected": expected}
+        fit = "not settled" if isnan(of.order) else f"{of.order:.2f}"
         local = ", ".join(f"{order:.2f}" for order in of.local_orders)
-        fit = f"{of.order:.2f}" if of.order == of.order else "not settled"
         text = f"{fit} ({local}; {of.residual:.1g})" if local else "–"
         rows.setdefault((of.engine, of.family), family)[of.group] = text
     known = set(groups(study.speed))
@@ -102,13 +103,12 @@ def ablations(study: Study) -> TableRows:
     rows: list[dict[str, object]] = []
     for engine in dict.fromkeys(row.engine for row in study.speed if row.role == ABLATION):
         own = [row for row in study.speed if row.engine == engine]
-        default = [row for row in own if "balanced" in row.tier]
-        measured = [*default, *(row for row in own if row.role == ABLATION)]
+        measured = [row for row in own if "balanced" in row.tier] + [row for row in own if row.role == ABLATION]
         seconds = [row.solve_min_s / (row.counters.get("steps") or 1) for row in measured]
         for row, a_step in zip(measured, seconds, strict=True):
-            named = {"engine": engine, "setting": row.setting, "status": row.status}
-            sizes = {size: row.counters.get(size, "–") for size in (*SIZES, "steps")}
-            rows.append(named | sizes | {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]})
+            rows.append({"engine": engine, "setting": row.setting, "status": row.status})
+            rows[-1] |= {size: row.counters.get(size, "–") for size in SIZES}
+            rows[-1] |= {"per step [µs]": 1e6 * a_step, "ratio": a_step / seconds[0]}
     return rows
 
 
