@@ -25,15 +25,7 @@ SCENES: dict[str, tuple[str, Changes]] = {
     "huge": ("four_bar", LARGE),
     "fast": ("four_bar", FAST),
 }
-QUANTITIES = {
-    "m": "length",
-    "m/s": "speed",
-    "m/s^2": "acceleration",
-    "N": "force",
-    "N*m": "moment",
-    "J": "work",
-    "W": "power",
-}
+QUANTITIES = ("m", "m/s", "m/s^2", "N", "N*m", "J", "W")
 
 
 @pytest.mark.parametrize("case", SCENES)
