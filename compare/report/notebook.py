@@ -17,7 +17,8 @@ from ..judge.errors import ChannelError
 from ..measure.many.family import Family
 from ..mechanics.axis import prefixed
 from ..study import Study
-from .linkage.svg import linkage_svg
+from .linkage.drawing import Drawing
+from .linkage.svg import FRAMES, by_itself
 from .numbers import units
 from .tables import family as family_tables
 from .tables import study as tables
@@ -56,7 +57,7 @@ class CheckResult(Study):
 
     def svg(self, *, moving: bool = True) -> str:
         """The linkage as one SVG for a slide, without a script: moving by itself, or at the first sample."""
-        return linkage_svg(self.scene, self.motion, moving=moving)
+        return by_itself(Drawing(self.scene, self.motion), FRAMES if moving else 0)
 
     def plot(self, channel: str) -> "Figure":
         """A figure of a channel, as `P5.ay`, by the reference and every engine that has it, with their errors below.

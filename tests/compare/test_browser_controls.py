@@ -100,9 +100,7 @@ def opened(
         page.evaluate("document.querySelectorAll('details').forEach(part => (part.open = true))")
         page.evaluate("dispatchEvent(new Event('beforeprint'))")  # draws every figure
         page.wait_for_function("[...document.querySelectorAll('.plot')].every(plot => plot._fullLayout)")
-        page.evaluate(
-            "document.querySelectorAll('.plot').forEach(p => (p._context.doubleClickDelay = 1))"
-        )  # not to wait
+        page.evaluate("document.querySelectorAll('.plot').forEach(p => (p._context.doubleClickDelay = 1))")  # no wait
         yield page
 
 
@@ -213,10 +211,8 @@ def test_nothing_leaves_the_page(opened: "Page") -> None:
     for plot in opened.locator(".plot").all():
         bar = plot.locator(".modebar-container").inner_html()
         assert not AWAY.search(bar)
-        settings = plot.evaluate(
-            "p => [p._context.plotlyServerURL, p._context.showSendToCloud, p._context.displaylogo]"
-        )
-        assert settings == ["", False, False]
+        settings = plot.evaluate("p => p._context")
+        assert [settings[name] for name in ("plotlyServerURL", "showSendToCloud", "displaylogo")] == ["", False, False]
 
 
 def test_a_first_reader_understands_the_words(opened: "Page") -> None:

@@ -21,8 +21,6 @@ ENGINES = ("analytic", "exudyn", "pymunk")
 ROW = 41  # of 73: 205 degrees
 NUMBER = r"-?\d[\d.]*(?:e-?\d+)?"
 TO_PX = 1.5  # px: half of a line's width, and what a browser rounds
-
-
 TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
@@ -59,10 +57,7 @@ def test_scrubbing_moves_the_linkage(report: "Page", press_study: Study) -> None
         shown = places(report)
         assert shown.keys() == press_study.scene.owners.keys()
         for point, place in shown.items():
-            at = press_study.motion.samples
-            z = complex(*press_study.scene.ground[point]) if point in press_study.scene.ground else None
-            z = complex(at[f"{point}.x"][row], at[f"{point}.y"][row]) if z is None else z
-            assert abs(place - complex(drawing.units(np.array([z]))[0])) < 0.05, point
+            assert abs(place - complex(drawing.units(drawing.places[point])[row])) < 0.05, point
 
 
 def test_a_body_turns_with_its_points(report: "Page") -> None:
@@ -84,10 +79,9 @@ def test_all_cursors_follow(report: "Page") -> None:
         scrub(report, row)
         plots = cursors(report)
         assert len(plots) == 12  # 3 of the slider, 6 pins, guide, torque, Assur groups
-        angle = 360 * row / 72
         for plot in plots:
             least, largest = plot["range"]
-            share = (angle - least) / (largest - least)
+            share = (360 * row / 72 - least) / (largest - least)
             assert abs(plot["start"] + share * (plot["end"] - plot["start"]) - plot["at"]) < TO_PX
 
 
@@ -115,11 +109,9 @@ def test_the_values_shown_are_those_of_the_files(
             expected = [*magnitude, *values[:, row]]
             cells = section.locator(".readout tr", has_text=engine).locator("td").all_text_contents()
             for text, value in zip(cells[:-1], expected, strict=True):
-                digits = len(text.partition(".")[2])
-                peak = np.abs(values).max()
-                rounding = 0.5 * 10**-digits + 1e-8 * peak
-                assert 10**-digits <= 1e-4 * peak
-                assert abs(float(text.replace("−", "-")) - value) <= rounding, (engine, text, value)
+                last, peak = 10.0 ** -len(text.partition(".")[2]), np.abs(values).max()
+                assert last <= 1e-4 * peak
+                assert abs(float(text.replace("−", "-")) - value) <= 0.5 * last + 1e-8 * peak, (engine, text, value)
             comparison = press_study.measurements[ENGINES.index(engine)].comparison
             assert comparison is not None
             if engine != "analytic":
@@ -205,15 +197,10 @@ def test_magnified_differences(report: "Page", press_study: Study) -> None:
     chosen = report.locator("[name=magnify] option", has_text="pymunk").get_attribute("value")
     report.select_option("[name=magnify]", value=chosen)
     path = str(report.locator("#linkage .engine").nth(1).get_attribute("d"))
-    drawing = Drawing(press_study.scene, press_study.motion)
-    motion = press_study.motions["pymunk"]
-    state = press_study.motion
-
-    def vector(of: Any) -> complex:
-        return complex(of["P5.x"][ROW], of["P5.y"][ROW])
-
-    magnified = vector(state) + float(str(chosen)) * (vector(motion) - vector(state))
-    expected = complex(drawing.units(np.array([magnified]))[0])
+    both = press_study.motion, press_study.motions["pymunk"]
+    true, own = (complex(of["P5.x"][ROW], of["P5.y"][ROW]) for of in both)
+    magnified = np.array([true + float(str(chosen)) * (own - true)])
+    expected = complex(Drawing(press_study.scene, press_study.motion).units(magnified)[0])
     corners = [complex(*map(float, pair.split())) for pair in re.split("[ML]", path) if pair]
     assert min(abs(corner - expected) for corner in corners) < 0.05
     assert abs(expected - places(report)["P5"]) > 0.5, "one sees it"

@@ -6,8 +6,6 @@ from math import ceil
 import numpy as np
 from plotly.colors import sample_colorscale
 
-from scenes import Scene
-
 from ...measure.many.family import Cycle, Family, Member
 from ...mechanics.axis import axis, prefixed
 from ..tables.family import label
@@ -25,7 +23,7 @@ def curves(family: Family) -> Figure:
     shown = list(drawn(family))
     units = {name: unit for name, unit in (CURVES | EFFORTS).items() if name in shown[0][1].curves}
     over = axis(family.scene)
-    figure = grid([_title(family.scene, name) for name in units], 2)
+    figure = grid([f"{'Drive' if name in EFFORTS else family.scene.output}: {name}" for name in units], 2)
     for number, (name, si) in enumerate(units.items(), start=1):
         factor, unit = prefixed(max(np.ptp(cycle.curves[name]) for _, cycle in shown), si)
         for member, cycle in shown:
@@ -52,7 +50,3 @@ def _line(family: Family, member: Member) -> dict[str, object]:
     share = (value - min(first)) / ((max(first) - min(first)) or 1.0)
     dash = DASHES[sorted(set(others[0])).index(rest[0]) % len(DASHES)] if rest else DASHES[0]
     return {"color": sample_colorscale("Viridis", 0.9 * share)[0], "dash": dash, "width": 1.5}  # its end is too pale
-
-
-def _title(scene: Scene, curve: str) -> str:
-    return f"Drive: {curve}" if curve in EFFORTS else f"{scene.output}: {curve}"

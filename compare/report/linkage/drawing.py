@@ -67,10 +67,9 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
 
 
 class Drawing:
-    """A motion as it is drawn: where metres and newtons are in the picture."""
+    """A motion as it is drawn: where metres and newtons are in the picture, at one scale and in one box with others."""
 
     def __init__(self, scene: Scene, motion: Motion, others: Sequence["Drawing"] = ()) -> None:
-        """Find the scale of others and this one, in a box around all: the corners of what is drawn, m."""
         self.scene, self.motion, self.state = scene, motion, MotionVectors(scene, motion)
         self.places = {point: self.state.place(point) for point in scene.owners}  # m, shape (n,)
         self.arrows = [*arrows(scene, motion, motion)]

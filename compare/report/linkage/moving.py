@@ -35,7 +35,6 @@ class MovingPicture:
     """The picture of a study, and its data: the reference's motion, and those of the engines that have all samples."""
 
     def __init__(self, study: Study, panels: Sequence[Panel]) -> None:
-        """Collect the names of what is packed of every engine: places, what is plotted, the effort, forces drawn."""
         scene, named = study.scene, units(study.reference)
         self.study, self.panels, self.drawing, self._newton = study, panels, Drawing(scene, study.motion), named["N"]
         self.svg = tostring(picture(self.drawing)[0], encoding="unicode")
@@ -51,6 +50,7 @@ class MovingPicture:
         self._places = [f"{point}.{q}" for point in scene.moving_points for q in "xy"]
         plotted = [channel for panel in panels for curve in panel.curves for channel in curve.factors]
         forces = [component for arrow in self.drawing.arrows for component in arrow.components]
+        # what is packed of every engine
         self._compared = [*dict.fromkeys([*self._places, *plotted, *effort, *forces])]
         alone = dict.fromkeys(("time", axis(scene).channel, *(f"{body}.angle" for body in scene.turning)))
         self._channels = [*self._compared, *alone]

@@ -15,7 +15,6 @@ from zlib import crc32
 
 import numpy as np
 
-from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
@@ -55,13 +54,11 @@ class Mover:
         return text
 
 
-def linkage_svg(scene: Scene, motion: Motion, *, moving: bool = True) -> str:
-    """The linkage as one SVG over a whole cycle, without a script, light or dark as the reader's system is."""
-    return by_itself(Drawing(scene, motion), FRAMES if moving else 0)
-
-
 def by_itself(drawing: Drawing, frames: int) -> str:
-    """A drawing that moves by itself through so many poses, or stands where there are none."""
+    """A drawing that moves by itself through so many poses, or stands where there are none: one SVG without a script.
+
+    It is light or dark as the reader's system is.
+    """
     rows = np.linspace(0, len(drawing.motion["time"]) - 1, frames + 1).round().astype(int).tolist()
     root, movers = picture(drawing)
     style, own = [str(root[0].text), text("colours.css")], crc32(tostring(root))  # names of its own on a page

@@ -74,8 +74,7 @@ def _result(attempt: Mapping[Hashable, Any]) -> str:
     """An attempt in a few words: status, largest error that round-off does not explain, and by what it was noticed."""
     words = [str(attempt["status"])]
     errors = np.array([attempt.get(f"{group}_unexplained", np.nan) for group in SHOWN_GROUPS], dtype=float)
-    if not np.isnan(errors).all():
-        worst = np.nanmax(errors)
+    if not np.isnan(worst := np.fmax.reduce(errors)):
         words.append(f"{worst:.0e}" if worst > 0 else "as doubles can")
     if attempt["outcome"] == Outcome.refused and attempt["found_by"] != "engine":
         words.append(f"({attempt['found_by']})")

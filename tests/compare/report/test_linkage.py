@@ -9,7 +9,7 @@ import pytest
 
 from compare.mechanics.reference import uncertified
 from compare.report.linkage.drawing import Drawing
-from compare.report.linkage.svg import linkage_svg, picture
+from compare.report.linkage.svg import FRAMES, by_itself, picture
 from scenes import Motion, Scene
 from scenes.model.motion import quantity
 from tests import scene_files
@@ -152,14 +152,15 @@ def test_the_picture_is_the_same_at_any_size(references: References) -> None:
 
 def test_one_svg_moves_by_itself(references: References) -> None:
     scene, motion = references("shaper").scene, commanded(references("shaper"))
-    text = linkage_svg(scene, motion)
+    drawing = Drawing(scene, motion)
+    text = by_itself(drawing, FRAMES)
     assert "<script" not in text
     root = fromstring(text)
-    drawing = Drawing(scene, motion)
     rocker = part(root, "rocker")
     name = str(rocker.get("style")).split()[1]
     frames = re.search(rf"@keyframes {name} {{(.*)}}", str(root[0].text))
-    assert name not in linkage_svg(scene, Motion({c: v[::2] for c, v in motion.samples.items()})), "two on one page"
+    other = Drawing(scene, Motion({c: v[::2] for c, v in motion.samples.items()}))
+    assert name not in by_itself(other, FRAMES), "two on one page"
     assert frames is not None
     steps = re.findall(r"([\d.]+)%{transform:translate\(([^)]*)\) rotate\(([^)]*)deg\)}", frames[1])
     assert len(steps) == 73
@@ -168,6 +169,6 @@ def test_one_svg_moves_by_itself(references: References) -> None:
         assert complex(*numbers(place)) == pytest.approx(complex(drawing.units(drawing.places["C"])[row]), abs=PLACE)
         turned = np.degrees(motion["rocker.angle"][row])
         assert (float(angle) + turned + 180) % 360 - 180 == pytest.approx(0, abs=PLACE)
-    still = linkage_svg(scene, motion, moving=False)
+    still = by_itself(drawing, 0)
     assert "keyframes" not in still
     assert fromstring(still).tag == f"{SVG}svg"
