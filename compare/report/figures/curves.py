@@ -1,10 +1,11 @@
-"""Curves over the drive's position or the time.
+"""Curves over the drive's position or the time, and over the distance to singular configurations.
 
 The reference is drawn as lines, the engines as sparse markers on them; below, each engine's error on a log axis.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,11 +19,13 @@ from ...mechanics.mechanics import GROUPS
 from ...mechanics.reference import Reference
 from ...study import Study
 from ..numbers import units
-from .figure import Figure, draw, stacked
+from . import style
+from .figure import Figure, draw, side_by_side, stacked
 from .style import BOUND, DARK_GREY, DASHES, FLOOR, LOG, colour, drive_axes, layout, marker
 
 MARKERS = 36  # per cycle, shared out between the engines
 FIGURES = 24  # of panels, at most
+PLOTTED = ("velocity", "acceleration", "reaction")  # over the distance
 
 
 @dataclass(frozen=True)
@@ -148,3 +151,69 @@ def over_angle(study: Study, panel: Panel) -> Figure:
     figure.update_yaxes(LOG, title="relative error [-]", nticks=6, panel=2)
     drive_axes(figure, study.scene, study.sampling.turns, 2)
     return figure.update_layout(layout(480))
+
+
+def assur_groups(study: Study) -> Figure | None:
+    """Draw every Assur group's distance to its singular configuration; None where the reference has no such channel."""
+    motion, over = study.motion, axis(study.scene).of(study.motion)
+    per_metre, metres = units(study.reference)["m"]
+    factors = {"transmission": 180 / np.pi, "to_lock": per_metre}
+    rows = {
+        measured: {c.rpartition(".")[0]: factor * motion[c] for c in motion.samples if quantity(c) == measured}
+        for measured, factor in factors.items()
+    }  # values by joint
+    rows = {measured: curves for measured, curves in rows.items() if curves}
+    if not rows or study.sampling.channels is not None:
+        return None
+    joints = list(dict.fromkeys(joint for curves in rows.values() for joint in curves))
+    figure = stacked(*[1.0] * len(rows))
+    for row, (measured, curves) in enumerate(rows.items(), start=1):
+        for joint, values in curves.items():
+            number = joints.index(joint)
+            line = {"color": colour(number), "dash": DASHES[number // len(style.COLOURS) % len(DASHES)]}
+            draw(figure, joint, over, values, row, line=line)
+        vertical = {"title": "transmission angle [deg]", "range": [0, 92], "dtick": 30}
+        if measured == "to_lock":
+            vertical = {"title": f"distance [{metres}]"} | _logarithmic(np.array(list(curves.values())))
+        figure.update_yaxes(**vertical, panel=row)
+    drive_axes(figure, study.scene, study.sampling.turns, len(rows))
+    return figure.update_layout(layout((300, 480)[len(rows) - 1]))
+
+
+def _logarithmic(values: Samples) -> dict[str, Any]:
+    """A log axis; where the values span few decades it has marks at 1, 2 and 5, where its own are too few."""
+    powers = np.log10(values[(values > 0) & np.isfinite(values)])
+    marks = np.outer(10.0 ** np.arange(-12, 12), (1, 2, 5)).ravel()
+    near = [m for m in marks if powers.size and powers.min() - 0.4 < np.log10(m) < powers.max() + 0.4]
+    if not 1 < len(near) < 8:
+        return LOG | {"dtick": 1}
+    ends = [*np.log10([0.9 * near[0], near[-1]])]
+    return LOG | {"range": ends, "tickvals": near, "ticktext": [f"{m:g}" for m in near]}
+
+
+def over_distance(study: Study) -> Figure | None:
+    """Draw every engine's errors over the distance to the nearest singular configuration; None if no other ran.
+
+    Where the core knows no distance in metres, it is the relative one to the nearest singular Jacobian, 1/κ.
+    """
+    own = [(number, m) for number, m in enumerate(study.measurements) if m.run.engine != REFERENCE and not m.foreign]
+    runs = [(number, m.run.engine, m.comparison.actual) for number, m in own if m.comparison is not None]
+    channels = {group: [c for c in study.explained.sensitivity if GROUPS[quantity(c)] == group] for group in PLOTTED}
+    groups = [group for group in PLOTTED if channels[group]]
+    if not runs or study.sampling.channels is not None:
+        return None
+    locks = [values for channel, values in study.motion.samples.items() if quantity(channel) == "to_lock"]
+    per_metre, metres = units(study.reference)["m"]
+    distance = per_metre * np.min(locks, axis=0) if locks else 1 / study.explained.condition
+    order = np.argsort(distance)
+    figure = side_by_side(groups)
+    for column, group in enumerate(groups, start=1):
+        for number, engine, errors in runs:
+            known = [errors[channel] for channel in channels[group] if channel in errors]
+            largest = np.max([np.zeros_like(distance), *known], axis=0)
+            shown, mark = np.where(largest > 0, largest, np.nan), {"color": colour(number), "size": 4}
+            draw(figure, engine, distance, shown, column, mode="markers", marker=mark)
+        explained = np.max([study.explained.error(channel) for channel in channels[group]], axis=0)
+        draw(figure, style.ROUND_OFF, distance[order], explained[order], column, line=BOUND)
+    style.error_axes(figure, f"distance to the singular configuration [{metres}]" if locks else "1/κ [-]")
+    return figure.update_layout(layout(380, titled=True))

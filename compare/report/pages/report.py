@@ -12,9 +12,8 @@ from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
 from ..extremes import affordable
-from ..figures.curves import chosen, over_angle
+from ..figures.curves import assur_groups, chosen, over_angle, over_distance
 from ..figures.figure import Attributes, Figure
-from ..figures.singular import assur_groups, over_distance
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture

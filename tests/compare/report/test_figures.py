@@ -12,9 +12,8 @@ import pytest
 from jinja2 import Environment, PackageLoader
 
 from compare.mechanics.axis import prefixed
-from compare.report.figures.curves import Panel, over_angle, panels
+from compare.report.figures.curves import Panel, assur_groups, over_angle, panels
 from compare.report.figures.offline import offline
-from compare.report.figures.singular import assur_groups
 from compare.report.figures.speed import work_precision
 from compare.report.pages.html import ByteCode
 from compare.report.pages.report import page
