@@ -66,13 +66,11 @@ class Constraints:
         self.bodies = {name: number for number, name in enumerate((*scene.bodies, GROUND))}
         self.arms = {name: arms(scene, body) for name, body in scene.bodies.items()}
         self.arms[GROUND] = {point: complex(*place) for point, place in scene.ground.items()}
-        rows = [*self._rows()]
+        first, second, arm, other, along, frame = zip(*self._rows(), strict=True)
         self._first, self._second, self._frame = (
-            np.array([self.bodies[name] for name in names])
-            for names in zip(*((row.first, row.second, row.frame) for row in rows), strict=True)
+            np.array([self.bodies[name] for name in names]) for names in (first, second, frame)
         )
-        self._arm, self._other = np.array([(row.arm, row.other) for row in rows]).T / self.size
-        self._along = np.array([row.along for row in rows])
+        self._arm, self._other, self._along = np.array(arm) / self.size, np.array(other) / self.size, np.array(along)
         self._turns = np.flatnonzero(self._along == 0)
         self.units = np.where(self._along == 0, 1.0, self.size)  # of the constraints, m and rad
         somewhere = np.random.default_rng(0).normal(size=(1, len(scene.bodies), 3))  # where no entry vanishes by chance

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, ForceTable, Load, PressForce, Slide
+from scenes.scene import GROUND, Body, ForceTable, Load, PressForce
 
 from .bodies import first_point, inertia
 
@@ -140,34 +140,33 @@ class MotionVectors:
         force: Vectors = load.along(self.displacement(body)[0]) * np.array(complex(*body.slide.along))
         return force
 
-    def joint_forces(self, body: Body) -> Iterator[tuple[Vectors, Vectors]]:
-        """Yield every force of a pin, a guide or a slider's drive on the body, with its point of attack."""
-        for pin in self.scene.pins:
-            if body.name in (pin.first, pin.second):
-                force = self.vector(f"{pin.channel}.", "fx", "fy")
-                yield (force if body.name == pin.second else -force), self.place(pin.point)
-        for sign, slider, slide in self._guides(body):
-            normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
-            yield sign * self.motion[f"{slider.name}.guide_force"] * normal, self.place(slider.points[0])
-        if body.name == self.scene.drive.body and body.slide is not None:
-            yield self.motion["drive.force"] * np.array(complex(*body.slide.along)), self.place(body.points[0])
-
-    def _couple(self, body: Body) -> Samples:
-        """The pure moments on the body, N m."""
-        couples = [sign * self.motion[f"{slider.name}.guide_moment"] for sign, slider, _ in self._guides(body)]
-        if body.name == self.scene.drive.body and body.slide is None:
-            couples.append(self.motion["drive.torque"])
-        return sum(couples, np.zeros(self.motion["time"].shape))
-
     def bodies(self) -> dict[str, LoadedBody]:
         """All bodies of a motion that has every channel, by name."""
+        scene, motion, names = self.scene, self.motion, (*self.scene.bodies, GROUND)
+        pushes: dict[str, list[tuple[Vectors, Vectors]]] = {name: [] for name in names}
+        couples = dict.fromkeys(names, np.zeros(motion["time"].shape))
+        for pin in scene.pins:
+            force, at = self.vector(f"{pin.channel}.", "fx", "fy"), self.place(pin.point)
+            pushes[pin.first].append((-force, at))
+            pushes[pin.second].append((force, at))
+        for name, slide in ((body.name, body.slide) for body in scene.bodies.values() if body.slide is not None):
+            normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
+            for on, sign in ((name, 1), (slide.on, -1)):
+                force = sign * motion[f"{name}.guide_force"] * normal
+                pushes[on].append((force, self.place(scene.bodies[name].points[0])))
+                couples[on] = couples[on] + sign * motion[f"{name}.guide_moment"]
+        driven, way = scene.bodies[scene.drive.body], scene.driven_slide
+        if way is None:
+            couples[driven.name] = couples[driven.name] + motion["drive.torque"]
+        else:
+            force = motion["drive.force"] * np.array(complex(*way.along))
+            pushes[driven.name].append((force, self.place(driven.points[0])))
         moving = {}
-        for name, body in self.scene.bodies.items():
+        for name, body in scene.bodies.items():
             applied = [*self.applied(body)]
-            pushes = [*self.joint_forces(body), *((push.force, push.at) for push in applied)]
-            _, omega, alpha = self.turning(name)
-            weights = body.mass or 0.0, inertia(body)
-            moving[name] = LoadedBody(*weights, applied, pushes, self._couple(body), *self.com(body), omega, alpha)
+            every = [*pushes[name], *((push.force, push.at) for push in applied)]
+            weights, turning = (body.mass or 0.0, inertia(body)), self.turning(name)[1:]
+            moving[name] = LoadedBody(*weights, applied, every, couples[name], *self.com(body), *turning)
         return moving
 
     def drive_power(self) -> Samples:
@@ -176,12 +175,6 @@ class MotionVectors:
         if body.slide is None:
             return self.motion["drive.torque"] * self.turning(body.name)[1]
         return self.motion["drive.force"] * self.displacement(body)[1]
-
-    def _guides(self, body: Body) -> Iterator[tuple[int, Body, Slide]]:
-        """Yield each slider whose guide the body shares: its own with +1, those that slide on the body with -1."""
-        for slider in self.scene.bodies.values():
-            if slider.slide is not None and body.name in (slider.name, slider.slide.on):
-                yield (1 if slider is body else -1), slider, slider.slide
 
     def stroke_end(self, load: PressForce) -> float:
         """Where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""
