@@ -22,6 +22,7 @@ from compare.judge.measure import Measurement
 from compare.mechanics.reference import Reference
 from compare.run import main
 from scenes import InputError, Motion, Scene, Settings, Status
+from tests import scene_files
 from tests.comparisons import commanded
 
 Spoil = Callable[[Motion], Motion]
@@ -48,11 +49,6 @@ def faster(motion: Motion) -> Motion:
     return Motion({c: values * (1.0 + 1e-9 * c.endswith(".omega")) for c, values in motion.samples.items()})
 
 
-def upside_down(scene: Scene) -> Scene:
-    """Return the toggle press with its rod upwards: consistent, and another machine."""
-    return replace(scene, sketch=replace(scene.sketch, points={**scene.sketch.points, "P5": (0.0, -0.4)}))
-
-
 def test_a_core_that_contradicts_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rate that is off by 1e-9 is far below every promise of the simulators, and far above its own."""
     scene = scenes.load("toggle_press")
@@ -75,12 +71,12 @@ def test_a_core_that_fails_by_a_fault_of_its_own_is_one_line(monkeypatch: pytest
 
 @pytest.mark.parametrize("oracle", [True, False])
 def test_a_core_that_stands_alone(monkeypatch: pytest.MonkeyPatch, oracle: bool) -> None:
-    """On another branch, all in itself right: against arbitrary precision, or two simulators that agree."""
+    """With its rod upwards, all in itself right: against arbitrary precision, or two simulators that agree."""
     if not oracle:
         missing = replace(registry.ENTRIES["multiprecision"], package="no_such_package")
         monkeypatch.setitem(registry.ENTRIES, "multiprecision", missing)
-    scene = scenes.load("toggle_press")
-    result = judged(monkeypatch, scene, upside_down(scene), lambda motion: motion)
+    upside_down = scene_files.load("toggle_press", {"sketch.P5": [0, -400]})
+    result = judged(monkeypatch, scenes.load("toggle_press"), upside_down, lambda motion: motion)
     assert result.verdicts["analytic"][0] == "inaccurate"
     assert "suspect the core" in result.verdicts["analytic"][1]
     assert {result.verdicts[engine] for engine in ("exudyn", "pymunk")} == {("ok", "")}

@@ -94,8 +94,7 @@ def test_a_body_that_is_mirrored_is_another(reference: Reference, motion: Motion
 
 
 def near_lock(rung: str) -> Reference:
-    (step,) = (step for step in hard.ladder("dead_centre_driven").rungs if step.label == rung)
-    return uncertified(step.scene())
+    return uncertified(next(of for of in hard.ladder("dead_centre_driven").rungs if of.label == rung).scene())
 
 
 def test_what_rounding_explains_is_no_error() -> None:

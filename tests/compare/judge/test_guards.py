@@ -1,7 +1,5 @@
 """Guards that need no reference: each alone must refuse what it is for, on either side, and what is not a number."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,6 +8,7 @@ from compare.judge.checks import Check, checks
 from compare.judge.verdict import judged, limits
 from compare.mechanics.reference import Reference
 from scenes import Motion, Settings, Status
+from tests import scene_files
 from tests.comparisons import SAMPLING, References, changed, commanded, of_scene, size_of
 
 INCONSISTENT, INACCURATE = Status.inconsistent, Status.inaccurate
@@ -101,8 +100,7 @@ def test_what_is_not_a_number_passes_no_guard(reference: Reference, motion: Moti
 
 def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motion) -> None:
     """From the other assembly on half a turn long: closed joints, right rates, balanced forces, and a jump."""
-    upward = replace(reference.scene.sketch, points={**reference.scene.sketch.points, "P5": (0.0, -0.4)})
-    other = commanded(of_scene(reference, replace(reference.scene, sketch=upward)))
+    other = commanded(of_scene(reference, scene_files.load("toggle_press", {"sketch.P5": [0, -400]})))
     half = np.arange(SAMPLING.count) < 30
     flipped = Motion({c: np.where(half, motion[c], other[c]) for c in motion.samples if c in other})
     run = verdict(checks(reference.mechanics, flipped, reference.travel))

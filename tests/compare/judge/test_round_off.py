@@ -14,7 +14,7 @@ from compare.mechanics.constraints import Constraints
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference, uncertified
 from compare.mechanics.round_off import EPS, Explained, explain
-from scenes import Sampling, hard
+from scenes import Sampling, Scene, hard
 from scenes.model.motion import channels, quantity
 from tests import scene_files
 from tests.comparisons import SAMPLING, changed, commanded, row_of
@@ -22,9 +22,8 @@ from tests.comparisons import SAMPLING, changed, commanded, row_of
 TURN = Sampling(360)
 
 
-def near_lock(rung: str) -> Reference:
-    (step,) = (step for step in hard.ladder("lock_rrr").rungs if step.label == rung)
-    return uncertified(step.scene())
+def rung(name: str, label: str) -> Scene:
+    return next(of for of in hard.ladder(name).rungs if of.label == label).scene()
 
 
 def largest(explained: Explained, *quantities: str) -> float:
@@ -40,7 +39,7 @@ def test_far_from_a_lock_little_is_explained(reference: Reference) -> None:
 
 def test_it_grows_towards_a_lock_as_theory_has_it() -> None:
     """The condition as 1/sqrt(g), an angular acceleration as 1/g of its own size there."""
-    far, near = explain(near_lock("1e-3"), TURN), explain(near_lock("1e-7"), TURN)
+    far, near = (explain(uncertified(rung("lock_rrr", label)), TURN) for label in ("1e-3", "1e-7"))
     assert near.condition.max() / far.condition.max() == pytest.approx(1e2, rel=0.3)
     ratio = largest(near, "alpha") / largest(far, "alpha")
     assert 1e3 < ratio < 1e5
@@ -48,18 +47,16 @@ def test_it_grows_towards_a_lock_as_theory_has_it() -> None:
 
 
 def test_a_few_draws_find_nearly_the_worst(monkeypatch: pytest.MonkeyPatch) -> None:
-    near = near_lock("1e-5")
-    few = explain(near, TURN)
+    few = explain(uncertified(rung("lock_rrr", "1e-5")), TURN)
     monkeypatch.setattr(sensitivity, "DRAWS", 60)
-    many = explain(near_lock("1e-5"), TURN)
+    many = explain(uncertified(rung("lock_rrr", "1e-5")), TURN)
     for quantities in (("x", "y"), ("vx", "vy"), ("ax", "ay"), ("fx", "fy")):
         assert largest(few, *quantities) >= largest(many, *quantities) / 3
 
 
 def test_in_a_lock_doubles_can_tell_nothing() -> None:
     """The change point itself, where scenes that differ by nothing to speak of do not assemble, or jump."""
-    (rung,) = (rung for rung in hard.ladder("parallelogram").rungs if rung.label == "0")
-    scene = rung.scene()
+    scene = rung("parallelogram", "0")
     solve = registry.reference(scene)
     motion = solve(TURN.commanded(scene), TURN.times(scene))
     scale = dict.fromkeys(channels(scene), 1.0)
@@ -81,17 +78,13 @@ def test_the_allowance_is_a_few_roundings(reference: Reference) -> None:
 
 def test_an_error_is_a_fault_only_above_it(reference: Reference) -> None:
     """At one row where much is explained, and at another where nothing is."""
-    motion = commanded(reference)
-    plain = explain(reference, SAMPLING)
+    motion, plain, size = commanded(reference), explain(reference, SAMPLING), reference.scale["P3.fx"]
     hazy = {channel: np.where(np.arange(SAMPLING.count) == 40, 1e-3, of) for channel, of in plain.sensitivity.items()}
     explained = replace(plain, sensitivity=hazy)
-    size = reference.scale["P3.fx"]
 
     def unexplained(row: int, by: float) -> float:
-        table = error_table(
-            "x", compare(reference, SAMPLING, changed(motion, "P3.fx", by * size, row)), reference, explained
-        )
-        return row_of(table, "P3.fx").unexplained
+        comparison = compare(reference, SAMPLING, changed(motion, "P3.fx", by * size, row))
+        return row_of(error_table("x", comparison, reference, explained), "P3.fx").unexplained
 
     assert unexplained(40, 0.9e-3) <= 1e-14  # of which no more than the floor is shown
     assert unexplained(40, 1.1e-3) == pytest.approx(1.1e-3)
@@ -101,8 +94,7 @@ def test_an_error_is_a_fault_only_above_it(reference: Reference) -> None:
 
 def test_the_condition_is_that_of_the_matrix_that_moves_the_linkage(reference: Reference) -> None:
     """Its inverse turns a gap at any joint into a change of pose: by at most the largest singular value's inverse."""
-    motion = commanded(reference)
-    constraints = Constraints(reference.scene)
+    motion, constraints = commanded(reference), Constraints(reference.scene)
     values = np.linalg.svd(constraints.jacobian(constraints.poses(motion))[7], compute_uv=False)
     found = reference.mechanics.constraints.condition(motion)
     assert found[7] == pytest.approx(values[0] / values[-1])

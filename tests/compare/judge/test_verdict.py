@@ -15,6 +15,7 @@ from compare.measure.speed.timing import Budget
 from compare.mechanics.reference import Reference
 from compare.study import study
 from scenes import Failure, Motion, Sampling, Settings, Status
+from tests import scene_files
 from tests.comparisons import SAMPLING, Outcome, Plug, Stub, changed, rows_of, size_of
 
 Measured = Callable[..., Measurement]
@@ -36,8 +37,7 @@ def measured(reference: Reference, plug: Plug) -> Measured:
 
 def test_a_mirrored_linkage_is_a_wrong_branch(reference: Reference, measured: Measured) -> None:
     """The rod assembled upwards: every joint is closed, every law holds, and it is the wrong machine."""
-    upward = replace(reference.scene.sketch, points={**reference.scene.sketch.points, "P5": (0.0, -0.4)})
-    mirrored = replace(reference.scene, sketch=upward)
+    mirrored = scene_files.load("toggle_press", {"sketch.P5": [0, -400]})
     run = measured(analytic.solve(mirrored, SAMPLING.commanded(reference.scene))).run
     assert run.status is Status.wrong_branch
     assert "P5" in run.reason
