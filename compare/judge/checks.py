@@ -73,7 +73,11 @@ def checks(
     if motion.samples.keys() >= {*kinematic_channels(scene)}:
         estimated = estimate(mechanics, motion, travel, ends)
         violations["branch", "linkage", "sign of the Jacobian"] = _flips(estimated.branch)
-        violations |= _furthest_off(mechanics, estimated)
+        for group in SHOWN_GROUPS:  # its channel that is furthest off; one that is not a number is further than all
+            own = {c: error.max() for c, error in estimated.errors.items() if mechanics.groups[c] == group}
+            if own:
+                channel = [*own][int(np.argmax([*own.values()]))]
+                violations[group, channel, RELATIVE] = estimated.errors[channel]
         if mechanics.forces and motion.samples.keys() >= {*mechanics.forces}:
             violations |= _balances(mechanics, state, travel, estimated, may or state.acts(state.stroke_ends()))
     worst = []
@@ -88,17 +92,6 @@ def _flips(branch: Samples) -> Samples:
     """1 where the sign is not that of the first pose that is not singular, shape (n,)."""
     first = np.append(branch[branch != 0], 1.0)[0]
     return np.where(branch * first >= 0, 0.0, 1.0)
-
-
-def _furthest_off(mechanics: Mechanics, estimated: Estimate) -> Violations:
-    """The errors of the channel of each group that is furthest off; one that is not a number is further than all."""
-    errors, violations = estimated.errors, Violations()
-    for group in SHOWN_GROUPS:
-        own = [channel for channel in errors if mechanics.groups[channel] == group]
-        if own:
-            channel = own[int(np.argmax([errors[channel].max() for channel in own]))]
-            violations[group, channel, RELATIVE] = errors[channel]
-    return violations
 
 
 def _drive(mechanics: Mechanics, motion: Motion) -> Samples:

@@ -13,7 +13,7 @@ from scenes import Sampling, Settings, Status
 from ..engines import registry
 from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
-from ..engines.runner import HERE, Run, Runs
+from ..engines.runner import HERE, Runs
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import explain
 from ..mechanics.scales import relative_errors
@@ -91,7 +91,9 @@ def _voted(reference: Reference, measurements: list[Measurement]) -> tuple[Refer
         votes = len({voter(m.run.engine) for pair in pairs for m in pair})
         count = f"{votes} against {1 + len({*map(voter, ok)})} with no calculation of 50 digits to decide"
         doubt = f"{alone}, {count}, suspect the core: {names} agree with each other"
-        by_themselves = {id(m): replace(m, run=_by_itself(m)) for m in against}
+        for m in against:  # as their own output lets one judge them
+            own = replace(m.run, status=Status.ok, reason="", found_by="")
+            by_themselves[id(m)] = replace(m, run=judged(own, m.checks))
     doubted = replace(reference, floor=replace(reference.floor, doubt=doubt))
     return doubted, [
         replace(m, run=doubted_core(m.run, doubt)) if m.run.engine == REFERENCE else by_themselves.get(id(m), m)
@@ -107,8 +109,3 @@ def _agree(reference: Reference, one: Measurement, other: Measurement) -> bool:
     errors = relative_errors(first.motion, second.motion, reference.scale)
     promises = first.settings.promise + second.settings.promise
     return bool(np.max([error.max() for error in errors.values()]) <= promises)
-
-
-def _by_itself(measured: Measurement) -> Run:
-    """The run as its own output lets one judge it."""
-    return judged(replace(measured.run, status=Status.ok, reason="", found_by=""), measured.checks)

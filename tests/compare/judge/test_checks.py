@@ -112,13 +112,11 @@ def test_two_models_pass_every_check(references: References, name: str, engine: 
     scene = references(name).scene
     outcome = run(engine, scene, Sampling(8))
     assert outcome.motion is not None, outcome.reason
-    for check in checks(Mechanics(scene), outcome.motion, references(name).travel):
-        assert check.worst <= 1e-13, check
+    assert max(violations(references(name), outcome.motion).values()) <= 1e-13
 
 
 def test_checks_with_gravity_and_given_inertia() -> None:
     crank = {"bodies.crank.mass": 3, "bodies.crank.com": [0.4, 0.1], "bodies.crank.inertia": 0.2}
     scene = scene_files.load("slider_crank", crank | {"gravity": [1, -9.81]})
     motion = analytic.solve(scene, np.linspace(0, 6, 100))
-    for check in checks(Mechanics(scene), motion, travels(scene, motion)):
-        assert check.worst <= 1e-13, check
+    assert max(check.worst for check in checks(Mechanics(scene), motion, travels(scene, motion))) <= 1e-13

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compare.engines.runner import Run
-from compare.judge.checks import Check, checks
+from compare.judge.checks import checks
 from compare.judge.verdict import judged, limits
 from compare.mechanics.reference import Reference
 from scenes import Motion, Settings, Status
@@ -44,21 +44,21 @@ NOT_A_NUMBER = {  # a channel, and the guards that look at it
 PROMISE = Settings("stub", promise=1e-3)
 
 
-def verdict(found: list[Check]) -> Run:
-    return judged(Run("stub", PROMISE, Status.ok), found)
+def verdict(reference: Reference, motion: Motion, guard: str = "") -> Run:
+    """Return the verdict on a motion by all guards, or by one alone."""
+    found = checks(reference.mechanics, motion, reference.travel)
+    return judged(Run("stub", PROMISE, Status.ok), [check for check in found if guard in ("", check.check)])
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("guard", "channel"), GUARDS)
 def test_each_guard_alone(reference: Reference, motion: Motion, guard: str, channel: str, sign: int) -> None:
     by, status, reason = GUARDS[guard, channel]
-    wrong = changed(motion, channel, sign * by * reference.scale[channel])
-    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == guard]
-    run = verdict(found)
+    run = verdict(reference, changed(motion, channel, sign * by * reference.scale[channel]), guard)
     assert (run.status, run.found_by) == (status, "checks")
     assert reason in run.reason
     assert run.reason.endswith("at crank angle 200.0000 deg" if guard != "drive" else " deg")
-    assert verdict(checks(reference.mechanics, motion, reference.travel)).status is Status.ok
+    assert verdict(reference, motion).status is Status.ok
 
 
 @pytest.mark.parametrize("share", [0.9, 1.1])
@@ -67,9 +67,7 @@ def test_a_promise_alone(reference: Reference, motion: Motion, guard: str, share
     """Of the size there, whichever is the larger."""
     channel = BROKEN[guard]
     wrong = changed(motion, channel, share * 1e-3 * size_of(motion, channel, reference.scale[channel]))
-    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == guard]
-    run = verdict(found)
-    assert run.status is (Status.ok if share < 1 else INACCURATE)
+    assert verdict(reference, wrong, guard).status is (Status.ok if share < 1 else INACCURATE)
 
 
 @pytest.mark.parametrize(("by", "status"), [(0.9e-3, Status.ok), (1.1e-3, INACCURATE), (0.3, INCONSISTENT)])
@@ -77,8 +75,7 @@ def test_the_force_of_a_driven_slider(references: References, by: float, status:
     reference = references("driven_toggle")
     motion = commanded(reference)
     wrong = changed(motion, "drive.force", by * size_of(motion, "drive.force", reference.scale["drive.force"]))
-    found = [check for check in checks(reference.mechanics, wrong, reference.travel) if check.check == "force"]
-    assert verdict(found).status is status
+    assert verdict(reference, wrong, "force").status is status
 
 
 def test_every_guard_is_tested() -> None:
@@ -89,13 +86,8 @@ def test_every_guard_is_tested() -> None:
 
 @pytest.mark.parametrize("channel", NOT_A_NUMBER)
 def test_what_is_not_a_number_passes_no_guard(reference: Reference, motion: Motion, channel: str) -> None:
-    found = checks(reference.mechanics, changed(motion, channel, np.nan), reference.travel)
-    refused = {
-        guard
-        for guard in {limit.check for limit in limits(PROMISE)}
-        if verdict([check for check in found if check.check == guard]).reason
-    }
-    assert refused >= NOT_A_NUMBER[channel]
+    wrong = changed(motion, channel, np.nan)
+    assert all(verdict(reference, wrong, guard).reason for guard in NOT_A_NUMBER[channel])
 
 
 def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motion) -> None:
@@ -103,7 +95,7 @@ def test_a_flip_on_the_way_is_a_wrong_branch(reference: Reference, motion: Motio
     other = commanded(of_scene(reference, scene_files.load("toggle_press", {"sketch.P5": [0, -400]})))
     half = np.arange(SAMPLING.count) < 30
     flipped = Motion({c: np.where(half, motion[c], other[c]) for c in motion.samples if c in other})
-    run = verdict(checks(reference.mechanics, flipped, reference.travel))
+    run = verdict(reference, flipped)
     assert run.status is Status.wrong_branch
     assert run.reason.endswith("flips to another branch at crank angle 150.0000 deg")
 
