@@ -167,11 +167,8 @@ class Scene:
 
     def size(self, number: Number) -> float:
         """What the file's unit of a number is in SI; of a guide's direction, which has a length of its own there."""
-        if number.quantity.dimension != "direction":
-            return self.all_units[number.quantity.dimension][1]
-        slide = self.bodies[str(number.at[1])].slide
-        assert slide is not None
-        return 1 / slide.drawn
+        slide = self.bodies[str(number.at[1])].slide if number.quantity.dimension == "direction" else None
+        return self.all_units[number.quantity.dimension][1] if slide is None else 1 / slide.drawn
 
     def with_numbers(self, values: Mapping[str, Any]) -> "Scene":
         """The scene with other numbers, SI, by their paths in the file; of many machines arrays of shape (m, 1).

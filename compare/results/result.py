@@ -180,14 +180,13 @@ def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile) -> None:
 
 def _on_this_side(scene: Scene, columns: Columns, other_side: Sequence[str]) -> None:
     """Turn forces round that are given as those on the other body."""
-    stems = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}
+    stems, turned = {channel: channel.rpartition(".")[0] for channel in force_channels(scene)}, set[str]()
     for pattern in other_side:
-        if not any(fnmatchcase(stem, pattern) for stem in stems.values()):
+        if not (fits := {channel for channel, stem in stems.items() if fnmatchcase(stem, pattern)}):
             shown = one_line(pattern, 60)
             raise InputError(f"other_side: no joint, slider or drive '{shown}'{nearest(shown, stems.values())}")
-    for channel, stem in stems.items():
-        if channel in columns and any(fnmatchcase(stem, pattern) for pattern in other_side):
-            columns[channel] = -columns[channel]
+        turned |= fits
+    columns |= {channel: -columns[channel] for channel in turned & columns.keys()}
 
 
 def _on_time(scene: Scene, columns: Columns, halves: Columns, *, backwards: bool) -> None:

@@ -37,16 +37,12 @@ class Status(Enum):
 
 
 class Failure(Exception):  # noqa: N818 - it is an outcome, kept as a row, not an error
-    """A run that ended with a status other than ok, and the particular reason in one sentence.
-
-    `motion` is what was computed all the same and is not to be trusted, for those who ask how far off it is.
-    """
+    """A run that ended with a status other than ok, and the particular reason in one sentence."""
 
     def __init__(self, status: Status, reason: str, motion: Motion | None = None) -> None:
         super().__init__(reason)
-        self.status = status
-        self.reason = reason
-        self.motion = motion
+        self.status, self.reason = status, reason
+        self.motion = motion  # computed all the same, and not to be trusted, for those who ask how far off it is
 
 
 @dataclass(frozen=True)
@@ -106,11 +102,8 @@ class Module(Protocol[S]):
     def build(self, scene: Scene, settings: S, request: Request) -> Simulation:
         """Prepare a run; nothing is solved yet but the pose that it starts from.
 
-        The request is for n instants, s, or positions of the drive, rad or m, and the channels wanted there.
-
-        Raises:
-            Failure: `unsupported` or `cannot_assemble`, the scene cannot be modelled or assembled.
-            ImportError: the engine is not installed.
+        The request is for n instants, s, or positions of the drive, rad or m, and the channels wanted there. It raises
+        `Failure`, `unsupported` or `cannot_assemble`, and ImportError where the engine is not installed.
         """
 
 
