@@ -110,8 +110,8 @@ def route(scene: Scene) -> str:
     Raises:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
-    driver = "crank" if scene.driven_slide is None else "driven slider"
-    groups = ", ".join([driver, *map(kind, decompose(scene).groups)])
+    kinds = [*map(kind, decompose(scene).groups)]  # first: it refuses what is no scene
+    groups = ", ".join(["crank" if scene.driven_slide is None else "driven slider", *kinds])
     return f"closed form: {groups}" if in_closed_form(scene) else groups
 
 
