@@ -18,11 +18,7 @@ class Stopped(Exception):  # noqa: N818 - it is a wish, not an error
 
 @contextmanager
 def stoppable() -> Iterator[Callable[[], bool]]:
-    """Yield a function: whether the user asked to stop.
-
-    Raises:
-        KeyboardInterrupt: the user asked again.
-    """
+    """Yield a function: whether the user asked to stop; where that is asked again, KeyboardInterrupt is raised."""
     asked = 0
 
     def ask(_signal: int, _frame: FrameType | None) -> None:
