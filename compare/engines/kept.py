@@ -4,8 +4,8 @@ Each line starts with a digest of itself and of the very same code, scenes and e
 Several runs may add to the file at the same time. Where nothing can be kept, nothing is, and the run goes on.
 
 A result is what JSON has, or `encoded` as that: numbers, texts, arrays, and the project's own records of them: data
-classes, named tuples, members of enumerations. Settings of an engine from outside stand as what is known of
-them without it. Reading runs no code.
+classes, named tuples, members of enumerations. Settings of an engine from outside stand as what is known of them
+without it. Reading runs no code.
 """
 
 import json
@@ -40,7 +40,6 @@ class Kept:
     """A file of results, by name."""
 
     def __init__(self, file: Path, key: object) -> None:
-        """Take what is there of this version of everything, and `key`."""
         self._file = file
         self._stamp = f"{version()} {environment()['system']} {key} ".encode()
         self.trouble = ""  # why results are not kept

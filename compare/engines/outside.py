@@ -40,9 +40,7 @@ Meanings: TypeAlias = tuple[tuple[str, str], ...]  # by name of a field
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:
     """Return the entries of all engines that installed distributions offer, by name; others have those `taken`."""
-    first: dict[
-        str, tuple[EntryPoint, ...]
-    ] = {}  # of a distribution that is found twice; of a broken one there is none
+    first: dict[str, tuple[EntryPoint, ...]] = {}  # of one that is found twice; of a broken one there is none
     for each in distributions():
         with suppress(Exception):  # of anybody's files: not UTF-8, or a line that is no entry point
             if points := tuple(each.entry_points.select(group=GROUP)):
@@ -151,7 +149,6 @@ class StandIn(Settings):
     meanings: ClassVar[Meanings]
 
     def __reduce__(self) -> tuple[object, ...]:
-        """The way in which they are made again in another process."""
         return standing, (self.as_sent, self.meanings, vars(self))
 
 
