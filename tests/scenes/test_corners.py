@@ -13,10 +13,11 @@ from scenes.scene import Body
 from tests import scene_files
 
 Lengths = Mapping[str, float]
+Points = Mapping[str, list[float]]
 ON_A_LINE = {"A": 0.1, "B": 0.3, "C": 0.6, "D": -0.7}  # mm; 0.1 + 0.2 is not 0.3 in doubles
 
 
-def lever(points: Mapping[str, list[float]] | None = None, lengths: Lengths | None = None, **more: object) -> Body:
+def lever(points: Points | None = None, lengths: Lengths | None = None, **more: object) -> Body:
     """A body of other points than the lever's."""
     names = dict.fromkeys(point for pair in lengths or {} for point in pair.split("-")) if lengths else points or {}
     own = {"lengths": dict(lengths)} if lengths else {"points": dict(points or {})}
@@ -37,9 +38,7 @@ def lever(points: Mapping[str, list[float]] | None = None, lengths: Lengths | No
         ({"A": [0, 0], "B": [500, 300], "C": [1000, 0]}, ("A", "B", "C")),
     ],
 )
-def test_points_on_one_line_are_a_bar_between_the_outermost_two(
-    points: Mapping[str, list[float]], corners: tuple[str, ...]
-) -> None:
+def test_points_on_one_line_are_a_bar_between_the_outermost_two(points: Points, corners: tuple[str, ...]) -> None:
     assert lever(points).corners == corners
 
 

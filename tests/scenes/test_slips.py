@@ -17,14 +17,11 @@ mass = 40 => mas = 40 :: bodies.rocker.mas | unknown key | 'mass'
 [drive] => [drives] :: drives | unknown key | 'drive'
 [output]\nslider = "P5" => :: output | missing
 length = "mm" => length = "mmm" :: units.length | 'mmm' | 'mm'
-length = "mm" => length = "kg" :: units.length | 'kg'
-length = "mm" => length = "5 * ((" :: units.length
 mass = 40 => mass = "40" :: bodies.rocker.mass | number | '40'
 mass = 40 => mass = true :: bodies.rocker.mass | number
 P2 = [480, -202] => P2 = [480] :: sketch.P2 | two numbers
 mass = 40 => mass = -40 :: bodies.rocker.mass | greater than or equal to 0 | -40
 mass = 40 => mass = nan :: bodies.rocker.mass | finite
-mass = 40 => mass = inf :: bodies.rocker.mass | finite
 "O-P3" = 300 => "O-P3" = -300 :: bodies.rocker.lengths.O-P3 | greater than 0
 "O-P3" = 300 => "O-P3" = 0 :: bodies.rocker.lengths.O-P3 | greater than 0
 "O-P3" = 300 => "O-P3" = nan :: bodies.rocker.lengths.O-P3 | finite

@@ -21,6 +21,7 @@ from tests.comparisons import SLOW, References
 from tests.foreign import ELSEWHERE, Writer, channels, instants, write
 
 SCENE = "offset_slider_crank"
+Moved = tuple[str, float, float, float]
 
 
 @pytest.mark.parametrize(
@@ -93,9 +94,7 @@ MOVED = [  # what the rows are by, and by how much: the crank's column, rad, a l
 CLOSE_TO_TRUE = 5e-3  # of a channel's, or a vector's, largest value: more than what a proposal rounds to nothing leaves
 
 
-def _proposal(
-    scene: Scene, names: list[str], moved: tuple[str, float, float, float], folder: Path
-) -> tuple[int, list[str]]:
+def _proposal(scene: Scene, names: list[str], moved: Moved, folder: Path) -> tuple[int, list[str]]:
     """Return how many lines are sure, and the channels that these lines and the head read from the table wrongly."""
     by, zero, lag, turn = moved
     times = instants(scene, 60)
@@ -137,8 +136,6 @@ def test_it_is_never_sure_and_wrong(name: str, every: int, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("moved", [("crank", 1.0, 0.0, 0.0), ("time", 0.0, 90.0, 0.0), ("time", 0.0, 0.0, 0.05)])
-def test_a_point_on_the_crank_shows_neither_lag_nor_frame(
-    moved: tuple[str, float, float, float], tmp_path: Path
-) -> None:
+def test_a_point_on_the_crank_shows_neither_lag_nor_frame(moved: Moved, tmp_path: Path) -> None:
     names = ["A.x", "A.y", "crank.angle"]
     assert _proposal(scene_files.load("four_bar"), names, moved, tmp_path) == (0, [])
