@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,10 +29,7 @@ from .expressions import Expression, Line
 from .program import Program, inputs_at, recorded, stroke_end_input
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
-
 LINES: deque[Any] = deque(maxlen=4)  # block after block of machines of one scene are solved
-
-Ending: TypeAlias = tuple[Status, str]  # and why, empty where it is ok
 
 
 @dataclass(frozen=True)
@@ -131,7 +128,7 @@ class ManySolver:
     numbers: Mapping[str, Samples]  # that differ, by path, SI, shape (m, 1)
     stroke_ends: Mapping[str, Samples]  # by input, m, shape (m, 1)
     tracks: Sequence[Mapping[Group, Track]] | None  # of each machine's larger groups; None where all go alone
-    failed: Mapping[int, Ending]  # machines that no file may describe
+    failed: Mapping[int, tuple[Status, str]]  # machines that no file may describe, and why
     count: int  # m
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:

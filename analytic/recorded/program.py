@@ -143,7 +143,8 @@ class RecordedPass(Pass):
         begin, allowed, branch = inputs_of(group)
         unknowns = [make.input(f"{name} sought", sampled=True) for name in begin]
         C = self.constraints(group, unknowns)
-        closing = Closing(unknowns, C, self.jacobian(C, unknowns))
+        columns = [self.changes(C, {unknown: make.constant(1.0)}) for unknown in unknowns]
+        closing = Closing(unknowns, C, [entry for row in zip(*columns, strict=True) for entry in row])
         size = traced(make, size_of(group, self.linkage.bodies)).x
         given = [*(make.input(name, sampled=True) for name in (*begin, allowed)), make.input(branch, sampled=False)]
         closed = self.closed[group] = make.closed(closing, [*given, size, *closing.outer])
@@ -197,11 +198,6 @@ class RecordedPass(Pass):
             if name in self.scene.bodies:
                 frames[name] = self.fixed(name, self.linkage.bodies[name].first)[0], self.k.u[name]
         return frames
-
-    def jacobian(self, C: Sequence[Expression], q: Sequence[Expression]) -> list[Expression]:
-        """Return dC / dq, row by row."""
-        columns = [self.changes(C, {unknown: self.make.constant(1.0)}) for unknown in q]
-        return [entry for row in zip(*columns, strict=True) for entry in row]
 
     def changes(self, of: Sequence[Expression], given: dict[Expression, Expression]) -> list[Expression]:
         """The changes of expressions."""

@@ -68,3 +68,6 @@ def test_no_positions_at_all() -> None:
     for name in ("shaper", "slotted_class_iii"):
         motion = analytic.solve(scene_files.load(name), np.array([]))
         assert {len(samples) for samples in motion.samples.values()} == {0}
+    many = analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [60.0, 61]}, [])
+    assert many["P5.y"].shape == (2, 0)
+    assert many.ok.all()

@@ -215,12 +215,6 @@ def test_positions_and_instants_of_another_shape(position: ArrayLike, time: Arra
                 route(position, time)
 
 
-def test_no_positions_are_no_samples() -> None:
-    many = analytic.solve_many(scenes.load("toggle_press"), {"bodies.rod.mass": [60.0, 61]}, [])
-    assert many["P5.y"].shape == (2, 0)
-    assert many.ok.all()
-
-
 LENGTHS = {ROCKER: np.array([300, 200, 301.0])}  # the second does not assemble all the way
 
 

@@ -1,6 +1,5 @@
 """How near a group is to a lock: angles from positions alone, and lengths that are changed until it does lock."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -15,7 +14,7 @@ from analytic.core.decomposition import decompose
 from analytic.core.group_equations import Group
 from scenes import Failure, Motion, Scene
 from tests import scene_files
-from tests.agreement import solve, where
+from tests.agreement import attitude, solve, where
 from tests.linkages import xy
 
 from .newton import intervals
@@ -25,35 +24,26 @@ from .views import Change
 Vectors = NDArray[np.complex128]
 
 
-def bar(A: str, B: str) -> Callable[[Scene, Motion], Vectors]:
-    return lambda scene, motion: where(scene, motion, B) - where(scene, motion, A)
-
-
-def guide(slider: str) -> Callable[[Scene, Motion], Vectors]:
-    """Return the direction of a guide, which turns with what it is on."""
-
-    def direction(scene: Scene, motion: Motion) -> Vectors:
-        slide = scene.bodies[slider].slide
-        assert slide is not None
-        angle = motion[f"{slide.on}.angle"] if slide.on in scene.turning else np.zeros(motion["time"].shape)
-        return np.asarray(np.exp(1j * angle) * complex(*slide.along))
-
-    return direction
-
-
-def normal(slider: str) -> Callable[[Scene, Motion], Vectors]:
-    return lambda scene, motion: 1j * guide(slider)(scene, motion)
+def line(scene: Scene, motion: Motion, of: str) -> Vectors:
+    """The direction of a bar by its two points, of a guide, which turns with what it is on, or of a guide's normal."""
+    if "-" in of:
+        A, B = of.split("-")
+        return where(scene, motion, B) - where(scene, motion, A)
+    slide = scene.bodies[of.removesuffix("'s normal")].slide
+    assert slide is not None
+    along = attitude(scene, motion, slide.on) * complex(*slide.along)
+    return 1j * along if of.endswith("normal") else along
 
 
 # channel: what is in one line where the dyad locks
 LINES = {
-    "RRR": ("toggle_press", "P3", bar("P2", "P3"), bar("O", "P3")),
-    "RRP": ("toggle_press", "P5", bar("P4", "P5"), normal("slider")),
-    "RPR": ("swinging_block", "rod", bar("A", "C"), normal("rod")),
-    "RPR in a quick return": ("shaper", "block", bar("A", "C"), normal("block")),
-    "RPP": ("scotch_yoke", "block", guide("yoke"), guide("block")),
-    "PRP": ("tangent", "P", guide("block"), guide("slider")),
-    "RRP on a moving guide": ("carried_block", "P", bar("F", "P"), normal("block")),
+    "RRR": ("toggle_press", "P3", "P2-P3", "O-P3"),
+    "RRP": ("toggle_press", "P5", "P4-P5", "slider's normal"),
+    "RPR": ("swinging_block", "rod", "A-C", "rod's normal"),
+    "RPR in a quick return": ("shaper", "block", "A-C", "block's normal"),
+    "RPP": ("scotch_yoke", "block", "yoke", "block"),
+    "PRP": ("tangent", "P", "block", "slider"),
+    "RRP on a moving guide": ("carried_block", "P", "F-P", "block's normal"),
 }
 
 
@@ -62,7 +52,7 @@ def test_transmission_is_the_angle_of_two_lines(case: str) -> None:
     name, joint, one, two = LINES[case]
     scene = scene_files.load(name)
     motion = solve(scene)
-    a, b = one(scene, motion), two(scene, motion)
+    a, b = line(scene, motion, one), line(scene, motion, two)
     angle = np.arccos(np.abs((a.conj() * b).real) / np.abs(a * b))
     # arccos loses digits where its argument is near one; there is none in these below 5 degrees
     assert np.abs(motion[f"{joint}.transmission"] - angle).max() <= 1e-13
