@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analytic.engine import WORK_PRECISION, AnalyticSettings
+from analytic.engine import AnalyticSettings
 from compare.engines import registry
 from compare.judge.floor import establish
 from compare.judge.measure import measure
@@ -38,10 +38,6 @@ def test_the_other_ways(name: str) -> None:
     for group in ("vx", "omega", "ax", "alpha"):
         assert np.log2(coarse[group] / fine[group]) == pytest.approx(2, abs=0.1)  # the next order is h^2 smaller still
     assert coarse["x"] == coarse["angle"] == 0
-
-
-def test_labels_are_told_apart() -> None:
-    assert len({settings.label for settings in WORK_PRECISION}) == len(WORK_PRECISION)
 
 
 def test_single_precision_is_told_from_the_reference(toggle_press: Scene) -> None:
