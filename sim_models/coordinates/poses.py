@@ -139,9 +139,9 @@ class PathFollower:
 
     def misfit(self, pose: ClosedPose, position: float) -> str:
         """Return which joint stays open near a pose when all others close, for a message; or nothing."""
-        goal, size = self.goal(position), self.system.size
         if not self.system.joints:
             return ""
+        goal, size = self.goal(position), self.system.size
         open_at = (lambda x: self.system.gaps(x) - goal), self.system.jacobian
         joint, gap = open_joint(*open_at, pose.x, np.ones(len(pose.x)), self.system.joints, 1.0)
         apart, where = self.scene.length(gap * size), self.scene.where(position)

@@ -35,11 +35,6 @@ class TreeJoint(NamedTuple):
         """Whether it is a pin."""
         return self.along == 0
 
-    @property
-    def reversed(self) -> "TreeJoint":
-        """The same joint with its parent as the child."""
-        return TreeJoint(self.name, self.child, self.parent, self.anchor, self.at, -self.along)
-
 
 class Wrench(NamedTuple):
     """A force on a body, N, at a place, m, and a moment, N m."""
@@ -129,7 +124,9 @@ def _spanned(linkage: System) -> Iterator[TreeJoint]:
     )
     reached = [GROUND]
     for body in reached:
-        for joint in (way for own in joints for way in (own, own.reversed)):
+        for own in joints:
+            other_way = TreeJoint(own.name, own.child, own.parent, own.anchor, own.at, -own.along)
+            joint = own if own.parent == body else other_way
             if joint.parent == body and joint.child not in reached:
                 reached.append(joint.child)
                 yield joint

@@ -28,13 +28,9 @@ class SolvedMachines:
 
     status: Sequence[Status]  # of all m
     reason: Sequence[str]  # why one does not run
+    running: RowNumbers  # which run, shape (k,)
     motion: Motion  # of the k that run, with samples added where something is largest or least, shape (k, n)
     numbers: Sequence[CycleNumber]  # of these, each of shape (k,); none where none runs
-
-    @property
-    def running(self) -> RowNumbers:
-        """Which machines run, shape (k,)."""
-        return _running(self.status)
 
 
 def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Samples]:
@@ -59,12 +55,10 @@ def draws(scene: Scene, seed: int, first: int, count: int) -> Mapping[str, Sampl
 
 
 def machines(reference: Reference, changes: Mapping[str, Samples], samples: int = SAMPLES) -> SolvedMachines:
-    """Solve one cycle of each machine, and take the numbers from it that are largest or least somewhere.
+    """Solve one cycle of each of m machines, and take the numbers from it that are largest or least somewhere.
 
-    Args:
-        reference: of the linkage as drawn.
-        changes: by path the numbers of m machines, each of shape (m,), in the units of the file.
-        samples: of the cycle, before extremes are refined.
+    `changes` are by path the numbers of the file that differ, each of shape (m,); `samples` are those before extremes
+    are refined.
     """
     scene, scale, count = reference.scene, reference.scale, len(next(iter(changes.values())))
     many = of_machines(scene, changes)
@@ -83,22 +77,14 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     switches = _no_switches if press_forces(scene) else None
     with np.errstate(invalid="ignore"):  # of machines that do not run
         motion = refined(quantities, solved(time), solved, repeats=scene.drive.repeats, switches=switches)
-    rows = _running(status)
+    rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
-        return SolvedMachines(status, reason, Motion({}), ())
+        return SolvedMachines(status, reason, rows, Motion({}), ())
     motion = Motion({name: values[rows] for name, values in motion.samples.items()})
     quantities = curves(of_machines(scene, {path: values[rows] for path, values in changes.items()}), scale, motion)
-    taken = [number for number in numbers(scene, quantities, motion, exact=True) if placed(number)]
-    return SolvedMachines(status, reason, motion, taken)
-
-
-def placed(number: CycleNumber) -> bool:
-    """Whether a number is found at one place of the cycle, or between two; others are sums over it."""
-    return number.row is not None or number.kind == STROKE
-
-
-def _running(status: Sequence[Status]) -> RowNumbers:
-    return np.flatnonzero([ended is Status.ok for ended in status])
+    found = numbers(scene, quantities, motion, exact=True)
+    placed = [n for n in found if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
+    return SolvedMachines(status, reason, rows, motion, placed)
 
 
 def _no_switches(motion: Motion, _: Samples) -> Samples:
