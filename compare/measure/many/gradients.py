@@ -30,8 +30,8 @@ Term: TypeAlias = tuple[CycleCurve, float, complex]
 
 def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
     """The linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
-    drawn = zip(paths, numbers_in(reference.scene.file, paths), strict=True)
-    return machines(reference, {path: np.array([number]) for path, number in drawn}, SCALE_SAMPLES)
+    drawn = np.reshape(numbers_in(reference.scene.file, paths), (-1, 1))
+    return machines(reference, dict(zip(paths, drawn, strict=True)), SCALE_SAMPLES)
 
 
 def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str]) -> Samples:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import isnan, nan
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,14 +108,14 @@ def as_fast(points: Iterable[SpeedRow], error: str, limit: float, tie: float = T
     The best has the smallest error of those that tie with the fastest; of equal ones, the fewest steps; of these, the
     first of the table.
     """
-    good = [(row.solve_min_s, row.error(error), row) for row in points if row.error(error) <= limit]
-    fastest = min((time for time, *_ in good), default=nan)
-    level = [
-        (time > (1 + tie) * fastest, off, 0.0 if isnan(row.steps_made) else row.steps_made, row)
-        for time, off, row in good
-        if time <= (1 + ALIKE) * fastest
-    ]
-    return [row for *_, row in sorted(level, key=itemgetter(0, 1, 2))]
+    good = [row for row in points if row.error(error) <= limit]
+    fastest = min((row.solve_min_s for row in good), default=nan)
+
+    def rank(row: SpeedRow) -> tuple[bool, float, float]:
+        steps = 0.0 if isnan(row.steps_made) else row.steps_made
+        return row.solve_min_s > (1 + tie) * fastest, row.error(error), steps
+
+    return sorted((row for row in good if row.solve_min_s <= (1 + ALIKE) * fastest), key=rank)
 
 
 def front(points: Iterable[SpeedRow], error: str, tie: float = TIE) -> list[SpeedRow]:
@@ -231,9 +231,9 @@ def orders(speed: Sequence[SpeedRow], floors: Mapping[str, float]) -> list[Order
         steps = np.array([row.steps for row in points])
         above = above_floor(steps, errors, floors.get(group, 0.0))
         order, residual, local = _order(np.log10(steps[:above]), np.log10(errors[:above]))
-        settled = local and np.ptp([order, *local[-LAST:]]) <= SETTLED
         named = points[0].engine, points[0].family, points[0].expected_order, group
-        fitted.append(Order(*named, order if settled else nan, residual, local, len(local) + 1 if local else 0))
+        order = order if local and np.ptp([order, *local[-LAST:]]) <= SETTLED else nan
+        fitted.append(Order(*named, order, residual, local, len(local) + 1 if local else 0))
     return fitted
 
 
@@ -274,12 +274,10 @@ def step_costs(speed: Sequence[SpeedRow]) -> list[StepCost]:
     before the first sample and those of every Richardson level.
     """
     costs = []
-    for points in families(speed, "steps_made"):
-        if len(points) >= LEAST_POINTS:
-            time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
-            relative = np.column_stack([1 / time, steps / time])
-            (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
-            residual = float(np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2)))
-            named = points[0].engine, points[0].family
-            costs.append(StepCost(*named, float(fixed), float(step), residual, len(points)))
+    for points in (points for points in families(speed, "steps_made") if len(points) >= LEAST_POINTS):
+        time, steps = np.array([(row.solve_min_s, row.steps_made) for row in points]).T
+        relative = np.column_stack([1 / time, steps / time])
+        (fixed, step), *_ = np.linalg.lstsq(relative, np.ones(len(time)))
+        residual = float(np.sqrt(np.mean((relative @ (fixed, step) - 1) ** 2)))
+        costs.append(StepCost(points[0].engine, points[0].family, float(fixed), float(step), residual, len(points)))
     return costs

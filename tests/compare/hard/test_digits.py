@@ -1,7 +1,6 @@
 """How many digits the core loses near locks, and that the problem itself explains them."""
 
 from dataclasses import replace
-from functools import cache
 from math import log10, pi
 
 import numpy as np
@@ -27,18 +26,13 @@ def rung(name: str, label: str) -> Scene:
     return next(step for step in hard.ladder(name).rungs if step.label == label).scene()
 
 
-@cache
-def lost(name: str, label: str) -> pd.DataFrame:
-    return digits_lost(rung(name, label))
-
-
 def explained(table: pd.DataFrame) -> bool:
     return bool((table["lost"] <= table["allowed"]).all())
 
 
 @pytest.mark.parametrize(("name", "label"), [*CASES, *(pytest.param(*case, marks=SLOW) for case in LATER)])
 def test_no_digit_more_is_lost_than_the_condition_explains(name: str, label: str) -> None:
-    table = lost(name, label).set_index("group")
+    table = digits_lost(rung(name, label)).set_index("group")
     assert set(table.index) == {"position", "velocity", "acceleration", "reaction", "torque"}
     assert explained(table), table[["condition", "allowed", "lost", "worst", "where"]]
     assert table["to_lock"].iloc[0] == pytest.approx(float(label), rel=0.2)  # m; the links of 1 m, or so

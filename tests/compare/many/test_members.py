@@ -22,8 +22,6 @@ from tests import scene_files
 
 from .runs import CRANK_SLIDER, ROCKER, one, run
 
-PINS = ("O", "P1", "P2", "P3", "P4", "P5")  # of the toggle press
-
 
 def test_members_that_cannot_run_are_rows_in_their_place() -> None:
     family = run("toggle_press", [f"{ROCKER}=-100:500:7"])
