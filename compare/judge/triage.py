@@ -27,18 +27,11 @@ ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no 
 COARSE = "its settings are too coarse: of its error {one}"
 FEW = 3  # bodies, joints and points: of more, what is wrong in the scene is in several
 
-Ranked: TypeAlias = list[tuple[float, float, Hypothesis]]  # with its price and what it leaves over, the best first
 Causes: TypeAlias = Callable[[Evidence], Iterator[Hypothesis]]
 
 
 def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
-    """Return the likely cause of the distance of a motion from what it should be.
-
-    Args:
-        reference: of the scene.
-        sampling: what was asked for.
-        motion: what an engine returned.
-    """
+    """Return the likely cause of the distance of a motion from what it should be."""
     if missing := incomplete(reference, sampling, motion):
         return missing
     if sampling.count < FEWEST:
@@ -49,8 +42,11 @@ def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
         return UNKNOWN
 
 
-def ranked(evidence: Evidence) -> Ranked:
-    """Return causes by their price; costly ones where no plain one explains what one body or joint has."""
+def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
+    """Return causes with their price, the least first, and what they leave over.
+
+    Costly ones are tried where no plain one explains what one body or joint has.
+    """
     elsewhere = away_from_switches(evidence)
     known: list[tuple[float, Hypothesis]] = []
 
@@ -68,8 +64,7 @@ def ranked(evidence: Evidence) -> Ranked:
         try_all(evidence, in_some_rows)
     least = min((left for left, _ in known), default=0.0)  # what the engine is off besides
     floor = min(max(least, ROUGHLY), EXACT)
-    priced = [(price(max(left, floor), one.freedom), left, one) for left, one in known]
-    return sorted(priced, key=lambda one: one[:2])
+    return sorted(((price(max(left, floor), one.freedom), left, one) for left, one in known), key=lambda one: one[:2])
 
 
 def likeliest(evidence: Evidence) -> Cause:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from scenes.model.motion import Samples, quantity
 
@@ -108,22 +107,16 @@ def _interpolated(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     off = np.sum([evidence.deviation[c] ** 2 for c in part.channels], axis=0)
     if np.mean(off > NEXT_TO_NOTHING * off.max()) < SPREAD:
         return  # a few rows are missed by nodes anyhow
-    for every in COARSE:
-        nodes = np.unique([*rows[::every], rows[-1]])
-        if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
-            for degree, how in ((1, "linear"), (3, "cubic")):
-                predicted = {c: _between(evidence, c, nodes, degree) for c in part.channels}
-                cause = part.cause(Kind.coarse, "{part} {is} {one} between every {count}th sample", every, names=(how,))
-                yield Hypothesis(cause, predicted, 1)
-
-
-def _between(evidence: Evidence, channel: str, nodes: NDArray[np.intp], degree: int) -> Samples:
-    """Return a channel at all instants as a spline through some rows has it."""
     from scipy.interpolate import make_interp_spline
 
-    time, samples = evidence.true["time"], evidence.true[channel]
-    samples = np.unwrap(samples) if quantity(channel) in ANGLES else samples
-    return np.asarray(make_interp_spline(time[nodes], samples[nodes], degree)(time))
+    time, true = evidence.true["time"], {c: evidence.true[c] for c in part.channels}
+    values = {c: np.unwrap(own) if quantity(c) in ANGLES else own for c, own in true.items()}
+    for every, (degree, how) in product(COARSE, ((1, "linear"), (3, "cubic"))):
+        nodes = np.unique([*rows[::every], rows[-1]])
+        if len(nodes) > 3 and off[nodes].sum() <= NEARLY_ALL**2 * off.sum():
+            predicted = {c: make_interp_spline(time[nodes], own[nodes], degree)(time) for c, own in values.items()}
+            cause = part.cause(Kind.coarse, "{part} {is} {one} between every {count}th sample", every, names=(how,))
+            yield Hypothesis(cause, predicted, 1)
 
 
 def irregular(evidence: Evidence) -> Cause | None:

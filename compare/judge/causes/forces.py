@@ -101,9 +101,8 @@ def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
     if isinstance(load, Force):
         turning = Push(body, force * np.exp(1j * carried.angle(body)), at)
         yield carried.instead(load, "the load at {place} turns with {one}", turning, names=(body,))
-    owned = [(point, owner) for point, owners in scene.owners.items() for owner in owners if owner != GROUND]
-    for point, owner in owned:
-        if (owner, point) != (body, load.at):
+    for point, owner in ((point, owner) for point, owners in scene.owners.items() for owner in owners):
+        if owner != GROUND and (owner, point) != (body, load.at):
             push = Push(owner, force, carried.place(point))
             yield carried.instead(load, "the load at {place} acts at {one} of {two}", push, names=(point, owner))
     push = Push(body, force, carried.com(scene.bodies[body])[0])

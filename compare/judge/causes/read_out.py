@@ -154,9 +154,8 @@ def _copied(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     one, *others = {stem(channel) for channel in channels}
     if others:
         return
-    for (other, theirs), (text, a, b) in product(_others(evidence, part), _OF_ANOTHER):
-        at_one_pin = _pin(other) == _pin(one)
-        relative = a + b == 0 and quantity(channels[0]) in TURNING
+    for (other, theirs, at_one_pin), (text, a, b) in product(_others(evidence, part), _OF_ANOTHER):
+        relative = (a, b) == (1, -1) and quantity(channels[0]) in TURNING
         kind = Kind.pair if at_one_pin else Kind.frame if relative else Kind.copy
         predicted = {c: a * true[c] + b * true[t] for c, t in theirs.items()}
         yield Hypothesis(part.cause(kind, text, names=(other,)), predicted, 0 if at_one_pin else CHOICE)
@@ -173,29 +172,24 @@ _OF_ANOTHER = (
 )
 
 
-def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield each other joint, point or body that has all channels that one has, and its own by these."""
+def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str], bool]]:
+    """Yield each other joint, point or body that has all channels of one, its own by these, and whether at one pin."""
     for other in dict.fromkeys(map(stem, evidence.names)):
         own = {c: f"{other}.{quantity(c)}" for c in part.channels}
         if other not in (part.place, "drive") and all(theirs in evidence.true for theirs in own.values()):
-            yield other, own
+            yield other, own, part.place.partition("/")[0] == other.partition("/")[0]
 
 
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     """Two joints', points' or bodies' channels in place of each other."""
     order = [*dict.fromkeys(map(stem, evidence.names))]
     for part in evidence.parts:
-        for other, theirs in _others(evidence, part) if part.place not in ("all", "drive") else ():
+        for other, theirs, at_one_pin in _others(evidence, part) if part.place not in ("all", "drive") else ():
             first = order.index(part.place) < order.index(other)
             if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:
                 predicted = {a: evidence.true[b] for pair in theirs.items() for a, b in (pair, pair[::-1])}
-                kind = Kind.pair if _pin(part.place) == _pin(other) else Kind.swap
+                kind = Kind.pair if at_one_pin else Kind.swap
                 yield Hypothesis(Cause(kind, part.place, "{place} and {one} are swapped", names=(other,)), predicted)
-
-
-def _pin(name: str) -> str:
-    """Return the point of a joint, of which a third body has one of its own."""
-    return name.partition("/")[0]
 
 
 def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
@@ -204,11 +198,8 @@ def _terms(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
     if not pairs or {quantity(c) for c in part.channels} != {"ax", "ay"}:
         return
     scene, state = evidence.reference.scene, MotionVectors(evidence.reference.scene, evidence.true)
-    ways = (
-        ("{part} {is} without {its} {one} term", -1.0),
-        ("{part} {has} the opposite sign of {its} {one} term", -2.0),
-    )
-    for end, term, (text, times) in product((0, -1), ("centripetal", "tangential"), ways):
+    ways = {-1.0: "{part} {is} without {its} {one} term", -2.0: "{part} {has} the opposite sign of {its} {one} term"}
+    for end, term, (times, text) in product((0, -1), ("centripetal", "tangential"), ways.items()):
         change: dict[str, Samples] = {}
         for x, y in pairs:
             body, place = scene.owners[stem(x)][end], state.place(stem(x))

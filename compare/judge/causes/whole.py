@@ -39,15 +39,13 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     if not isinstance(scene.drive, ConstantSpeed) or scene.driven_slide is not None:
         return
     orders = {c: RATES[quantity(c)] for c in evidence.names if quantity(c) in RATES}
-    for unit, names in (("rad", ("radian",)), ("deg", ("degree",))):
-        size = KNOWN["rad"][unit] / scene.drive.speed
-        cause = Cause(Kind.unit, "all", BY_ANGLE, names=names)
-        yield Hypothesis(cause, {c: size**order * true[c] for c, order in orders.items()})
-    for units in (("deg", "rad"), ("rad", "deg")):
-        size = KNOWN["rad"][units[0]] / KNOWN["rad"][units[1]]
-        there = evidence.reference.at(size * true[scene.drive_channel], true["time"])
+    for unit, name, other in (("rad", "radian", "deg"), ("deg", "degree", "rad")):
+        size = KNOWN["rad"][unit]
+        rates = {c: (size / scene.drive.speed) ** order * true[c] for c, order in orders.items()}
+        yield Hypothesis(Cause(Kind.unit, "all", BY_ANGLE, names=(name,)), rates)
+        there = evidence.reference.at(size / KNOWN["rad"][other] * true[scene.drive_channel], true["time"])
         others = {c: there[c] for c in evidence.names if c != scene.drive_channel}
-        yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=units), others)
+        yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=(unit, other)), others)
 
 
 def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
