@@ -115,7 +115,8 @@ def solved(evidence: Evidence, scene: Scene, position: Samples | None = None) ->
     position = evidence.true[scene.drive_channel] if position is None else position
     try:
         with np.errstate(all="ignore"):
-            motion = registry.reference(scene)(position, evidence.true["time"])
+            solve = evidence.reference.at if scene is evidence.reference.scene else registry.reference(scene)
+            motion = solve(position, evidence.true["time"])
     except Failure:
         return {}
     return {channel: motion[channel] for channel in evidence.names}

@@ -11,7 +11,7 @@ from scenes import Scene
 from ...mechanics.bodies import arms, weights
 from .cause import Cause
 
-NEAR_ONE = 0.01 - 1e-9  # a factor that is nearer to one is shown in per cent
+NEAR_ONE = 0.01 + 1e-9  # a factor that is no farther from one is shown in per cent
 NEAR_NONE, NEAR_OPPOSITE = 5e-3, 1e-2  # of a number: it is missing, or of the opposite sign
 NEAR_INERTIA = 2e-2  # of a moment of inertia: it is that of something else
 NEAR_PLACE = 5e-3  # of a body's length: the centre of mass is there
