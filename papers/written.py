@@ -3,16 +3,20 @@
 import re
 from collections import deque
 from collections.abc import Callable, Mapping
+from math import tau
 from typing import Any, Protocol
 
 import numpy as np
 
 from .claims import Difference, Equation
 
-FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {"sin": np.sin, "cos": np.cos, "e^i": lambda angle: np.exp(1j * angle)}
-NUMBERS: Mapping[str, Any] = {"0": 0.0, "i": 1j}
+FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
+    **{"sin": np.sin, "cos": np.cos, "atan": np.arctan, "arccos": np.arccos, "√": np.sqrt},
+    "e^i": lambda angle: np.exp(1j * angle),
+}
+NUMBERS: Mapping[str, Any] = {"0": 0.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
-TOKEN = re.compile(rf"{INERTIA}|F_R\w+|M_d|Ls[₁-₅]?|e\^i|sin|cos|[+−()²]|\w[₀-₅ₛ]?")
+TOKEN = re.compile(rf"{INERTIA}|F_R\w+|M_d|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
 
 
 class Symbols(Protocol):
@@ -24,23 +28,44 @@ class Symbols(Protocol):
 
 
 def equation(
-    kind: str, claim: str, text: str, corrected: str = "", *, note: str = "", after: str = ""
+    kind: str,
+    claim: str,
+    text: str,
+    corrected: str = "",
+    *,
+    note: str = "",
+    read: str = "",
+    meant: str = "",
+    given: str = "",
+    branch: tuple[str, str, str] = ("", "", ""),
 ) -> Equation[Any]:
-    """An equation of which every form is what its text is read as, the printed one `after` a few words.
+    """An equation of which every form is what its text is read as, unless that is `read` or `meant` as another text.
 
-    A text has two sides, sums of products of factors that stand side by side, and a remark after a comma. A function
-    is of the factor after it.
+    A text has two sides, sums of products of factors that stand side by side, before a colon a remark, and after commas
+    abbreviations or remarks. A function is of the factor after it. Abbreviations of other equations are `given`. A
+    `branch` has a name, and what it exchanges for what in the printed text.
     """
-    form = _difference(corrected) if corrected else None
-    return Equation(kind, claim, text, _difference(text.removeprefix(after)), corrected, form, note=note)
+
+    def form(text: str) -> Callable[[Symbols], Difference]:
+        return _difference(f"{text}, {given}", modulo=tau if kind == "angle" else 0.0)
+
+    name, one, other = branch
+    branches = {name: form(text.replace(one, other))} if name else {}
+    right = form(meant or corrected) if corrected else None
+    return Equation(kind, claim, text, form(read or text), corrected, right, branches, note)
 
 
-def _difference(text: str) -> Callable[[Symbols], Difference]:
-    """The left side less the right one."""
-    left, right = (TOKEN.findall(side) for side in text.partition(",")[0].split("="))
+def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
+    """The left side less the right one, perhaps but for multiples of something."""
+    parts = [part.split("=") for part in text.rpartition(": ")[2].split(", ") if "=" in part]
+    (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
 
     def difference(of: Symbols) -> Difference:
-        return np.asarray(_sum(deque(left), of.symbols) - _sum(deque(right), of.symbols))
+        values = dict(of.symbols)
+        for (name,), meaning in abbreviations:
+            values[name] = _sum(deque(meaning), values)
+        off = _sum(deque(left), values) - _sum(deque(right), values)
+        return np.asarray(np.remainder(off + modulo / 2, modulo) - modulo / 2 if modulo else off)
 
     return difference
 
@@ -52,7 +77,8 @@ def _sum(tokens: deque[str], values: Mapping[str, Any]) -> Any:
         sign = tokens.popleft() if tokens[0] in "+−" else "+"
         product = 1.0
         while tokens and tokens[0] not in "+−)":
-            product = product * _factor(tokens, values)
+            divided = tokens[0] == "/" and tokens.popleft()
+            product = product / _factor(tokens, values) if divided else product * _factor(tokens, values)
         total = total - product if sign == "−" else total + product
     return total
 

@@ -9,12 +9,11 @@ what it needs of other equations from the motion, so that each misprint counts o
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from math import pi, tau
+from math import tau
 from typing import Any
 
 import numpy as np
-from numpy import arccos, cos, sin, sqrt
-from numpy import arctan as atan
+from numpy import cos, sin
 from numpy.typing import ArrayLike
 
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
@@ -22,7 +21,6 @@ from scenes import Motion, load
 from scenes.drive import Driven, MotionLaw
 from scenes.model.motion import Samples
 
-from ..claims import Equation
 from ..reference import solved
 from ..written import equation
 
@@ -58,21 +56,13 @@ class Variables:
     v: Samples
     a_s: Samples
 
-    def cos(self, bar: int) -> Samples:
-        """Return l cos θ of a bar."""
-        return self.l[bar] * cos(self.t[bar])
-
-    def sin(self, bar: int) -> Samples:
-        """Return l sin θ of a bar."""
-        return self.l[bar] * sin(self.t[bar])
-
     @property
     def symbols(self) -> Mapping[str, Any]:
         """The values of the symbols of the printed equations."""
         others = {"x": self.x, "y": self.y, "S": self.S, "v": self.v, "αₛ": self.a_s}
-        for symbol, of in (("l", self.l), ("θ", self.t), ("ω", self.w), ("α", self.a)):
+        for symbol, of in (("L", self.L), ("l", self.l), ("θ", self.t), ("ω", self.w), ("α", self.a)):
             others |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
-        return others | {"l₀": others["l"]}
+        return others | {"l₀": others["l"], "L₀": others["L"]}
 
     @property
     def scale(self) -> Mapping[str, tuple[float, str]]:
@@ -106,113 +96,82 @@ def over_two_turns() -> Variables:
     return Variables(lengths, x, -y, vectors, [np.angle(bar) for bar in vectors], rates, accelerations, *slider)
 
 
-length, speed, acceleration = (partial(equation, kind) for kind in ("length", "speed", "acceleration"))
-WITH_MINUS = "with −√"
-
-
-def _apart(theta: Samples, printed: Samples) -> Samples:
-    """The difference of two angles, rad, modulo one turn."""
-    return np.asarray(np.remainder(theta - printed + pi, tau) - pi)
-
-
-def _in_half_angle(theta: Samples, A: Samples, B: Samples, C: Samples) -> Samples:
-    """Return A cos θ + B sin θ + C, of which the angles of `_root` are the zeros."""
-    return A * cos(theta) + B * sin(theta) + C
-
-
-def _root(theta: Samples, A: Samples, B: Samples, C: Samples, sign: int) -> Samples:
-    """How far an angle is off 2 atan((B ± √(A² + B² − C²)) / (A − C)), rad."""
-    return _apart(theta, 2 * atan((B + sign * sqrt(A**2 + B**2 - C**2)) / (A - C)))
-
-
-def _ab(v: Variables, bar: int) -> tuple[Samples, Samples]:
-    """Return A and B as they stand with (8) and (10)."""
-    return 2 * v.l[bar] * (v.cos(0) + v.x), 2 * v.l[bar] * (v.sin(0) - v.y)
-
-
-def _c(v: Variables, sign: int) -> Samples:
-    """Return C1, with the sign −, and C2 as it should be, with +."""
-    return v.l[2] ** 2 - v.l[1] ** 2 + sign * (v.sin(0) - v.y) ** 2 + sign * (v.cos(0) + v.x) ** 2
-
-
-def _def(v: Variables, before_e: float) -> tuple[Samples, Samples, Samples]:
-    """Return D1 and F1, and between them E1 = `before_e` l₂ sin θ₂."""
-    F = v.l[4] ** 2 - v.l[3] ** 2 - v.cos(2) ** 2 - v.sin(2) ** 2
-    return -2 * v.l[2] * v.l[3] * cos(v.t[2]), before_e * v.l[2] * sin(v.t[2]), F
-
+length, area, angle, speed, acceleration = (
+    partial(equation, kind) for kind in ("length", "area", "angle", "speed", "acceleration")
+)
+WITH_MINUS = ("with −√", "+ √", "− √")
+AB_1 = "A₁ = 2 l₁(l₀ cos θ + x), B₁ = 2 l₁(l₀ sin θ − y)"
+AB_2 = "A₂ = 2 l₂(l₀ cos θ + x), B₂ = 2 l₂(l₀ sin θ − y)"
+C_1 = "C₁ = l₂² − l₁² − (l₀ sin θ − y)² − (l₀ cos θ + x)²"
+PRINTED_C_2 = "C₂ = l₁² − l₂² − (l₀ sin θ − y)² − (l₀ cos θ + x)²"
+C_2 = "C₂ = l₂² − l₁² + (l₀ sin θ − y)² + (l₀ cos θ + x)²"  # as it should be
+D_1, F_1 = "D₁ = −2 l₂ l₃ cos θ₂", "F₁ = l₄² − l₃² − (l₂ cos θ₂)² − (l₂ sin θ₂)²"
+E_1 = "E₁ = −2 l₂ l₃ sin θ₂"  # as it should be
+THETA_3 = "θ₃ = 2 atan((E₁ + √(D₁² + E₁² − F₁²)) / (D₁ − F₁))"
 
 POSITIONS = (
-    Equation[Variables](
-        "length", "eq 1", "L₀ + L₂ = L₁ + x + y", lambda v: v.L[0] + v.L[2] - (v.L[1] - v.x + 1j * v.y)
-    ),
-    Equation[Variables]("length", "eq 2", "L₂ + L₃ = L₄", lambda v: v.L[2] + v.L[3] - v.L[4]),
-    Equation[Variables]("length", "eq 3", "L₁ + L₃ + L₅ = S", lambda v: v.L[1] + v.L[3] + v.L[5] - 1j * v.S),
+    length("eq 1", "L₀ + L₂ = L₁ + x + y", read="L₀ + L₂ = L₁ − x + iy"),
+    length("eq 2", "L₂ + L₃ = L₄"),
+    length("eq 3", "L₁ + L₃ + L₅ = S", read="L₁ + L₃ + L₅ = iS"),
     length("eq 4", "l₀ e^iθ + l₂ e^iθ₂ = l₁ e^iθ₁ − x + iy"),
-    length("eq 5", "Re: l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x", after="Re: "),
-    length("eq 5.2", "Im: l₀ sin θ = l₁ sin θ₁ + y", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y", after="Im: "),
+    length("eq 5", "Re: l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x"),
+    length("eq 5.2", "Im: l₀ sin θ = l₁ sin θ₁ + y", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y"),
     length("eq 6", "l₀ cos θ + l₂ cos θ₂ = l₁ cos θ₁ − x"),
     length("eq 6.2", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y"),
     length("eq 7", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ₁ + x", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ + x"),
     length("eq 7.2", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ₁ − y", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ − y"),
-    Equation[Variables](
-        "angle",
+    angle(
         "eq 8",
-        "θ₁ = 2 atan((B₁ + √(A₁² + B₁² − C₁²)) / (A₁ − C₁)), A₁ = 2 l₁(l₀ cos θ + x), B₁ = 2 l₁(l₀ sin θ − y)",
-        lambda v: _root(v.t[1], *_ab(v, 1), _c(v, -1), +1),
-        branches={WITH_MINUS: lambda v: _root(v.t[1], *_ab(v, 1), _c(v, -1), -1)},
+        f"θ₁ = 2 atan((B₁ + √(A₁² + B₁² − C₁²)) / (A₁ − C₁)), {AB_1}",
+        given=C_1,
+        branch=WITH_MINUS,
     ),
-    Equation[Variables](
-        "area",
+    area(
         "eq 9",
-        "C₁ = l₂² − l₁² − (l₀ sin θ − y)² − (l₀ cos θ + x)²",
-        lambda v: _in_half_angle(v.t[1], *_ab(v, 1), _c(v, -1)),
+        C_1,
+        read=f"A₁ cos θ₁ + B₁ sin θ₁ + C₁ = 0, {AB_1}, {C_1}",
         note="judged by A cos θ + B sin θ + C = 0, of which (8), (10) and (14) are the roots",
     ),
-    Equation[Variables](
-        "angle",
+    angle(
         "eq 10",
-        "θ₂ = 2 atan((B₂ + √(A₂² + B₂² − C₂²)) / (A₂ − C₂)), A₂ = 2 l₂(l₀ cos θ + x), B₂ = 2 l₂(l₀ sin θ − y)",
-        lambda v: _root(v.t[2], *_ab(v, 2), _c(v, +1), +1),
-        branches={WITH_MINUS: lambda v: _root(v.t[2], *_ab(v, 2), _c(v, +1), -1)},
+        f"θ₂ = 2 atan((B₂ + √(A₂² + B₂² − C₂²)) / (A₂ − C₂)), {AB_2}",
+        given=C_2,
+        branch=WITH_MINUS,
         note="with C₂ as corrected in (11); with the printed one neither sign of the root holds",
     ),
-    Equation[Variables](
-        "area",
+    area(
         "eq 11",
-        "C₂ = l₁² − l₂² − (l₀ sin θ − y)² − (l₀ cos θ + x)²",
-        lambda v: _in_half_angle(v.t[2], *_ab(v, 2), -_c(v, +1)),
-        "C₂ = l₂² − l₁² + (l₀ sin θ − y)² + (l₀ cos θ + x)²",
-        lambda v: _in_half_angle(v.t[2], *_ab(v, 2), _c(v, +1)),
+        PRINTED_C_2,
+        C_2,
+        read=f"A₂ cos θ₂ + B₂ sin θ₂ + C₂ = 0, {PRINTED_C_2}",
+        meant=f"A₂ cos θ₂ + B₂ sin θ₂ + C₂ = 0, {C_2}",
+        given=AB_2,
         note="or else A₂ and B₂ have the wrong sign",
     ),
     length("eq 12", "l₂ e^iθ₂ + l₃ e^iθ₃ = l₄ e^iθ₄"),
     length("eq 13", "l₂ cos θ₂ + l₃ cos θ₃ = l₄ cos θ₄"),
     length("eq 13.2", "l₂ sin θ₂ + l₃ sin θ₃ = l₄ sin θ₄"),
-    Equation[Variables](
-        "angle",
+    angle(
         "eq 14",
-        "θ₃ = 2 atan((E₁ + √(D₁² + E₁² − F₁²)) / (D₁ − F₁)), D₁ = −2 l₂ l₃ cos θ₂, E₁ = 2 l₄ l₂ sin θ₂",
-        lambda v: _root(v.t[3], *_def(v, 2 * v.l[4]), +1),
-        "E₁ = −2 l₂ l₃ sin θ₂, and −√",
-        lambda v: _root(v.t[3], *_def(v, -2 * v.l[3]), -1),
-        branches={WITH_MINUS: lambda v: _root(v.t[3], *_def(v, 2 * v.l[4]), -1)},
+        f"{THETA_3}, {D_1}, E₁ = 2 l₄ l₂ sin θ₂",
+        f"{E_1}, and −√",
+        given=F_1,
+        meant=f"{THETA_3.replace('+ √', '− √')}, {D_1}, {E_1}",
+        branch=WITH_MINUS,
     ),
-    Equation[Variables](
-        "area",
+    area(
         "eq 15",
-        "F₁ = l₄² − l₃² − (l₂ cos θ₂)² − (l₂ sin θ₂)²",
-        lambda v: _in_half_angle(v.t[3], *_def(v, -2 * v.l[3])),
+        F_1,
+        read=f"D₁ cos θ₃ + E₁ sin θ₃ + F₁ = 0, {D_1}, {E_1}, {F_1}",
         note="with E₁ as corrected in (14)",
     ),
     length("eq 16", "l₁ e^iθ₁ + l₃ e^iθ₃ + l₅ e^iθ₅ = iS"),
     length("eq 17", "l₁ cos θ₁ + l₃ cos θ₃ + l₅ cos θ₅ = 0"),
     length("eq 17.2", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = 0", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = S"),
-    Equation[Variables](
-        "angle",
+    angle(
         "eq 18",
         "θ₅ = arccos((−l₁ cos θ₁ − l₃ cos θ₃) / l₅)",
-        lambda v: _apart(v.t[5], arccos((-v.cos(1) - v.cos(3)) / v.l[5])),
-        branches={"with −arccos": lambda v: _apart(v.t[5], -arccos((-v.cos(1) - v.cos(3)) / v.l[5]))},
+        branch=("with −arccos", "= arccos", "= −arccos"),
     ),
     length("eq 19", "S = l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅"),
 )
