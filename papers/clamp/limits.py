@@ -19,18 +19,14 @@ STARTS = 8  # of local searches, all of which end at one M_P
 def constraints(name: str, design: Corners) -> Iterator[Claim]:
     """A row for each constraint on a design."""
     x = {variable: float(text) for variable, text in printed.TABLE_2[name].items()}
-    yield _bounds(name, x)
-    yield from _free_space(name, x)
-    yield _stability(name, design)
-    yield from _ranges(name, design)
-
-
-def _bounds(name: str, x: Mapping[str, float]) -> Claim:
     excess = max(max(low - x[v], x[v] - high) / high for v, (low, high) in printed.BOUNDS.items())
     ends = [v for v, limits in printed.BOUNDS.items() if x[v] in limits]
     text = ", ".join(f"{low:g} ≤ {v} ≤ {high:g}" for v, (low, high) in printed.BOUNDS.items())
     computed = f"at a bound: {', '.join(ends)}" if ends else "none at a bound"
-    return limit(f"bounds, {name}", text, excess, (excess, excess), scale=1, computed=computed)
+    yield limit(f"bounds, {name}", text, excess, (excess, excess), scale=1, computed=computed)
+    yield from _free_space(name, x)
+    yield _stability(name, design)
+    yield from _ranges(name, design)
 
 
 def _free_space(name: str, x: Mapping[str, float]) -> Iterator[Claim]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from math import sqrt
 
 import numpy as np
+import pandas as pd
 
 from scenes.model.motion import Samples
 
@@ -90,11 +91,10 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
     printed = {name: TABLE_1["a_m peak-valley"][name] for name in known}
     initial, scheme_4 = map(float, printed.values())
     spans = _spans(PEAK_VALLEY)
-    changes = _changes(spans)
-    best = min(changes, key=lambda text: abs(changes[text] - 100 * (scheme_4 / initial - 1)))
-    fits = {name: SPEED * sqrt(float(text) / spans[best][name]) for name, text in printed.items()}
+    best = str((spans["change"] - 100 * (scheme_4 / initial - 1)).abs().idxmin())
+    fits = {name: SPEED * sqrt(float(text) / spans[name][best]) for name, text in printed.items()}
     for name, text in printed.items():
-        span = spans[best][name]
+        span = float(spans[name][best])
         slow, fast = (span * (speed / SPEED) ** 2 for speed in SPEEDS)
         yield number(
             f"table 1 a_m peak-valley, {name}",
@@ -107,30 +107,31 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
     yield number(
         "table 1 change of a_m peak-valley, at the same V_o",
         TABLE_1["a_m peak-valley"]["change"],
-        changes[best],
+        float(spans["change"][best]),
         scale=100,
-        note=f"%; {_listed(changes)}; a V_o for scheme 4 that is {apart:.1f} % higher would fit. Unlike a peak-valley:"
-        f" {_listed(_changes(_spans(UNLIKE)))}; {_of_the_mean(known, initial)}",
+        note=f"%; {_listed(spans)}; a V_o for scheme 4 that is {apart:.1f} % higher would fit. Unlike a peak-valley:"
+        f" {_listed(_spans(UNLIKE))}; {_of_the_mean(known, initial)}",
     )
 
 
-def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> Mapping[str, Mapping[str, float]]:
-    """What each reading gives for each design at face value, mm/s^2."""
+def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> pd.DataFrame:
+    """What each reading gives for each design at face value, mm/s^2, and how far scheme 4 is above the initial, %."""
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
-    return {
-        f"{form}, {text}": {name: of(formulas.acceleration(p, SPEED, printed=printed)) for name, p in strokes.items()}
-        for form, printed in FORMS.items()
-        for text, of in readings.items()
-    }
+    spans = pd.DataFrame.from_dict(
+        orient="index",
+        data={
+            f"{form}, {text}": {
+                name: of(formulas.acceleration(p, SPEED, printed=printed)) for name, p in strokes.items()
+            }
+            for form, printed in FORMS.items()
+            for text, of in readings.items()
+        },
+    )
+    return spans.assign(change=100 * (spans["scheme 4"] / spans["initial"] - 1))
 
 
-def _changes(spans: Mapping[str, Mapping[str, float]]) -> Mapping[str, float]:
-    """By how much, in percent, scheme 4 is above the initial design."""
-    return {text: 100 * (span["scheme 4"] / span["initial"] - 1) for text, span in spans.items()}
-
-
-def _listed(changes: Mapping[str, float]) -> str:
-    return ", ".join(f"{change:+.1f} {text}" for text, change in changes.items())
+def _listed(spans: pd.DataFrame) -> str:
+    return ", ".join(f"{change:+.1f} {text}" for text, change in spans["change"].items())
 
 
 def _of_the_mean(known: Mapping[str, Corners], printed: float) -> str:

@@ -80,11 +80,6 @@ def _fictitious(steps: int, levels: int, sweeps: int, **options: Any) -> PymunkS
     return _run(steps, levels, sweeps, ", fictitious masses", fictitious=True, note=note, **options)
 
 
-def _default_correction(steps: int) -> PymunkSettings:
-    note = "the engine's own correction of joints, a tenth of their error in 1/60 s"
-    return _run(steps, 1, 100, ", default correction", correction=None, order=1, note=note)
-
-
 def _textbook(steps: int) -> TextbookSettings:
     """A first script's settings; unconverged sweeps and a slack correction add up to no known order."""
     note = "as a new user meets it: the engine's own defaults, all links dynamic, a motor on the crank"
@@ -107,6 +102,8 @@ WORK_PRECISION: tuple[AnySettings, ...] = (
     DEFAULT,
     _textbook(60),
 )
+SLACK = "the engine's own correction of joints, a tenth of their error in 1/60 s"
+SLACK_STEPS = (720, 1440, 2880, 5760)
 LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_fictitious(steps, 1, 20) for steps in (72, 144, 288, 576, 1152, 2304, 4608, 9216)),
     *(_fictitious(steps, 2, 20) for steps in (72, 288, 576, 1152)),
@@ -118,7 +115,7 @@ LONG_WORK_PRECISION: tuple[AnySettings, ...] = (
     *(_run(steps, 4, 300) for steps in (72, 144)),
     EXACT,
     *(_run(steps, 1, 100, ", 50% correction", correction=0.5, order=2) for steps in (144, 360, 720)),
-    *(_default_correction(steps) for steps in (720, 1440, 2880, 5760)),
+    *(_run(steps, 1, 100, ", default correction", correction=None, order=1, note=SLACK) for steps in SLACK_STEPS),
     *(_textbook(steps) for steps in (576, 1152, 2304, 4608, 9216, 18432, 36864)),
 )
 # A motor converges badly: fewer sweeps flip the toggle press.
