@@ -20,11 +20,6 @@ from sim_models.multiprecision.constraints import LinkageEquations  # noqa: E402
 from sim_models.multiprecision.start import sketched_pose  # noqa: E402
 
 
-@pytest.fixture(scope="module")
-def toggle() -> Motion:
-    return named("toggle_press", 720)
-
-
 def test_mirrored_sketch_gives_the_mirrored_branch() -> None:
     def elbow(motion: Motion) -> Array:
         B, C = (motion[f"{point}.x"] + 1j * motion[f"{point}.y"] for point in "BC")
@@ -45,8 +40,9 @@ def test_two_links_near_their_lock_at_once_stay_on_their_branches(gap: float) ->
     np.testing.assert_allclose(motion["C.x"], np.cos(angle) - reach, rtol=0, atol=1e-14)
 
 
-def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.MonkeyPatch, toggle: Motion) -> None:
+def test_contraction_of_newton_alone_keeps_the_branch(monkeypatch: pytest.MonkeyPatch) -> None:
     """The other guards off, a third of a turn is offered as one step; uncontracted Newton then flips the press."""
+    toggle = named("toggle_press", 720)
     monkeypatch.setattr(multiprecision_continuation, "HOMOTOPY", np.inf)
     monkeypatch.setattr(multiprecision_continuation, "LARGEST_TURN", 10.0)
     leaping = run(scenes.load("toggle_press"), samples=3)
@@ -103,7 +99,8 @@ def test_a_unit_of_length_changes_nothing() -> None:
     np.testing.assert_allclose(tracks[2], tracks[1], rtol=0, atol=1e-12 * np.ptp(tracks[1]))
 
 
-def test_toggle_press_has_the_known_extremes(toggle: Motion) -> None:
+def test_toggle_press_has_the_known_extremes() -> None:
+    toggle = named("toggle_press", 720)
     y, angle = toggle["P5.y"], np.degrees(toggle["crank_angle"])
     assert abs(np.ptp(y) - 183.6316e-3) <= 3e-6  # a sample misses a dead point by a quarter degree: a t^2 / 2, m
     assert abs(angle[y.argmin()] - 12.9) <= 0.5  # one sample

@@ -23,10 +23,7 @@ from tests.agreement import errors
 
 from .runs import driven_slider, reference, slider_crank, solve
 
-
-@pytest.fixture(scope="module")
-def press() -> Scene:
-    return scenes.load("toggle_press")
+PRESS = scenes.load("toggle_press")
 
 
 def failure_of(scene: Scene, settings: AnySettings = DEFAULT) -> Failure:
@@ -36,12 +33,12 @@ def failure_of(scene: Scene, settings: AnySettings = DEFAULT) -> Failure:
 
 
 @pytest.mark.parametrize("settings", [PymunkSettings("", 72, 1, 10), TextbookSettings("", 60)])
-def test_flip_is_seen_where_it_happens(press: Scene, settings: AnySettings) -> None:
-    failure = failure_of(press, settings)
+def test_flip_is_seen_where_it_happens(settings: AnySettings) -> None:
+    failure = failure_of(PRESS, settings)
     assert failure.status is Status.wrong_branch
     assert "deg" in failure.reason
     assert failure.motion is not None
-    assert set(failure.motion.samples) == {*channels(press)}
+    assert set(failure.motion.samples) == {*channels(PRESS)}
 
 
 class Spoilable:
@@ -60,8 +57,8 @@ class Spoilable:
         return check_path(self.linkage, self.run.path, self.run.positions, self.branch)
 
 
-def test_every_step_is_checked(press: Scene) -> None:
-    run, (crank, rod, slider) = Spoilable(press), (0, 3, 4)
+def test_every_step_is_checked() -> None:
+    run, (crank, rod, slider) = Spoilable(PRESS), (0, 3, 4)
     before = run.checked()
     after = run.checked(slider, 2, -3e-3)  # turned in its guide, which counts at the linkage's size
     assert after["joint_gap"] == pytest.approx(3e-3 * run.linkage.size / 0.077, abs=before["joint_gap"])
@@ -87,8 +84,8 @@ def test_what_a_slider_drifts_and_joints_open_by_is_of_its_travel() -> None:
 
 
 @pytest.mark.parametrize("sign", [1, -1])
-def test_forces_that_are_not_the_engines_are_seen(press: Scene, sign: int) -> None:
-    linkage, forces = LinkageConstraints(press, ballasted_masses), np.array([[1.0, 2.0], [5.0, 3.0], [4.0, 0.0]])
+def test_forces_that_are_not_the_engines_are_seen(sign: int) -> None:
+    linkage, forces = LinkageConstraints(PRESS, ballasted_masses), np.array([[1.0, 2.0], [5.0, 3.0], [4.0, 0.0]])
     off = sign * 5.0 * np.array([[0.0, 0.0], [0.0, 0.0], [1.0, 0.2]])
     found = check_impulses(linkage, np.arange(3.0), forces, forces + 4e-7 * off)
     assert found["impulses"] == pytest.approx(4e-7)
@@ -183,14 +180,14 @@ def test_a_dead_centre_between_two_samples_is_not_stepped_over(label: str) -> No
 @pytest.mark.parametrize("settings", [FAST, TextbookSettings("", 60)])
 def test_a_run_that_takes_too_long_names_its_steps(settings: AnySettings, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sim_models.pymunk.runs.simulation.SECONDS", 0.0)
-    failure = failure_of(scenes.load("toggle_press"), settings)
+    failure = failure_of(PRESS, settings)
     assert failure.status is Status.timed_out
     assert re.search("of processor time were not enough for .*steps", failure.reason)
 
 
 def test_a_continuation_that_takes_too_long_names_where_it_leads(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sim_models.pymunk.start.SECONDS", 0.0)
-    failure = failure_of(scenes.load("toggle_press"))
+    failure = failure_of(PRESS)
     assert failure.status is Status.timed_out
     assert "not enough for the way to crank angle" in failure.reason
 
@@ -204,8 +201,7 @@ def test_the_way_from_the_sketch_takes_no_steps_of_a_short_range(monkeypatch: py
 
 def test_the_run_up_is_no_longer_than_a_cycle() -> None:
     """In a millisecond pymunk corrects 0.6 % of a joint's error: what then is left of it, no run-up takes away."""
-    press = scenes.load("toggle_press")
-    assert isinstance(press.drive, ConstantSpeed)
-    quick = replace(press, drive=replace(press.drive, speed=1000 * press.drive.speed))
+    assert isinstance(PRESS.drive, ConstantSpeed)
+    quick = replace(PRESS, drive=replace(PRESS.drive, speed=1000 * PRESS.drive.speed))
     settings = PymunkSettings("", 72, 1, 100, correction=None)
     assert pymunk_model.build(quick, settings, Sampling(72)).counters["steps"] == 2 * 72
