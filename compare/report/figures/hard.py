@@ -5,7 +5,7 @@ A map has errors in colour, failures in grey with a letter, theory as a line.
 
 from collections.abc import Collection, Hashable, Iterator, Mapping
 from textwrap import wrap
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -34,8 +34,7 @@ SCALE = {
     "colorbar": {"title": "error", "tickvals": [*range(-6, 1)], "ticktext": [f"1e{n}" for n in range(-6, 1)]},
 }
 
-PlotlyTrace: TypeAlias = dict[str, Any]
-GREYED: PlotlyTrace = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
+GREYED = {"colorscale": [[0, "#d0d0d0"], [1, "#d0d0d0"]], "showscale": False}
 
 
 def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
@@ -60,12 +59,12 @@ def stability_maps(table: pd.DataFrame) -> Iterator[tuple[str, Figure]]:
         yield title, figure.update_layout({"coloraxis": SCALE, "margin": {"b": 100}})
 
 
-def _ticks(labels: Collection[object]) -> PlotlyTrace:
+def _ticks(labels: Collection[object]) -> dict[str, Any]:
     """An axis of cells by their labels."""
     return {"tickvals": [*range(len(labels))], "ticktext": [*labels], "range": [-0.5, len(labels) - 0.5]}
 
 
-def _traces(rows: pd.DataFrame) -> Iterator[PlotlyTrace]:
+def _traces(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield the cells of one engine that were solved, those that failed, and the boundary by theory."""
     labels, steps = [*dict.fromkeys(rows["label"])], sorted(set(rows["steps"]))
     fine = rows["status"] == Status.ok.name
@@ -91,7 +90,7 @@ def _hover(cell: Mapping[Hashable, Any]) -> str:
     return "<br>".join(filter(None, lines))
 
 
-def _boundary(rows: pd.DataFrame) -> PlotlyTrace:
+def _boundary(rows: pd.DataFrame) -> dict[str, Any]:
     """The line where theory has the runs begin to hold, between the columns by the logarithm."""
     across = rows.drop_duplicates("label")["x"].to_numpy(float)
     needed = rows.groupby("steps")["needed"].first().to_numpy(float)

@@ -33,10 +33,7 @@ class Arrow:
 def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     """Yield the forces of pins, guides and a driven slider's drive that a motion has, and loads; none without masses.
 
-    Args:
-        scene: the linkage.
-        pose: how guides are turned, and where loads act; of all channels.
-        motion: forces, shape (n,) as those of the pose.
+    How guides are turned, and where loads act, is by the pose, which has all channels at the samples of the motion.
     """
     if not scene.has_masses:
         return

@@ -135,12 +135,8 @@ class MovingPicture:
 def _packed(header: dict[str, Any], reference: NDArray[np.float64], others: Sequence[NDArray[np.float64]]) -> str:
     """A text that a script unpacks, gzip in base64: a line of JSON, then numbers of four bytes, row by row.
 
-    First bytes come first, then the second ones, and so on, which halves what gzip leaves.
-
-    Args:
-        header: what the JSON has, besides `quanta`: by row of the reference what its whole numbers count.
-        reference: finite, shape (channels, n); kept as second differences of whole numbers.
-        others: of any shape, in single precision.
+    First bytes come first, then the second ones, and so on, which halves what gzip leaves. The reference, finite and of
+    shape (channels, n), is kept as second differences of whole numbers, `quanta` being what they count by row.
     """
     quanta = np.maximum(np.abs(reference).max(axis=1), 1e-300) / WHOLE
     whole = np.round(reference / quanta[:, np.newaxis]).astype("<i4")

@@ -111,10 +111,7 @@ def shortened(
 ) -> tuple[list[str], list[list[object]], str]:
     """Columns and rows of a table for a page, and in a sentence which rows of a long one are shown.
 
-    Args:
-        table: rows, of which each may lack some columns, or a data frame.
-        worst: name of the column whose largest numbers are shown, NaN as the largest; the first rows if empty.
-        whole: where all rows are.
+    Those with the largest numbers in the column `worst`, NaN as the largest, or the first ones; all are in `whole`.
     """
     rows, left_out = table if isinstance(table, Sequence) else table.to_dict("records"), ""
     columns = dict.fromkeys(column for row in rows for column in row)
