@@ -135,16 +135,14 @@ def _gaps(mechanics: Mechanics, state: MotionVectors, body: Body, travel: Mappin
     return gap
 
 
-# --- how far a motion is from its projection onto the constraints: its errors, estimated without a reference ----------
-
-
 @np.errstate(all="ignore")  # what is not finite is so in the result
 def estimate(
     mechanics: Mechanics, motion: Motion, travel: Mapping[str, float], ends: Sequence[float] | None = None
 ) -> Estimate:
-    """What is known of a motion whose kinematic channels are complete; arguments as of `checks`.
+    """How far a motion is from its projection onto the constraints: its errors, without a reference.
 
-    On the switch of a press force all channels count on the side where they fit best.
+    Its kinematic channels are complete; arguments are those of `checks`. On the switch of a press force all channels
+    count on the side where they fit best.
     """
     turns = np.ones_like(motion["time"])
     if mechanics.scene.driven_slide is None:  # how often a crank has turned: its angle is rounded by as much more
@@ -162,9 +160,6 @@ def estimate(
             explained = rounding * (units[channel] / sizes(true, channel, scale[channel]))
             errors[channel] = np.where((errors[channel] <= explained) | np.isinf(condition), 0.0, errors[channel])
     return Estimate(errors, branch, EPS * condition * far, closed)
-
-
-# --- what a motion's own forces leave over ----------------------------------------------------------------------------
 
 
 def _balances(

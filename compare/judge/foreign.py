@@ -104,18 +104,13 @@ def _explained_by_decimals(reference: Reference, request: Instants, halves: Halv
 
 def _meanwhile(reference: Reference, time: Samples, true: Motion) -> dict[str, Samples]:
     """How far each channel moves while the instants are off as written, relative, shape (n,)."""
-    position, moved = _way(reference, time, true), dict[str, Samples]()
+    position, moved = np.abs(reference.scene.drive.at(true["time"]).rate) * time, dict[str, Samples]()
     for sign in (1, -1) if position.any() else ():
         with suppress(Failure):  # beyond the end of the drive
             other = reference.at(true[reference.scene.drive_channel] + sign * position, true["time"] + sign * time)
             for channel, error in relative_errors(other, true, reference.scale).items():
                 moved[channel] = np.maximum(moved.get(channel, 0.0), error)
     return moved
-
-
-def _way(reference: Reference, time: Samples, true: Motion) -> Samples:
-    """How far the drive goes in times, rad or m, shape (n,)."""
-    return np.abs(reference.scene.drive.at(true["time"]).rate) * time
 
 
 def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) -> list[Check]:
@@ -125,7 +120,8 @@ def _excused(reference: Reference, halves: Halves, true: Motion, own: Motion) ->
     up many channels, each of which is held against the reference by itself: it has no other limit.
     """
     draw, complete = np.random.default_rng(SEED), own.samples.keys() >= reference.mechanics.units.keys()
-    halves = {**halves, reference.scene.drive_channel: _way(reference, halves["time"], true)}
+    way = np.abs(reference.scene.drive.at(true["time"]).rate) * halves["time"]  # of the drive meanwhile
+    halves = {**halves, reference.scene.drive_channel: way}
     off = {c: true[c] + draw.uniform(-1, 1, len(true["time"])) * halves.get(c, 0.0) for c in own.samples}
 
     def found(motion: Motion) -> list[Check]:

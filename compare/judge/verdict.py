@@ -107,9 +107,7 @@ def share(worst: float) -> str:
 
 def within(size: float) -> str:
     """A relative error as a bound: `0.0004 %`, rounded up, or `9 digits`."""
-    if size < PER_CENT:
-        return f"{digits(size)} digits"
-    return _per_cent(size, ceil, 1)
+    return f"{digits(size)} digits" if size < PER_CENT else _per_cent(size, ceil, 1)
 
 
 def sized(size: float) -> str:
