@@ -1,13 +1,16 @@
 """One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 from scenes import Scene
 from scenes.model.motion import UNITS, channels, force_channels, quantity
+from scenes.scene import PressForce
 
 from ..engines import registry
-from .axis import axis
+from .axis import DriveAxis, axis
+from .bodies import inertia
 from .constraints import Constraints
 from .motion_vectors import press_forces
 from .perturbation import neighbours
@@ -23,16 +26,37 @@ GROUPS: Mapping[str, str] = (
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
 
 
+@dataclass(frozen=True)
 class Mechanics:
-    """The judge's own model of a linkage; what takes time or room is made when it is first asked for."""
+    """The judge's own model of a linkage, each part made when it is first asked for."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.axis = axis(scene)  # what curves run over, and where tables say that something happened
-        self.presses = press_forces(scene)
-        least, largest = scene.drive.extent
-        self.way = 1.0 if scene.driven_slide is None else largest - least  # rad or m: what the drive is measured by
-        self.rate = scene.drive.peak_rate / self.way  # 1/s
+    scene: Scene
+
+    @cached_property
+    def axis(self) -> DriveAxis:
+        """What curves run over, and where tables say that something happened."""
+        return axis(self.scene)
+
+    @cached_property
+    def presses(self) -> tuple[PressForce, ...]:
+        """The loads that depend on the direction of motion."""
+        return press_forces(self.scene)
+
+    @cached_property
+    def inertia(self) -> Mapping[str, float]:
+        """By body its moment of inertia about the centre of mass, kg m^2."""
+        return {name: inertia(body) for name, body in self.scene.bodies.items()}
+
+    @property
+    def way(self) -> float:
+        """What the drive's position is measured by: 1 rad, or the travel of a slider that is driven, m."""
+        least, largest = self.scene.drive.extent
+        return 1.0 if self.scene.driven_slide is None else largest - least
+
+    @property
+    def rate(self) -> float:
+        """The drive's peak rate over its `way`, 1/s."""
+        return self.scene.drive.peak_rate / self.way
 
     @cached_property
     def forces(self) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ import numpy as np
 from scenes import Motion
 from scenes.model.motion import Samples
 
-from .bodies import inertia
 from .constraints import ClosedPoses, Matrices, planes
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
@@ -98,7 +97,9 @@ def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
     for body in mechanics.scene.bodies.values():
         first, (com, _, acceleration) = state.place(body.points[0]), state.com(body)
         force = (body.mass or 0.0) * acceleration
-        moment = inertia(body) * state.angle(body.name, "alpha") + ((com - first).conjugate() * force).imag
+        moment = (
+            mechanics.inertia[body.name] * state.angle(body.name, "alpha") + ((com - first).conjugate() * force).imag
+        )
         for push in state.applied(body):
             force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag
         needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
