@@ -16,7 +16,7 @@ from ...mechanics.reference import Reference
 from ..measure import Measurement
 from .curves import curves
 from .numbers import CycleNumber, numbers
-from .refined import refined
+from .refined import beyond, jumps, refined
 
 NOTHING = 1e-6  # of what a difference is divided by: what lines between the samples cut off the work of a cycle
 TURNS = 10  # of a run at most, evenly spread, in which engines are compared
@@ -57,7 +57,8 @@ def peaks(reference: Reference, sampling: Request, measurements: Sequence[Measur
         reference.cycle,
         lambda time: reference.at(scene.drive.at(time).position, time),
         repeats=scene.drive.repeats,
-        switches=partial(_switches, reference) if reference.mechanics.presses else None,
+        bends=partial(beyond, scene),
+        switches=partial(_switches, reference) if jumps(scene) else None,
     )
     over = reference.mechanics.axis.channel
     differences = {
@@ -84,7 +85,7 @@ def _switches(reference: Reference, motion: Motion, step: Samples) -> Samples:
     """The instants on either side of which a press force comes or goes, of samples close together."""
     close = np.diff(motion["time"]) < 1.5 * step
     changes = [np.flatnonzero(close & (act[0, 1:] != act[0, :-1])) for act in reference.acts(motion)]
-    return motion["time"][np.concatenate(changes)]
+    return np.asarray(motion["time"][np.concatenate([np.arange(0), *changes])])
 
 
 def _place(number: CycleNumber, motion: Motion, over: Samples) -> tuple[float, float]:

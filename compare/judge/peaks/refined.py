@@ -10,8 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Failure, Motion
+from scenes import Failure, Motion, Scene
 from scenes.model.motion import Samples
+from scenes.scene import ForceTable, MotionLaw, PressForce
 
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
@@ -22,7 +23,26 @@ NEXT_TO_HIGHEST = 0.01  # of a quantity's range: how far below its largest sampl
 AHEAD = 4  # steps beyond three samples: how far a parabola is followed
 
 MotionAtTimes: TypeAlias = Callable[[Samples], Motion]  # of instants, s, of shape (..., k)
+Levels: TypeAlias = Callable[[Motion], Sequence[Samples]]
 Switches: TypeAlias = Callable[[Motion, Samples], Samples]
+
+
+def jumps(scene: Scene) -> bool:
+    """Whether forces may jump, or bend at any place, within a cycle, as by press forces and by motion laws."""
+    return isinstance(scene.drive, MotionLaw) or any(isinstance(load, PressForce) for load in scene.loads)
+
+
+def beyond(scene: Scene, motion: Motion) -> list[Samples]:
+    """How far sliders are beyond each entry of their force tables, m, shape (..., n): forces bend where it is zero."""
+    levels: list[Samples] = []
+    for load in (load for load in scene.loads if isinstance(load, ForceTable)):
+        slide, point = scene.bodies[load.body].slide, scene.bodies[load.body].points[0]
+        if slide is None or not {f"{point}.x", f"{point}.y"} <= motion.samples.keys():
+            continue
+        parts = zip("xy", slide.along, slide.through, strict=True)
+        displacement = np.sum([along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts], axis=0)
+        levels += [displacement - entry for entry in load.displacements]
+    return levels
 
 
 def refined(
@@ -31,12 +51,14 @@ def refined(
     solve: MotionAtTimes,
     *,
     repeats: bool,
+    bends: Levels = lambda _: [],
     switches: Switches | None = None,
 ) -> Motion:
     """A cycle with samples added, in the order of the time, as far as the linkage closes there.
 
     It comes in samples of shape (..., n) at equal steps of the time, from zero, both ends included. Where another cycle
-    follows, an extreme may be on both sides of the end. `switches` are the instants near which press forces come or go,
+    follows, an extreme may be on both sides of the end. Where one of `bends` is zero a sample is added: an extreme may
+    be a corner. Or where forces may jump, `switches` are the instants near which press forces come or go,
     of a motion in the order of the time, where its samples are not further apart than a step, s.
     """
     end, step = cycle["time"][..., -1:], cycle["time"][..., 1:2]
@@ -45,6 +67,9 @@ def refined(
         height.argmax(axis=-1) if switches else _top(height, repeats=repeats) for height in heights(followed, cycle)
     ]
     near = np.stack(rows, axis=-1) * step
+    corners = [] if switches else [(n, _zeros(level) * step) for n, level in enumerate(bends(cycle))]
+    levels = [n for n, places in corners for _ in range(places.shape[-1])]
+    near = np.concatenate([near, *(places for _, places in corners)], axis=-1)
     motion, parts = cycle, [cycle]
     for _ in range(ROUNDS_TO_JUMP if switches else ROUNDS):
         if switches:
@@ -59,7 +84,13 @@ def refined(
             break
         parts = [*parts, motion] if switches else [cycle, motion]  # the last samples are nearest to an extreme
         own = [height.reshape(around.shape)[..., k, :] for k, height in enumerate(heights(followed, motion))]
-        near = np.stack([_vertex(around[..., k, :], y) for k, y in enumerate(own)], axis=-1)
+        nearer = [_vertex(around[..., k, :], y) for k, y in enumerate(own)]
+        if levels:
+            values = [level.reshape(around.shape) for level in bends(motion)]
+            nearer += [
+                around[..., k, 1] - step[..., 0] * _newton(values[n][..., k, :]) for k, n in enumerate(levels, len(own))
+            ]
+        near = np.stack(nearer, axis=-1)
         if followed[0].kind == "path":  # whose two ends depend on each other
             ends = followed[0].values(motion).reshape(around.shape)[..., :2, side - 1 : side + 2]
             near[..., :2] = around[..., :2, side] + step * _to_longest(ends)
@@ -99,7 +130,8 @@ def in_order(parts: Sequence[Motion]) -> Motion:
     """Several motions of the same channels as one, in the order of the time."""
     joined = {c: np.concatenate([part[c] for part in parts], axis=-1) for c in parts[0].samples}
     order = np.argsort(joined["time"], axis=-1, kind="stable")
-    return Motion({c: np.take_along_axis(values, order, -1) for c, values in joined.items()})
+    rows = order + order.shape[-1] * np.arange(order[..., 0].size).reshape(*order.shape[:-1], 1)  # of all samples
+    return Motion({c: np.take(values, rows) for c, values in joined.items()})
 
 
 def _top(height: Samples, *, repeats: bool) -> Samples:
@@ -120,6 +152,20 @@ def _top(height: Samples, *, repeats: bool) -> Samples:
     upwards = np.argsort(here + way * (slope + way / 2 * bend))  # so that the highest of a machine is the last
     places[machine[upwards]] = (middle + way)[upwards]
     return places.reshape(height.shape[:-1])
+
+
+def _zeros(level: Samples) -> Samples:
+    """Where lines from sample to sample pass zero, in steps, shape (..., k): of fewer than k such places any others."""
+    passes = level[..., 1:] * level[..., :-1] < 0
+    row = np.argsort(~passes, axis=-1, kind="stable")[..., : int(passes.sum(axis=-1).max(initial=0))]
+    before, after = (np.take_along_axis(level, row + k, -1) for k in (0, 1))
+    return np.asarray(row + before / np.where(before == after, np.inf, before - after))
+
+
+def _newton(level: Samples) -> Samples:
+    """How many steps before the middle one of three samples there is zero, shape (...), one step at most."""
+    slope = (level[..., 2] - level[..., 0]) / 2
+    return np.clip(level[..., 1] / np.where(slope == 0, np.inf, slope), -1, 1)
 
 
 def _vertex(time: Samples, height: Samples) -> Samples:

@@ -133,7 +133,7 @@ class Stroke:
 
 def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:
     """The samples at these rows, shape (...)."""
-    return np.take_along_axis(values, np.asarray(row)[..., np.newaxis], -1)[..., 0]
+    return values.reshape(-1, values.shape[-1])[np.arange(np.size(row)), np.ravel(row)].reshape(np.shape(row))
 
 
 def chords(places: Values) -> Values:

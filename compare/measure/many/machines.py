@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.special import ndtri
@@ -9,13 +10,13 @@ from scipy.special import ndtri
 from scenes import Motion, Scene, Status, numbers_in
 from scenes.file.machines import machines as of_machines
 from scenes.model.motion import Samples
+from scenes.scene import ForceTable
 
 from ...engines import registry
 from ...judge.peaks.curves import curves
 from ...judge.peaks.numbers import STROKE, CycleNumber, numbers
-from ...judge.peaks.refined import refined
+from ...judge.peaks.refined import beyond, jumps, refined
 from ...judge.peaks.stroke import RowNumbers
-from ...mechanics.motion_vectors import press_forces
 from ...mechanics.reference import Reference
 
 BITS = 30  # of the draws, before they become numbers
@@ -63,7 +64,9 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     scene, scale, count = reference.scene, reference.scale, len(next(iter(changes.values())))
     many = of_machines(scene, changes)
     quantities = curves(many, scale, reference.cycle)
-    solve = registry.many(scene, changes, frozenset(channel for curve in quantities for channel in curve.channels))
+    tables = [scene.bodies[load.body].points[0] for load in scene.loads if isinstance(load, ForceTable)]
+    wanted = [channel for curve in quantities for channel in curve.channels]
+    solve = registry.many(scene, changes, frozenset([*wanted, *(f"{p}.{axis}" for p in tables for axis in "xy")]))
     status, reason = [Status.ok] * count, [""] * count
 
     def solved(time: Samples) -> Motion:
@@ -74,9 +77,16 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
         return Motion(answer.samples)
 
     time = np.arange(samples + 1) / samples * np.broadcast_to(many.drive.cycle, (count, 1))
-    switches = _no_switches if press_forces(scene) else None
+    switches = _no_switches if jumps(scene) else None
     with np.errstate(invalid="ignore"):  # of machines that do not run
-        motion = refined(quantities, solved(time), solved, repeats=scene.drive.repeats, switches=switches)
+        motion = refined(
+            quantities,
+            solved(time),
+            solved,
+            repeats=scene.drive.repeats,
+            bends=partial(beyond, many),
+            switches=switches,
+        )
     rows = np.flatnonzero([ended is Status.ok for ended in status])
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())
