@@ -27,7 +27,7 @@ from .machines import SolvedMachines, draws, machines
 from .spread import Spread, spread
 
 BLOCK = 2048  # machines that a process is asked for at a time
-AT_ONCE = 128  # that are solved in the same arrays: these stay in the processor's cache
+AT_ONCE = 256  # that are solved in the same arrays: these stay in the processor's cache
 SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
 NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
 
