@@ -299,3 +299,22 @@ def test_a_law_has_its_places_in_its_time() -> None:
         value = motion[channel][row] if name == power else abs(motion[channel][row])
         assert q[name].value == pytest.approx(value, rel=1e-5)
         assert q[name].position == pytest.approx(motion["time"][row], abs=1e-4)
+
+
+def test_a_corner_between_samples_is_found() -> None:
+    """The clamp's force stops rising at the last entry of its table; the platen is there where bisection says."""
+    changes = {"loads.0.table.0.0": 795, "loads.0.table.1.0": 800}
+    scene = scene_files.load("double_toggle_clamp", changes)
+    slide = scene.bodies["platen"].slide
+    assert slide is not None
+
+    def at(position: float) -> dict[str, float]:
+        return {name: float(values[0]) for name, values in analytic.solve(scene, [position]).samples.items()}
+
+    def beyond(position: float) -> float:
+        now, point = at(position), scene.bodies["platen"].points[0]
+        return float(np.dot(slide.along, [now[f"{point}.x"], now[f"{point}.y"]] - np.array(slide.through))) - 0.8
+
+    corner = at(brentq(beyond, 0.14, 0.18, xtol=1e-14))
+    force = numbers("double_toggle_clamp", changes)["largest force at D"].value
+    assert force == pytest.approx(np.hypot(corner["D.fx"], corner["D.fy"]), rel=1e-9)  # without a sample there: 1e-6

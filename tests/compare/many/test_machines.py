@@ -59,6 +59,7 @@ def test_machines_agree_with_single_runs(name: str, count: int) -> None:
         ("offset_slider_crank", {"bodies.slider.slides.through.0": [15, 16], "drive.speed": [120, 110]}, SAME),
         ("offset_slider_crank", {"bodies.slider.slides.along.1": [0, 0.01]}, SAME),
         ("shaper", {"bodies.link.mass": [1, 2]}, JUMP),
+        ("double_toggle_clamp", {"loads.0.table.0.0": [790, 795], "loads.0.table.1.0": [800, 797]}, SAME),
     ],
 )
 def test_other_linkages(name: str, changes: dict[str, list[float]], tolerance: float) -> None:
