@@ -75,6 +75,18 @@ def refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
         (["--channels", "P5.*,slidr.*"], ["toggle_press has no channel 'slidr.*'; one of O.fx"]),
         (["--channels", "time"], ["toggle_press has no channel 'time'; one of O.fx"]),
         (["toggle_press", "four_bar", "--channels", "P5.y"], ["--channels", "four_bar", "P5.y"]),
+        (["four_bar", "--monte-carlo", "10"], ["four_bar: variations: missing; --monte-carlo draws machines from"]),
+        (["--monte-carlo", "1"], ["--monte-carlo: expected a whole number from 2 to 1000000, found '1'"]),
+        (["--monte-carlo", "ten"], ["--monte-carlo: expected a whole number"]),
+        (["--seed", "3"], ["--seed: expected it with --monte-carlo"]),
+        (["--monte-carlo", "10", "--vary", "drive.speed=1:2:3"], ["--vary: expected it without --monte-carlo"]),
+        (["--monte-carlo", "10", "--full"], ["--full: expected it without --monte-carlo"]),
+        (["--result", "theirs"], ["expected NAME=FILE.csv"]),
+        (["--result", "analytic=a.csv"], ["'analytic' is the name of an engine"]),
+        (["--result", "../x=a.csv"], ["expected NAME=FILE.csv"]),
+        (["--result", "theirs=missing.csv"], ["missing.csv: no such file"]),
+        (["--result", "theirs=."], ["expected a text file, found a folder"]),
+        (["--result", f"theirs={'x' * 5000}"], ["File name too long"]),
     ],
 )
 def test_bad_arguments(

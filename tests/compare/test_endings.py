@@ -114,6 +114,22 @@ def test_neither_what_is_heavy_nor_what_windows_lacks_is_needed_to_start() -> No
     assert ended(f"import sys, time; {lacking}; import compare.run, compare.cli.report") == (0, "", "")
 
 
+UNUSED = {  # packages, the part of plotly that checks figures, what is for families, failures and `--check`
+    *("dask", "exudyn", "flint", "narwhals", "numpy.ma", "pandas", "pint"),
+    *("plotly.graph_objects", "pymunk", "rich", "scipy"),
+    *("compare.measure.many.family", "compare.judge.canaries", "compare.measure.hard.case", "compare.judge.triage"),
+}
+
+
+def test_packages_that_the_main_job_does_without_are_not_imported(tmp_path: Path) -> None:
+    """What makes it cheap, without a clock: `python -m benchmarks.main_job` measures."""
+    job = f"main('--engines analytic --samples 8 --out {tmp_path}'.split())"
+    _, printed, _ = ended(f"import sys; from compare.run import main; {job}; print(*sys.modules)")
+    loaded = {*str(printed).splitlines()[-1].split()}
+    assert {"numpy", "jinja2", "analytic"} <= loaded
+    assert not UNUSED & loaded
+
+
 def little_memory() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (400 * 2**20, 400 * 2**20))
 

@@ -8,7 +8,7 @@ import pytest
 from compare.cli import cost as prediction
 from compare.cli.cost import announce, predicted
 from compare.run import main
-from scenes import InputError, Sampling, load
+from scenes import Sampling, load
 from tests.chain import chain
 
 ENGINES = ("analytic", "exudyn", "pymunk")
@@ -49,17 +49,12 @@ def test_a_large_run_is_announced_in_a_line(
     assert re.fullmatch(lines, capsys.readouterr().err)
 
 
-def test_what_no_memory_holds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(prediction, "_memory", lambda: 2e9)
-    with pytest.raises(InputError, match=r"fits into the 2.0 GB of memory here; 3,600,001 samples .* need about \d"):
-        announce(load("toggle_press"), Sampling(360, turns=10_000), ENGINES)
-    announce(load("toggle_press"), Sampling(360), ENGINES)
-
-
-def test_the_command_line_refuses_it_before_any_work(
+def test_what_no_memory_holds_is_refused_before_any_work(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(prediction, "_memory", lambda: 1e8)
-    assert main(["toggle_press", "--out", str(tmp_path / "out")]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
+    monkeypatch.setattr(prediction, "_memory", lambda: 0.4e9)
+    announce(load("toggle_press"), Sampling(360), ENGINES)
+    assert main(["toggle_press", "--samples", "36000", "--out", str(tmp_path / "out")]) == 2
+    line = r".*fits into the 0.4 GB of memory here; 36,001 samples .* need about \d.*\n"
+    assert re.fullmatch(line, capsys.readouterr().err)
     assert not (tmp_path / "out").exists()

@@ -98,18 +98,6 @@ def test_peaks_are_the_same_in_both_files(results: Path) -> None:
     assert (table["name"] + table["of"]).is_unique
 
 
-def test_errors_are_those_promised(results: Path) -> None:
-    """What each engine must reach at its default settings; pymunk's accelerations have their own gate in the scene."""
-    errors = pd.read_csv(results / "errors.csv")
-    promises = {("exudyn", "position"): 1e-12, ("exudyn", "reaction"): 1e-6}
-    for (engine, group), promised in (promises | {("pymunk", of): 1e-4 for of in ("position", "reaction")}).items():
-        rows = errors[(errors["engine"] == engine) & (errors["group"] == group)]
-        assert len(rows) >= 10
-        assert (rows["max"] <= promised).all(), (engine, group)
-        carried = rows[rows["channel"] != "slider.guide_moment"]  # zero in this scene, for every model
-        assert (carried["max"] > 0).all(), "an engine that agrees exactly was not run"
-
-
 def test_speed_file(results: Path) -> None:
     speed = pd.read_csv(results / "speed.csv")
     assert set(speed["engine"]) == set(registry.DEFAULT_ENGINES)
@@ -121,10 +109,9 @@ def test_speed_file(results: Path) -> None:
         assert "balanced" in " ".join(speed["tier"][speed["engine"] == engine].dropna())
     assert (speed["solve_min_s"] > 0).all()
     assert (speed["solve_min_s"] <= speed["solve_median_s"]).all()
-    run_s = speed["build_s"] + speed["solve_median_s"] + speed["read_s"]
-    cheap = 2 * LEAST_ROUNDS * run_s <= PATIENCE / len(speed)  # the rounds are not all alike
-    assert cheap[speed["engine"] == "analytic"].all()
-    assert (speed["timed_runs"][cheap] >= LEAST_ROUNDS).all(), "fewer of slow settings alone"
+    few = speed[speed["timed_runs"] < LEAST_ROUNDS - 1]
+    with_one_more = (few["timed_runs"] + 1) * (few["build_s"] + few["solve_median_s"])
+    assert (with_one_more > PATIENCE / len(speed)).all(), "fewer of slow settings alone"
     assert (speed["solve_min_s"] <= 1.1 * speed["solve_wall_s"]).all(), "an engine ran in several threads"
     for engine in ("exudyn", "pymunk"):  # more work, less error: the settings are in that order
         rows = speed[speed["engine"] == engine]
@@ -137,31 +124,6 @@ def test_the_report_needs_no_network(results: Path) -> None:
     assert '<script src="' not in page
     assert "<link" not in page.split("<body>")[0].split("</script>")[-1]
     assert page.count('class="plot"') == 14  # 3 of the slider, 6 pins, guide, torque, groups, locks, speed
-
-
-@pytest.mark.usefixtures("few_settings")
-def test_channels_narrow_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["--engines", "analytic", "--channels", "P5.y, P3.f?", "--check", "--out", str(tmp_path)]
-    assert main(arguments) == 0
-    said = capsys.readouterr().out
-    assert "position" in said
-    assert "reaction" in said
-    assert "velocity" not in said
-    table = pd.read_csv(tmp_path / "toggle_press" / "motion.analytic.csv")
-    assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.y [m]", "P3.fx [N]", "P3.fy [N]"]
-    assert summary_of(tmp_path / "toggle_press")["sampling"]["channels"] == ["P3.fx", "P3.fy", "P5.y"]
-
-
-@pytest.mark.usefixtures("few_settings")
-def test_an_accuracy_decides_the_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Pymunk's cheapest setting for a per cent is coarser than the one it runs at else, and is good to a per cent."""
-    arguments = ["--engines", "pymunk", "--accuracy", "1e-2", "--samples", "72", "--out", str(tmp_path)]
-    assert main(arguments) == 0
-    settings = summary_of(tmp_path / "toggle_press")["engines"]["pymunk"]["settings"]
-    assert settings["label"] in capsys.readouterr().out
-    assert settings["steps"] < registry.engine("pymunk").DEFAULT.steps
-    errors = pd.read_csv(tmp_path / "toggle_press" / "errors.csv")
-    assert (errors["max"] <= 1e-2).all()
 
 
 @pytest.mark.usefixtures("few_settings")
@@ -191,38 +153,34 @@ def test_a_command_of_other_words_shows_its_own(words: list[str], capsys: pytest
 
 
 @pytest.mark.usefixtures("few_settings")
-def test_check_names_what_is_missed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = scene_files.write(tmp_path, "toggle_press", {"name": "strict", "tolerances.pymunk.position": 1e-9})
-    arguments = [str(file), "--engines", "pymunk", "--samples", "72", "--channels", "P5.?", "--out", str(tmp_path)]
-    assert main(arguments) == 0, "without --check a missed tolerance is nobody's trouble"
-    assert main([*arguments, "--check"]) == 1
-    said = capsys.readouterr().out
-    assert said.count("missed:") == 1
-    assert "missed: pymunk position" in said
-    assert "1e-09" in said
-
-
-@pytest.mark.usefixtures("few_settings")
-def test_tolerances_of_no_engine_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing is held to them: a slip in the name must not look like a gate that is met."""
-    held = {"exudin": {"position": 1e-9}, "analytic": {"position": 1e-9}}
-    file = scene_files.write(tmp_path, "four_bar", {"name": "slip", "tolerances": held})
-    assert main([str(file), "--engines", "analytic", "--samples", "24", "--out", str(tmp_path), "--check"]) == 0
-    line = "not held: tolerances.exudin: no engine of that name; did you mean 'exudyn'?"
-    assert line in capsys.readouterr().out
-
-
-@pytest.mark.usefixtures("few_settings")
-def test_an_engine_that_is_missing_is_a_row_and_misses_its_gates(
+def test_what_is_asked_for_and_held(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    entry = replace(registry.ENTRIES["exudyn"], package="no_such_package")
-    monkeypatch.setitem(registry.ENTRIES, "exudyn", entry)
-    assert main(["--engines", "analytic,exudyn", "--out", str(tmp_path), "--check"]) == 1
-    said = capsys.readouterr().out
-    assert "unsupported" in said
+    """Pymunk's cheapest setting for a per cent is coarser than the one it runs at else; exudyn is missing."""
+    monkeypatch.setitem(registry.ENTRIES, "exudyn", replace(registry.ENTRIES["exudyn"], package="no_such_package"))
+    held = {engine: {"position": 1e-9} for engine in ("pymunk", "exudyn", "exudin")}
+    file = scene_files.write(tmp_path, "toggle_press", {"name": "strict", "tolerances": held})
+    asked = ["--samples", "72", "--accuracy", "1e-2", "--channels", "P5.?, drive.torque"]
+    arguments = [str(file), "--engines", "pymunk,exudyn", *asked, "--out", str(tmp_path)]
+    assert main(arguments) == 0, "without --check a missed tolerance is nobody's trouble"
+    said, folder = capsys.readouterr().out, tmp_path / "strict"
+    assert [group in said for group in ("position", "torque", "velocity")] == [True, True, False]
     assert "pip install exudyn" in said
-    assert "unsupported" in (tmp_path / "toggle_press" / "report.html").read_text(encoding="utf-8")
+    assert "unsupported" in (folder / "report.html").read_text(encoding="utf-8")
+    table = pd.read_csv(folder / "motion.pymunk.csv")
+    assert list(table.columns) == ["time [s]", "crank_angle [rad]", "P5.x [m]", "P5.y [m]", "drive.torque [N*m]"]
+    assert summary_of(folder)["sampling"]["channels"] == ["P5.x", "P5.y", "drive.torque"]
+    settings = summary_of(folder)["engines"]["pymunk"]["settings"]
+    assert settings["label"] in said
+    assert settings["steps"] < registry.engine("pymunk").DEFAULT.steps
+    assert (pd.read_csv(folder / "errors.csv")["max"] <= 1e-2).all()
+    assert main([*arguments, "--check"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    missed, missing = [line for line in lines if "missed: " in line]
+    assert missed.startswith("strict  missed: pymunk position")
+    assert "1e-09" in missed
+    assert "(unsupported: exudyn is not installed: pip install exudyn)" in missing
+    assert "strict  not held: tolerances.exudin: no engine of that name; did you mean 'exudyn'?" in lines
 
 
 @pytest.mark.usefixtures("few_settings")

@@ -157,24 +157,3 @@ def test_of_a_larger_group_too(tmp_path: Path) -> None:
     numbers = {number["name"]: number for number in summary(tmp_path / "out" / "class_iii")["numbers"]}
     for name in ("distance to a singular pose", "peak driving torque"):
         assert numbers[name]["unexplained"] <= 1e-4  # of the variance: 1 % of a deviation; the square of the tolerances
-
-
-@pytest.mark.parametrize(
-    ("arguments", "expected"),
-    [
-        (["four_bar", "--monte-carlo", "10"], "four_bar: variations: missing; --monte-carlo draws machines from them"),
-        (["--monte-carlo", "1"], "--monte-carlo: expected a whole number from 2 to 1000000, found '1'"),
-        (["--monte-carlo", "ten"], "--monte-carlo: expected a whole number"),
-        (["--seed", "3"], "--seed: expected it with --monte-carlo"),
-        (["--monte-carlo", "10", "--vary", "drive.speed=1:2:3"], "--vary: expected it without --monte-carlo"),
-        (["--monte-carlo", "10", "--full"], "--full: expected it without --monte-carlo"),
-    ],
-)
-def test_what_is_refused(
-    arguments: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert expected in err
-    assert not (tmp_path / "out").exists()

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import chain, repeat
+from itertools import chain, count, repeat
 from math import inf, nan
 from typing import Any
 
@@ -23,9 +23,9 @@ from compare.report.figures.speed import work_precision as picture
 from compare.report.pages.report import page
 from compare.report.tables import speed as speed_tables
 from compare.study import Study, _offers, study
-from scenes import Sampling
+from scenes import Failure, Sampling, Status
 
-from .stubs import FULL, STEPS, Clock, StubEngine, StubSettings, family, quiet, second_order, table
+from .stubs import FULL, STEPS, Clock, StubEngine, StubRun, StubSettings, family, quiet, second_order, table
 
 
 @pytest.fixture
@@ -97,6 +97,23 @@ def test_a_failed_setting_stays(reference: Reference, monkeypatch: pytest.Monkey
     assert (row["status"], row["reason"], row["timed_runs"]) == ("diverged", "it ran away", 0)
     assert np.isnan(row["solve_min_s"])
     assert "fails" not in {choice.setting for choice in choices(speed)}
+
+
+def test_a_setting_that_fails_under_the_clock_keeps_the_times_of_its_error_run(
+    reference: Reference, stub: StubEngine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second of three, in the second round, after it was twice as fast in the first."""
+    stub.slowness, runs, solve = chain([1.0] * 3, repeat(0.5)), count(), StubRun.solve
+
+    def failing(run: StubRun) -> None:
+        solve(run)
+        if next(runs) == 7:
+            raise Failure(Status.diverged, "")
+
+    monkeypatch.setattr(StubRun, "solve", failing)
+    rows = rows_of(speed_table(reference, ["stub"], Budget(10, inf), quiet)).values()
+    assert [row["timed_runs"] for row in rows] == [3, 0, 3]
+    assert [row["solve_min_s"] for row in rows] == pytest.approx([0.036, 0.144, 0.18])
 
 
 @pytest.mark.usefixtures("stub")

@@ -46,18 +46,6 @@ def test_of_level_settings_the_most_accurate_is_named() -> None:
     assert names(table(("a", "rough", 1.0, 1e-3), ("b", "good", 1.76, 1e-6)), 1e-2) == ["rough"]
 
 
-def test_two_runs_name_the_same_setting_or_both_call_it_level() -> None:
-    """Times of two runs are up to a sixth apart, which is what lies between the two limits."""
-    random = np.random.default_rng(0)
-    for _ in range(100):
-        times, errors = np.exp(random.normal(0, 1, 6)), 10 ** random.uniform(-6, -3, 6)
-        apart = np.exp(random.uniform(-0.5, 0.5, (2, 6)) * np.log(1.75 / 1.5))
-        one, other = (
-            names(table(*(("a", str(n), time, errors[n]) for n, time in enumerate(times * run))), 1e-2) for run in apart
-        )
-        assert one[0] == other[0] or (len(one) > 1 and len(other) > 1)
-
-
 def test_of_level_settings_with_equal_errors_the_fewest_steps_are_named() -> None:
     rows = [("a", "many", 1.0, 1e-3), ("a", "few", 1.2, 1e-3), ("a", "few too", 1.1, 1e-3)]
     assert names(table(*rows, steps_made=[9, 3, 3]), 1e-2) == ["few", "few too", "many"]
