@@ -5,24 +5,31 @@ import sys
 from compare.cli.command import Parser, command, shown_progress, starting
 
 with starting(__name__):
+    import re
     from collections import Counter
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from dataclasses import asdict
     from pathlib import Path
 
+    import pandas as pd
+    from markupsafe import Markup, escape
+
     from compare.judge.floor import establish
+    from compare.report.figures.figure import Figure
     from compare.report.output.placing import check_writable, placed
+    from compare.report.pages.html import render
     from compare.report.plain import json_text
     from compare.report.tables.study import floors
     from scenes import load
 
-    from .claims import Claim
+    from .claims import Claim, Verdict
     from .clamp import claims as clamp
     from .clamp.printed import SCENES
-    from .page import page
     from .toggle_press import claims as toggle_press
 
 FILES = ("audit.html", "audit.json")
+COLUMNS = ("claim", "printed", "computed", "residual", "verdict", "corrected", "residual")
+GREEK = {"alpha": "α", "gamma": "γ", "epsilon": "ε", "theta": "θ", "omega": "ω"}
 
 
 @command
@@ -72,6 +79,37 @@ def write(claims: Mapping[str, Sequence[Claim]], notes: Sequence[str], folder: P
         (aside / "audit.json").write_text(json_text(rows), encoding="utf-8")
         (aside / "audit.html").write_text(page(claims, figures, notes), encoding="utf-8")
     return folder / "audit"
+
+
+def page(
+    claims: Mapping[str, Sequence[Claim]], pictures: Iterable[tuple[str, str, Figure]], notes: Sequence[str]
+) -> str:
+    """The audit's page, given the claims by their source, pictures with titles and notes, and notes on all."""
+    return render(
+        "audit.html",
+        "papers",
+        formula=_formula,
+        overview=overview(claims),
+        notes=notes,
+        claims=claims,
+        columns=COLUMNS,
+        pictures=pictures,
+    )
+
+
+def overview(claims: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:
+    """How many claims of each source came out how."""
+    counts = {source: Counter(claim.verdict for claim in rows) for source, rows in claims.items()}
+    return pd.DataFrame(
+        {"source": source} | {str(verdict): count[verdict] for verdict in Verdict} for source, count in counts.items()
+    )
+
+
+def _formula(written: str) -> Markup:
+    """A formula as HTML: letters in Greek, what follows _ and e^ below and above the line."""
+    greek = re.sub("|".join(GREEK), lambda name: GREEK[name[0]], str(escape(written)))
+    below = re.sub(r"_(\w+)", r"<sub>\1</sub>", greek)
+    return Markup(re.sub(r"e\^(iθ[₁-₅]?)", r"e<sup>\1</sup>", below))  # escaped above
 
 
 if __name__ == "__main__":

@@ -19,6 +19,8 @@ from typing import Generic, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.engines import registry
+from scenes import Motion, Sampling, Scene
 from scenes.model.motion import Samples
 
 EXACT = 1e-12  # scaled: the rounding of an equation's few terms, on a motion that is good to some 1e-14
@@ -164,6 +166,12 @@ def comparison(claim: str, printed: str, true: Iterable[bool], computed: str, no
     one = Verdict.HOLDS if True in answers else Verdict.NOT_REPRODUCIBLE
     verdict = one if len(answers) == 1 else Verdict.UNDERDETERMINED
     return Claim(claim, printed, computed, None, verdict, note=note)
+
+
+def solved(scene: Scene, samples: int) -> Motion:
+    """The reference's motion of a scene over one cycle of its drive, with so many samples and its end."""
+    sampling = Sampling(samples)
+    return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
 
 
 def largest(residual: Difference) -> float:

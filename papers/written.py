@@ -4,7 +4,7 @@ import re
 from collections import deque
 from collections.abc import Callable, Mapping
 from math import tau
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,15 +16,8 @@ FUNCTIONS: Mapping[str, Callable[[Any], Any]] = {
 }
 NUMBERS: Mapping[str, Any] = {"0": 0.0, "2": 2.0, "i": 1j}
 INERTIA = r"m[₁-₅]? S̈[xy₁-₅]+|J[₀-₅]α[₁-₅]?|m₅[αg][₅ₛ]?"  # products with an acceleration
+Symbols: TypeAlias = Mapping[str, Any]  # what an equation is about, as printed: each of one shape or a number
 TOKEN = re.compile(rf"{INERTIA}|F_R\w+|M_d|Ls[₁-₅]?|{'|'.join(map(re.escape, FUNCTIONS))}|[+−/()²]|\w[₀-₅ₛ]?")
-
-
-class Symbols(Protocol):
-    """What an equation is about."""
-
-    @property
-    def symbols(self) -> Mapping[str, Any]:
-        """The values of the printed symbols, each of one shape or a number."""
 
 
 def equation(
@@ -61,7 +54,7 @@ def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
     (left, right), *abbreviations = ([TOKEN.findall(side) for side in sides] for sides in parts)
 
     def difference(of: Symbols) -> Difference:
-        values = dict(of.symbols)
+        values = dict(of)
         for (name,), meaning in abbreviations:
             values[name] = _sum(deque(meaning), values)
         off = _sum(deque(left), values) - _sum(deque(right), values)
@@ -70,7 +63,7 @@ def _difference(text: str, *, modulo: float) -> Callable[[Symbols], Difference]:
     return difference
 
 
-def _sum(tokens: deque[str], values: Mapping[str, Any]) -> Any:
+def _sum(tokens: deque[str], values: Symbols) -> Any:
     """The value of tokens up to a closing bracket or the end, which are used up."""
     total = 0.0
     while tokens and tokens[0] != ")":
@@ -83,7 +76,7 @@ def _sum(tokens: deque[str], values: Mapping[str, Any]) -> Any:
     return total
 
 
-def _factor(tokens: deque[str], values: Mapping[str, Any]) -> Any:
+def _factor(tokens: deque[str], values: Symbols) -> Any:
     token = tokens.popleft()
     if token in FUNCTIONS:
         return FUNCTIONS[token](_factor(tokens, values))

@@ -27,7 +27,7 @@ FORBIDDEN = {  # by module what it must not import
     "scenes.model.motion": "analytic",
     "scenes.scene": "compare.run",
     "compare.engines.registry": "sim_models.pymunk.settings",
-    "compare.run": "papers.page linkage_crosscheck.pytest_plugin",
+    "compare.run": "papers.audit linkage_crosscheck.pytest_plugin",
     "compare.judge.checks": "analytic.solve compare.measure.speed.timing compare.measure.hard.case"
     " compare.measure.many.grid compare.judge.canaries.canaries compare.contract.asked",
     "compare.engines.runner": "compare.judge.gates compare.mechanics.reference",
@@ -41,7 +41,7 @@ FORBIDDEN = {  # by module what it must not import
     "compare.report.numbers": "compare.cli.printing compare.ci.github",
     "compare.ci.github": "compare.cli.printing",
     "compare.cli.printing": "compare.run",
-    "compare.report.pages.report": "papers.page",
+    "compare.report.pages.report": "papers.audit",
 }
 PAIRS = [(module, imported) for module, several in FORBIDDEN.items() for imported in several.split()]
 

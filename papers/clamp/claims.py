@@ -11,8 +11,7 @@ from compare.report.figures.style import colour, layout, marker
 from scenes import Failure, Motion, Sampling, Scene, load
 from scenes.loads import Force
 
-from ..claims import Claim, comparison, judge, largest
-from ..reference import solved
+from ..claims import Claim, comparison, judge, largest, solved
 from .equations import EQUATIONS, KINDS, Moving, moving, scale
 from .formulas import PUBLISHED, acceleration, at, platen_stroke, velocity_ratio
 from .limits import constraints, largest_force_ratio

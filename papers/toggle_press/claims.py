@@ -14,7 +14,7 @@ from scenes.model.motion import Samples
 
 from ..claims import OPEN, Claim, comparison, judge, number, span
 from .forces import claims as force_claims
-from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns
+from .kinematics import LENGTHS, POSITIONS, RATES, over_two_turns, scale_of
 from .table_1 import HEIGHT, MOST, PART, PATHS, Press, Side, entries, family, press, rounded, speed
 
 SOURCE = "toggle press"
@@ -27,7 +27,7 @@ def claims() -> Iterator[Claim]:
     """Every row of this source."""
     variables = over_two_turns()
     for equation in (*POSITIONS, *RATES):
-        yield judge(equation, variables, variables.scale)
+        yield judge(equation, variables, scale_of(variables))
     yield from force_claims()
     corners, crank = rounded(), press("crank_press")
     toggle = corners[0]

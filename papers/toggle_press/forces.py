@@ -6,7 +6,7 @@ is inconsistent with the others.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from typing import Any, TypeAlias
@@ -20,8 +20,7 @@ from scenes import Motion, Scene, load
 from scenes.loads import Force
 from scenes.model.motion import Samples
 
-from ..claims import EXACT, Claim, Difference, Verdict, judge, largest
-from ..reference import solved
+from ..claims import EXACT, Claim, Difference, Verdict, judge, largest, solved
 from ..written import equation
 from .kinematics import bars
 
@@ -38,24 +37,7 @@ COMPONENTS = {
 }
 
 
-@dataclass(frozen=True)
-class Statics:
-    """The paper's symbols, SI; forces of shape (n,) or, for m choices of their signs, (m, n)."""
-
-    symbols: Mapping[str, Any]
-
-    @property
-    def scale(self) -> Mapping[str, tuple[float, str]]:
-        """Scale and unit of each kind of equation: the largest force, and that times l1 = 300 mm."""
-        force = max(largest(self.symbols[name]) for name in FORCES)
-        return {"force": (force, "N"), "moment": (force * self.symbols["L₁"], "N m")}
-
-    def having(self, symbols: Mapping[str, Any]) -> "Statics":
-        """The same with other values of some symbols."""
-        return Statics({**self.symbols, **symbols})
-
-
-StaticsForm: TypeAlias = Callable[[Statics], Difference]
+Statics: TypeAlias = dict[str, Any]  # the paper's symbols, SI; forces of shape (n,), or (m, n) for m choices of signs
 force, moment = (partial(equation, kind) for kind in ("force", "moment"))
 
 EQUATIONS = (
@@ -110,7 +92,7 @@ def claims() -> Iterator[Claim]:
     given = statics(scene, solved(scene, SAMPLES))
     signs = np.array(list(product((1.0, -1.0), repeat=len(FORCES) + 1))).T[:, :, None]  # shape (13, m, 1)
     every = _signed(given, signs)
-    scale = given.scale
+    scale = scale_of(given)
     off = {e.claim: np.abs(e.printed(every)).max(axis=-1) / scale[e.kind][0] for e in EQUATIONS}
     shared = int(np.argmax(sum(residuals <= EXACT for residuals in off.values())))
     chosen = _signed(given, signs[:, shared, :])
@@ -125,13 +107,19 @@ def claims() -> Iterator[Claim]:
     yield _solved(chosen)
 
 
+def scale_of(s: Statics) -> Mapping[str, tuple[float, str]]:
+    """Scale and unit of each kind of equation: the largest force, and that times l1 = 300 mm."""
+    force = max(largest(s[name]) for name in FORCES)
+    return {"force": (force, "N"), "moment": (force * s["L₁"], "N m")}
+
+
 def statics(scene: Scene, motion: Motion) -> Statics:
     """The statics of the toggle press in a motion, with the reference's signs; Ls₂ and φ, which are not given, zero."""
     state = MotionVectors(scene, motion)
     place = {point: state.point(point)[0] for point in ("O", *(f"P{k}" for k in range(1, 6)))}
     (resistance,) = (load for load in scene.loads if isinstance(load, Force))
     Q = np.full_like(motion["time"], resistance.force[1])
-    symbols: dict[str, Any] = {name: motion[f"{CHANNELS[name[2:-1]]}.f{name[-1]}"] for name in FORCES}
+    symbols: Statics = {name: motion[f"{CHANNELS[name[2:-1]]}.f{name[-1]}"] for name in FORCES}
     # The guide's force is that on the slider to the left, hence of the slider to the right.
     symbols |= {"M_d": motion["drive.torque"], "N": motion["slider.guide_force"], "Q": Q, "F": Q}
     for name, (first, Ls, mx, my, J) in COMPONENTS.items():
@@ -149,30 +137,29 @@ def statics(scene: Scene, motion: Motion) -> Statics:
         arm = place[point] - state.com(scene.bodies["toggle"])[0]
         symbols |= {f"x{index}": arm.real, f"y{index}": arm.imag}
     weight = (scene.bodies["slider"].mass or 0.0) * 9.81
-    return Statics(symbols | {"θ": symbols["θ₀"], "m₅αₛ": symbols["m₅α₅"], "m₅g": weight})
+    return symbols | {"θ": symbols["θ₀"], "m₅αₛ": symbols["m₅α₅"], "m₅g": weight}
 
 
 def _signed(s: Statics, signs: NDArray[np.float64]) -> Statics:
     """With other signs of `FORCES` and of Q, the last, and the Ls₂ and φ that fit (30.3) best."""
-    values = {name: sign * s.symbols[name] for name, sign in zip((*FORCES, "Q"), signs, strict=True)}
-    s = s.having(values | {"F": values["Q"]})
+    s = s | {name: sign * s[name] for name, sign in zip((*FORCES, "Q"), signs, strict=True)}
+    s["F"] = s["Q"]
     (toggle,) = (e.printed for e in EQUATIONS if e.claim == "eq 30.3")
-    forces = [toggle(s.having({"Ls₂": 1.0, "φ": phi, "J₂α₂": 0.0})) for phi in (0.0, np.pi / 2)]
+    forces = [toggle(s | {"Ls₂": 1.0, "φ": phi, "J₂α₂": 0.0}) for phi in (0.0, np.pi / 2)]
     columns = np.stack(forces, axis=-1)
-    inertial = np.broadcast_to(-s.symbols["J₂α₂"], columns.shape[:-1])[..., None]
+    inertial = np.broadcast_to(-s["J₂α₂"], columns.shape[:-1])[..., None]
     x, y = np.moveaxis((np.linalg.pinv(columns) @ inertial)[..., 0], -1, 0)[..., None]
-    return s.having({"Ls₂": np.hypot(x, y), "φ": np.arctan2(y, x)})
+    return s | {"Ls₂": np.hypot(x, y), "φ": np.arctan2(y, x)}
 
 
 def _solved(s: Statics) -> Claim:
     """The row of all equations at once, solved for the forces: how far the torque is off, or the worst force."""
     printed = _unknowns(s, [e.printed for e in EQUATIONS], (*FORCES, "M_d"))
     corrected = _unknowns(s, [e.corrected or e.printed for e in EQUATIONS], (*FORCES, "N", "M_d"))
-    true, scale = s.symbols, s.scale["force"][0]
-    torque = largest(true["M_d"])
-    off = largest(printed["M_d"] - true["M_d"]) / torque
-    worst = max(largest(corrected[name] - true[name]) for name in FORCES) / scale
-    worst = max(worst, largest(corrected["M_d"] - true["M_d"]) / torque)
+    torque = largest(s["M_d"])
+    off = largest(printed["M_d"] - s["M_d"]) / torque
+    worst = max(largest(corrected[name] - s[name]) for name in FORCES) / scale_of(s)["force"][0]
+    worst = max(worst, largest(corrected["M_d"] - s["M_d"]) / torque)
     return Claim(
         "eq 28 to 32, solved",
         "14 equations for 12 pin forces and M_d",
@@ -185,13 +172,13 @@ def _solved(s: Statics) -> Claim:
     )
 
 
-def _unknowns(s: Statics, forms: Sequence[StaticsForm], names: Sequence[str]) -> dict[str, Samples]:
+def _unknowns(s: Statics, forms: Sequence[Callable[[Statics], Difference]], names: Sequence[str]) -> dict[str, Samples]:
     """The unknowns that satisfy linear equations best, each of shape (n,)."""
-    still = np.zeros_like(s.symbols["Q"])
+    still = np.zeros_like(s["Q"])
 
     def at(name: str) -> NDArray[np.float64]:
         """The equations with one unknown of 1, or none, shape (n, equations)."""
-        state = s.having({unknown: still + (unknown == name) for unknown in (*FORCES, "N", "M_d")})
+        state = s | {unknown: still + (unknown == name) for unknown in (*FORCES, "N", "M_d")}
         return np.stack([form(state) + still for form in forms], axis=-1)
 
     none = at("")

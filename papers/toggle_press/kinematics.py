@@ -6,8 +6,8 @@ are those over turns of the crank that the reference solves: a form, the differe
 what it needs of other equations from the motion, so that each misprint counts once, where it stands.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import tau
 from typing import Any
@@ -19,10 +19,9 @@ from numpy.typing import ArrayLike
 from compare.mechanics.motion_vectors import MotionVectors, Vectors
 from scenes import Motion, load
 from scenes.drive import Driven, MotionLaw
-from scenes.model.motion import Samples
 
-from ..reference import solved
-from ..written import equation
+from ..claims import solved
+from ..written import Symbols, equation
 
 SAMPLES = 720  # a turn
 SWAY = 0.4  # rad, of the crank that turns unevenly
@@ -41,40 +40,16 @@ class Uneven(MotionLaw):
         return Driven(turned + SWAY * sin(turned), w * (1 + SWAY * cos(turned)), -SWAY * w**2 * sin(turned))
 
 
-@dataclass(frozen=True)
-class Variables:
-    """The paper's variables, SI, those of the bars by their numbers; arrays of shape (n,)."""
-
-    l: Sequence[float]  # noqa: E741
-    x: float
-    y: float
-    L: Sequence[Vectors]
-    t: Sequence[Samples]  # theta, and so on: angle, rate and acceleration
-    w: Sequence[Samples]
-    a: Sequence[Samples]
-    S: Samples
-    v: Samples
-    a_s: Samples
-
-    @property
-    def symbols(self) -> Mapping[str, Any]:
-        """The values of the symbols of the printed equations."""
-        others = {"x": self.x, "y": self.y, "S": self.S, "v": self.v, "αₛ": self.a_s}
-        for symbol, of in (("L", self.L), ("l", self.l), ("θ", self.t), ("ω", self.w), ("α", self.a)):
-            others |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
-        return others | {"l₀": others["l"], "L₀": others["L"]}
-
-    @property
-    def scale(self) -> Mapping[str, tuple[float, str]]:
-        """Return scale and unit of each kind of equation: l1 = 300 mm, the crank's peak rate, and their products."""
-        length, w = self.l[1], float(np.abs(self.w[0]).max())
-        return {
-            "length": (length, "m"),
-            "area": (length**2, "m²"),
-            "angle": (1.0, "rad"),
-            "speed": (length * w, "m/s"),
-            "acceleration": (length * w**2, "m/s²"),
-        }
+def scale_of(v: Symbols) -> Mapping[str, tuple[float, str]]:
+    """Return scale and unit of each kind of equation: l1 = 300 mm, the crank's peak rate, and their products."""
+    length, w = v["l₁"], float(np.abs(v["ω"]).max())
+    return {
+        "length": (length, "m"),
+        "area": (length**2, "m²"),
+        "angle": (1.0, "rad"),
+        "speed": (length * w, "m/s"),
+        "acceleration": (length * w**2, "m/s²"),
+    }
 
 
 def bars(state: MotionVectors) -> list[Vectors]:
@@ -82,8 +57,11 @@ def bars(state: MotionVectors) -> list[Vectors]:
     return [state.point(end)[0] - state.point(start)[0] for start, end in BARS]
 
 
-def over_two_turns() -> Variables:
-    """The variables over a turn at constant speed, and one at a speed that varies: there alpha is not zero."""
+def over_two_turns() -> dict[str, Any]:
+    """The paper's symbols, SI, over a turn at constant speed, and one at a speed that varies: there alpha is not zero.
+
+    Those of the bars have their numbers, but the crank's none; arrays of shape (n,).
+    """
     steady = load("toggle_press")
     uneven = Uneven("crank", (0.0, steady.drive.cycle), (0.0, tau), periodic=True)
     motions = [solved(scene, SAMPLES) for scene in (steady, replace(steady, drive=uneven))]
@@ -92,8 +70,11 @@ def over_two_turns() -> Variables:
     vectors = bars(state)
     _, rates, accelerations = zip(*map(state.turning, BODIES), strict=True)
     lengths, (x, y) = [length / 1e3 for length in LENGTHS], steady.ground["P1"]
-    slider = (both["P5.y"], both["P5.vy"], both["P5.ay"])
-    return Variables(lengths, x, -y, vectors, [np.angle(bar) for bar in vectors], rates, accelerations, *slider)
+    symbols: dict[str, Any] = {"x": x, "y": -y, "S": both["P5.y"], "v": both["P5.vy"], "αₛ": both["P5.ay"]}
+    by_bar: tuple[Any, ...] = (vectors, lengths, [np.angle(bar) for bar in vectors], rates, accelerations)
+    for symbol, of in zip("Llθωα", by_bar, strict=True):
+        symbols |= {f"{symbol}{index}": value for index, value in zip(("", *"₁₂₃₄₅"), of, strict=True)}
+    return symbols | {"l₀": lengths[0], "L₀": vectors[0]}
 
 
 length, area, angle, speed, acceleration = (

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from papers import audit as audit_command
 from papers import optimise
-from papers.audit import audit, write
+from papers.audit import audit, overview, write
 from papers.claims import OPEN, Claim, Equation, Verdict, comparison, judge, limit, number
-from papers.page import overview
 from tests.pages import check_figures
 
 Audited = tuple[dict[str, list[Claim]], list[str]]

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from papers.claims import EXACT, Claim, Verdict, judge
 from papers.toggle_press.claims import claims
-from papers.toggle_press.kinematics import POSITIONS, RATES, Uneven, Variables, over_two_turns
+from papers.toggle_press.kinematics import POSITIONS, RATES, Uneven, over_two_turns, scale_of
+from papers.written import Symbols
 
 from . import audit_transcription as second
 
@@ -24,7 +25,7 @@ def rows() -> dict[str, Claim]:
 
 
 @pytest.fixture(scope="module")
-def variables() -> Variables:
+def variables() -> Symbols:
     return over_two_turns()
 
 
@@ -56,27 +57,27 @@ def test_the_kinetostatic_verdicts(rows: dict[str, Claim]) -> None:
         assert held <= EXACT, name  # the corrected form has the reference's reactions
 
 
-def test_a_wrong_correction_is_no_correction(variables: Variables) -> None:
+def test_a_wrong_correction_is_no_correction(variables: Symbols) -> None:
     """The verdict follows from the residuals: exchange the forms, and it changes with them."""
     for equation in (*POSITIONS, *RATES):
         if equation.corrected is not None:
             right = replace(equation, printed=equation.corrected)
             wrong = replace(equation, corrected=equation.printed)
-            assert judge(right, variables, variables.scale).verdict is Verdict.HOLDS
-            assert judge(wrong, variables, variables.scale).verdict is Verdict.NOT_REPRODUCIBLE
+            assert judge(right, variables, scale_of(variables)).verdict is Verdict.HOLDS
+            assert judge(wrong, variables, scale_of(variables)).verdict is Verdict.NOT_REPRODUCIBLE
 
 
-def test_the_equations_are_sharp(variables: Variables) -> None:
+def test_the_equations_are_sharp(variables: Symbols) -> None:
     """A length that is a hair off, or a rate, is seen by every equation that has it."""
-    rates = [w * (1 + 1e-9 * k) for k, w in enumerate(variables.w)]
-    off = replace(variables, x=variables.x * (1 + 3e-9), w=rates)
-    assert judge(POSITIONS[3], off, off.scale).verdict is Verdict.NOT_REPRODUCIBLE
-    assert [e.claim for e in RATES if judge(e, off, off.scale).verdict is Verdict.HOLDS] == []
+    rates = {name: variables[name] * (1 + 1e-9 * k) for k, name in enumerate(f"ω{index}" for index in ("", *"₁₂₃₄₅"))}
+    off = {**variables, "x": variables["x"] * (1 + 3e-9), **rates}
+    assert judge(POSITIONS[3], off, scale_of(off)).verdict is Verdict.NOT_REPRODUCIBLE
+    assert [e.claim for e in RATES if judge(e, off, scale_of(off)).verdict is Verdict.HOLDS] == []
 
 
-def test_the_rates_of_the_uneven_crank_are_derivatives(variables: Variables) -> None:
+def test_the_rates_of_the_uneven_crank_are_derivatives(variables: Symbols) -> None:
     """It accelerates, too: else the terms of alpha in (24) would not be tested."""
-    assert np.abs(variables.a[0]).max() > 0.1 * np.abs(variables.w[0]).max() ** 2
+    assert np.abs(variables["α"]).max() > 0.1 * np.abs(variables["ω"]).max() ** 2
     drive = Uneven("crank", (0.0, 2.0), (0.0, 2 * np.pi), periodic=True)
     times, step = np.linspace(0, 2, 50), 1e-4
     before, now, after = (drive.at(times + k * step) for k in (-1, 0, 1))
@@ -85,20 +86,21 @@ def test_the_rates_of_the_uneven_crank_are_derivatives(variables: Variables) -> 
     assert after.position[-1] - after.position[0] == pytest.approx(2 * np.pi, abs=1e-12)
 
 
-def some(v: Variables) -> tuple[NDArray[np.intp], list[second.Angle]]:
-    at = np.arange(7, len(v.t[0]), 60)
-    return at, second.moving(v.t[0][at], v.w[0][at], v.a[0][at])
+def some(v: Symbols) -> tuple[NDArray[np.intp], list[second.Angle]]:
+    at = np.arange(7, len(v["θ"]), 60)
+    return at, second.moving(*(v[symbol][at] for symbol in "θωα"))
 
 
-def test_the_motion_is_that_of_the_second_transcription(variables: Variables) -> None:
+def test_the_motion_is_that_of_the_second_transcription(variables: Symbols) -> None:
     at, angles = some(variables)
-    for t, w, a, angle in zip(variables.t, variables.w, variables.a, angles, strict=True):
+    for index, angle in zip(("", *"₁₂₃₄₅"), angles, strict=True):
+        t, w, a = (variables[symbol + index] for symbol in "θωα")
         assert np.abs(np.exp(1j * (t[at] - angle.at)) - 1).max() < 1e-12
         assert np.abs(w[at] - angle.rate).max() < 1e-8  # of the differences
         assert np.abs(a[at] - angle.second).max() < 1e-6
 
 
-def test_printed_equations_are_off_as_the_second_transcription_is(variables: Variables) -> None:
+def test_printed_equations_are_off_as_the_second_transcription_is(variables: Symbols) -> None:
     at, angles = some(variables)
     known = {equation.claim: equation for equation in (*POSITIONS, *RATES)}
     for name, mine in second.printed(angles).items():
@@ -106,17 +108,17 @@ def test_printed_equations_are_off_as_the_second_transcription_is(variables: Var
         assert np.abs(np.abs(theirs) - np.abs(mine)).max() < 1e-5 * np.abs(mine).max(), name
 
 
-def test_roots_are_those_of_the_second_transcription(variables: Variables) -> None:
+def test_roots_are_those_of_the_second_transcription(variables: Symbols) -> None:
     """The printed root is the other one in (8); (14) has neither, for its E1 is wrong."""
     at, angles = some(variables)
     roots = second.half_angle_roots(angles)
     eight = next(equation for equation in POSITIONS if equation.claim == "eq 8")
     plus, minus = (eight.printed(variables)[at], eight.branches["with −√"](variables)[at])
-    assert np.abs(np.exp(1j * (variables.t[1][at] - roots["eq 8"][1])) - 1).max() < 1e-12
-    assert np.abs(np.exp(1j * (variables.t[1][at] - roots["eq 8"][0])) - np.exp(1j * plus)).max() < 1e-12
+    assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][1])) - 1).max() < 1e-12
+    assert np.abs(np.exp(1j * (variables["θ₁"][at] - roots["eq 8"][0])) - np.exp(1j * plus)).max() < 1e-12
     assert np.abs(minus).max() < EXACT
     for root in roots["eq 14"]:
-        assert np.nanmax(np.abs(np.exp(1j * (variables.t[3][at] - root)) - 1)) > 0.1
+        assert np.nanmax(np.abs(np.exp(1j * (variables["θ₃"][at] - root)) - 1)) > 0.1
 
 
 def crank_press(height: float) -> tuple[float, float]:
