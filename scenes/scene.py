@@ -8,7 +8,7 @@ by two models is one the comparison cannot see.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import pi, sqrt
+from math import pi, remainder, sqrt, tau
 from typing import Any, Literal
 
 import numpy as np
@@ -143,6 +143,17 @@ class Scene:
     def driven_slide(self) -> Slide | None:
         """The guide of the driven body; None where that is a crank."""
         return self.bodies[self.drive.body].slide
+
+    @property
+    def sketched_drive(self) -> float:
+        """The sketch's position of the drive, rad or m; of a crank that by whole turns next to the middle of its range.
+
+        One that turns fully has no end to lock beyond, and may go the shorter way to its start. The 50-digit model and
+        the analytic core have this by themselves.
+        """
+        low, high = self.drive.extent
+        near = self.drive.start if high - low > tau - 1e-6 else (low + high) / 2  # rad; a turn less all roundings
+        return near - remainder(near - self.sketch.drive, tau) if self.driven_slide is None else self.sketch.drive
 
     def guided(self, point: str) -> tuple[str, Slide] | None:
         """The body at a point that slides on the ground, and its guide; None where none does."""

@@ -1,10 +1,12 @@
 """Which joint keeps bodies apart: of any constraints that cannot all be met, for a message. No model solves by it."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ..scene import Pin, Scene
 from .motion import Samples
 
 HEAVY = 1e3  # weight of what does not give way: the drive, and the angles of guides
@@ -56,3 +58,24 @@ def open_joint(
     left = relative(closest.x)
     gap = float(np.linalg.norm(left[rows]))
     return worst, gap * size if gap > OPEN and np.abs(left[others]).max() <= OPEN else 0.0
+
+
+def misfit(
+    scene: Scene, positions: Iterable[float], gaps: Callable[[float, Samples], Samples], *given: Any, unit: float = 1.0
+) -> str:
+    """Return which joint stays open at the first position of the drive where one does, for a message, or nothing.
+
+    `gaps` are by position and coordinates; `given` is the rest for `open_joint`, with lengths in a unit, m.
+    """
+    for position in positions:
+        joint, gap = open_joint(partial(gaps, position), *given)
+        if gap:
+            apart, where = scene.length(gap * unit), scene.where(position)
+            return f"; with all else closed {joint} stays open by {apart} at {where}"
+    return ""
+
+
+def joint_rows(pins: Sequence[Pin], sliders: Iterable[str]) -> dict[str, list[int]]:
+    """By name the rows that are gaps of a joint, where constraints are in the order of the force channels."""
+    guides = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(pins))}
+    return guides | {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(pins)}

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from scenes import Failure, ProcessorBudget, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import open_joint
+from scenes.model.open_joint import joint_rows, misfit
 
 from .system import ClosedPose, System, solved
 
@@ -139,10 +139,6 @@ class PathFollower:
 
     def misfit(self, pose: ClosedPose, position: float) -> str:
         """Return which joint stays open near a pose when all others close, for a message; or nothing."""
-        if not self.system.joints:
-            return ""
-        goal, size = self.goal(position), self.system.size
-        open_at = (lambda x: self.system.gaps(x) - goal), self.system.jacobian
-        joint, gap = open_joint(*open_at, pose.x, np.ones(len(pose.x)), self.system.joints, 1.0)
-        apart, where = self.scene.length(gap * size), self.scene.where(position)
-        return f"; with all else closed {joint} stays open by {apart} at {where}" if gap else ""
+        system, joints = self.system, joint_rows(self.system.pins, self.system.sliders)
+        given = (lambda at, x: system.gaps(x) - self.goal(at)), system.jacobian, pose.x, np.ones(len(pose.x)), joints
+        return misfit(self.scene, [position], *given, 1.0, unit=system.size) if joints else ""

@@ -1,13 +1,12 @@
 """The pose at the drive's start: every body laid on the sketch, the gaps closed, the drive moved to its start."""
 
 from itertools import pairwise
-from math import remainder, tau
 from typing import TypeAlias
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from scenes import Failure, Scene, Status
+from scenes import Failure, Status
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, PressForce
 
@@ -16,7 +15,6 @@ from .poses import PathFollower, Stuck
 from .system import ClosedPose, System
 
 CLOSING = 12  # steps in which the sketch's gaps are closed
-ALL_ROUND = tau - 1e-6  # rad: the way of a crank that turns fully, and may go to its start by the shorter side
 ACCURACY = 1e-9  # of the drive's position, rad or of its travel; a stroke's displacement stands still at its end
 SCENES = 4  # whose equations are kept by an engine: a scene run with several settings is prepared once
 
@@ -32,7 +30,7 @@ def begun(system: System) -> Start:
         Failure: `unsupported`, constraints repeat each other; `cannot_assemble` or `not_converged`, no pose on the
             sketch's branch; `timed_out`.
     """
-    poses, drawn = PathFollower(system), _drawn(system.scene)
+    poses, drawn = PathFollower(system), system.scene.sketched_drive
     x, rows = system.placed(on_sketch(system, drawn)), len(system.row_units)
     if len(x) != rows:
         reason = f"{len(x)} coordinates and {rows} constraints: the reactions are not determined"
@@ -69,14 +67,6 @@ def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
         origin = complex((seen[name] - np.exp(1j * angle) * own[name]).mean()) if len(own[name]) else 0j
         frames[name] = MovingBody(origin, angle, np.exp(1j * angle))
     return frames
-
-
-def _drawn(scene: Scene) -> float:
-    """Return the drive's position in the sketch; of a crank's that counted by whole turns nearest to its way."""
-    if scene.driven_slide is not None:
-        return scene.sketch.drive
-    near = scene.drive.start if np.ptp(scene.drive.extent) > ALL_ROUND else float(np.mean(scene.drive.extent))
-    return near + remainder(scene.sketch.drive - near, tau)
 
 
 def _apart(poses: PathFollower, pose: ClosedPose, position: float) -> Failure:

@@ -130,13 +130,6 @@ class System:
         """What the rows of C are over, m or rad, shape (m,)."""
         return np.array([self.size] * 2 * len(self.pins) + [self.size, 1.0] * len(self.sliders) + [self.drive_unit])
 
-    @cached_property
-    def joints(self) -> dict[str, list[int]]:
-        """By name the rows that are gaps of a joint, for messages."""
-        first = 2 * len(self.pins)
-        guides = {f"the guide of {name}": [first + 2 * row] for row, name in enumerate(self.sliders)}
-        return guides | {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(self.pins)}
-
     def gaps(self, x: Samples) -> Samples:
         """Return C(x), shape (m,), at coordinates of shape (n,)."""
         return self.rows_of(self.moved(x), 0)

@@ -4,12 +4,12 @@ Its solver computes every term of a step's residual and Jacobian.
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial, wraps
+from functools import wraps
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.model.open_joint import open_joint
+from scenes.model.open_joint import misfit
 
 from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn
@@ -87,13 +87,9 @@ class Equations:
 
     def misfit(self, q: Array, positions: Iterable[float]) -> str:
         """Name the joint that stays open when all others close, near q at the first position where one does."""
-        system, scene = self._system, self._system.scene
+        system = self._system
         joints = {f"the guide of {name}": system.columns(slide)[:1] for name, slide in system.slides.items()}
         joints |= {name: system.columns(pin) for name, pin in system.pins.items()}
         units = np.tile([system.size, system.size, 1.0], len(system.bodies))
-        for position in positions:
-            gaps = partial(self.residual, position=position)
-            joint, gap = open_joint(gaps, self.jacobian, q, units, joints, system.size)
-            if gap:
-                return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
-        return ""
+        given = self.jacobian, q, units, joints, system.size
+        return misfit(system.scene, positions, lambda position, at: self.residual(at, position), *given)

@@ -2,7 +2,7 @@
 
 from cmath import phase
 from functools import lru_cache
-from math import pi, remainder, tau
+from math import pi
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, exudyn
 
 SCENES = 4  # whose starts are kept; one that is run has up to two
-WHOLE_TURN = tau - 1e-6  # rad; the ends of a turn are rounded
 
 
 @lru_cache(SCENES)
@@ -28,7 +27,7 @@ def begun(scene: Scene, *, si: bool = False) -> tuple[Configuration, PressSwitch
 
 def start(poses: PoseSolver) -> Configuration:
     """Assemble the system where the sketch shows it, and move it to the drive's start."""
-    system, drawn = poses.system, _sketched_position(poses.system.scene)
+    system, drawn = poses.system, poses.system.scene.sketched_drive
     where, rough = system.scene.where(drawn), _rough(system, drawn)
     assembled = poses.nearest(rough, drawn)
     if assembled is None:
@@ -41,16 +40,6 @@ def start(poses: PoseSolver) -> Configuration:
         reason = f"the sketch, {where}, is too rough to decide between two ways of assembling the bodies"
         raise Failure(Status.wrong_branch, reason)
     return poses.follow(sketch, system.scene.drive.start)
-
-
-def _sketched_position(scene: Scene) -> float:
-    """The drive's position in the sketch, a crank's angle counted so that the way to the start is clear."""
-    if scene.driven_slide is not None:
-        return scene.sketch.drive
-    low, high = scene.drive.extent
-    # A crank that turns fully may go either way; another only within its range, to and fro as it may go there.
-    near = scene.drive.start if high - low >= WHOLE_TURN else (low + high) / 2
-    return near - remainder(near - scene.sketch.drive, tau)
 
 
 def _rough(system: ExudynSystem, position: float) -> Array:

@@ -6,7 +6,6 @@ displacement by Δ sizes, or of one that is longer than the size by Δ of itself
 """
 
 from collections.abc import Iterable, Iterator
-from functools import partial
 from itertools import groupby
 from math import radians
 from typing import NamedTuple
@@ -16,7 +15,7 @@ from flint import arb, arb_mat
 
 from scenes import Failure, ProcessorBudget, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import open_joint
+from scenes.model.open_joint import joint_rows, misfit
 
 from .constraints import LinkageEquations
 from .rows import angles, solved
@@ -199,11 +198,8 @@ def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
 
 def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
     """A sentence on which joint stays open, near a pose q, at the first position where one does; so in doubles."""
-    scene = linkage.scene
-    sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
-    joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(sliders, start=len(scene.pins))}
-    joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
-    rows, units = linkage.constraints, np.array(linkage.units)
+    scene, rows = linkage.scene, linkage.constraints
+    joints = joint_rows(scene.pins, [body.name for body in scene.bodies.values() if body.slide is not None])
 
     def gaps(position: float, at: Samples) -> Samples:
         return _floats(rows.value(_balls(at)) - linkage.drive(position))
@@ -211,11 +207,7 @@ def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -
     def jacobian(at: Samples) -> Samples:
         return np.array(rows.jacobian(_balls(at)).tolist(), dtype=float)
 
-    for position in positions:
-        joint, gap = open_joint(partial(gaps, position), jacobian, _floats(q), units, joints, linkage.size)
-        if gap:
-            return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
-    return ""
+    return misfit(scene, positions, gaps, jacobian, _floats(q), np.array(linkage.units), joints, linkage.size)
 
 
 def _floats(balls: arb_mat) -> Samples:

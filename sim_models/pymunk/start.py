@@ -5,15 +5,15 @@ in small steps, each corrected by Newton's method; no step may change the branch
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import lru_cache, partial
-from math import pi, radians, remainder
+from functools import lru_cache
+from math import radians
 from typing import TypeAlias
 
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Scene, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import open_joint
+from scenes.model.open_joint import joint_rows, misfit
 from scenes.scene import GROUND
 
 from .bodies import sketched
@@ -29,7 +29,6 @@ PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 10.0  # of processor time on one path, half of what an engine's process has; the shipped scenes take 0.03
 TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
-TURNS_FULLY = 2 * pi - 1e-6  # rad; a turn less all roundings
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 Posed: TypeAlias = tuple[LinkageConstraints, PoseArray]
@@ -45,7 +44,7 @@ def begun(scene: Scene, masses: Masses) -> Posed:
 
 def start(linkage: LinkageConstraints) -> PoseArray:
     """The pose at the drive's start, on the sketch's branch, shape (1, bodies, 3)."""
-    position = _sketched_position(linkage.scene)
+    position = linkage.scene.sketched_drive
     q = _sketch(linkage, position)
     gaps = linkage.gaps(q, np.array([position]))
     *_, (_, q) = _follow(linkage, q, lambda s: (position, (1 - s) * gaps), LARGEST_CLOSING)
@@ -63,19 +62,6 @@ def rates(linkage: LinkageConstraints, q: PoseArray, drive_rate: float) -> PoseA
     prescribed = np.zeros(q.size)
     prescribed[-1] = drive_rate
     return np.linalg.solve(linkage.jacobian(q)[0], prescribed).reshape(q.shape)
-
-
-def _sketched_position(scene: Scene) -> float:
-    """The sketch's position of the drive: of a crank, by whole turns next to the middle of its range.
-
-    One that turns fully has no end to lock beyond, and may go the shorter way to its start.
-    """
-    drive, position = scene.drive, scene.sketch.drive
-    if scene.driven_slide is not None:
-        return position
-    low, high = drive.extent
-    near = drive.start if high - low > TURNS_FULLY else (low + high) / 2
-    return near - remainder(near - position, 2 * pi)
 
 
 def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
@@ -172,9 +158,7 @@ def _stuck(linkage: LinkageConstraints, q: PoseArray, position: float, gaps: Sam
 
 def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float]) -> str:
     """Name the joint that stays open when all others close, near q at the first position where one does."""
-    scene = linkage.scene
-    joints = {f"the guide of {name}": [2 * row] for row, name in enumerate(linkage.slides, start=len(scene.pins))}
-    joints |= {pin.channel: [2 * row, 2 * row + 1] for row, pin in enumerate(scene.pins)}
+    joints = joint_rows(linkage.scene.pins, linkage.slides)
     units = np.tile([linkage.size, linkage.size, 1.0], q.shape[1])
 
     def jacobian(at: Samples) -> Samples:
@@ -183,11 +167,7 @@ def _misfit(linkage: LinkageConstraints, q: PoseArray, positions: Iterable[float
     def gaps(position: float, at: Samples) -> Samples:
         return np.asarray(linkage.gaps(at.reshape(q.shape), np.array([position]))[0])
 
-    for position in positions:
-        joint, gap = open_joint(partial(gaps, position), jacobian, q.ravel(), units, joints, linkage.size)
-        if gap:
-            return f"; with all else closed {joint} stays open by {scene.length(gap)} at {scene.where(position)}"
-    return ""
+    return misfit(linkage.scene, positions, gaps, jacobian, q.ravel(), units, joints, linkage.size)
 
 
 def _newton(
