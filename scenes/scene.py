@@ -125,13 +125,22 @@ class Scene:
         )
 
     @cached_property
+    def slides(self) -> Mapping[str, Slide]:
+        """The guides of the bodies that slide, in file order."""
+        return {name: body.slide for name, body in self.bodies.items() if body.slide is not None}
+
+    @cached_property
+    def drawn(self) -> Mapping[str, complex]:
+        """Where the scene has the points of the ground and of the sketch, m."""
+        return {name: complex(*at) for name, at in (*self.ground.items(), *self.sketch.points.items())}
+
+    @cached_property
     def aligned(self) -> Mapping[str, frozenset[str]]:
         """For each body and the ground: those whose frames slides keep parallel to its own, itself included."""
         groups = {name: frozenset((name,)) for name in (GROUND, *self.bodies)}
-        for body in self.bodies.values():
-            if body.slide is not None:
-                joined = groups[body.name] | groups[body.slide.on]
-                groups |= dict.fromkeys(joined, joined)
+        for name, slide in self.slides.items():
+            joined = groups[name] | groups[slide.on]
+            groups |= dict.fromkeys(joined, joined)
         return groups
 
     @cached_property
@@ -157,7 +166,7 @@ class Scene:
 
     def guided(self, point: str) -> tuple[str, Slide] | None:
         """The body at a point that slides on the ground, and its guide; None where none does."""
-        slides = ((name, self.bodies[name].slide) for name in self.owners[point] if name != GROUND)
+        slides = ((name, self.slides.get(name)) for name in self.owners[point])
         return next(((name, slide) for name, slide in slides if slide is not None and slide.on == GROUND), None)
 
     @property

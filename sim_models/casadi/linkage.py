@@ -41,7 +41,7 @@ class SymbolicLinkage:
         self.units = np.tile([self.size, self.size, 1.0], len(self.index))
         self._q = self.x * self.units
         self.drive_unit = 1.0 if scene.driven_slide is None else self.size
-        sliders = [body.name for body in scene.bodies.values() if body.slide is not None]
+        sliders = [*scene.slides]
         pins = [self.point(pin.second, pin.point) - self.point(pin.first, pin.point) for pin in scene.pins]
         self.row_units = np.array([self.size] * 2 * len(pins) + [self.size, 1.0] * len(sliders) + [self.drive_unit])
         rows = vertcat(*pins, *map(self._slide, sliders), self.drive_position)
@@ -78,14 +78,11 @@ class SymbolicLinkage:
         return self.angle(body) if self.scene.driven_slide is None else self.slid(body)
 
     def _slide(self, body: str) -> Any:
-        slide = self.scene.bodies[body].slide
-        assert slide is not None
-        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(slide.on))
+        return vertcat(self.slid(body, across=True), self.angle(body) - self.angle(self.scene.slides[body].on))
 
     def slid(self, body: str, *, across: bool = False) -> Any:
         """Return where a slider's first point is from `through`, along its guide or across it, m."""
-        slide = self.scene.bodies[body].slide
-        assert slide is not None
+        slide = self.scene.slides[body]
         along = vertcat(*slide.along)
         axis = self.turned(slide.on, casadi.vertsplit(casadi.mtimes(TURNED, along) if across else along))
         way = self.point(body, self.scene.bodies[body].points[0]) - self.place(slide.on, slide.through)
@@ -125,11 +122,11 @@ class SymbolicLinkage:
         """Return the force of a load, N."""
         if isinstance(load, Force):
             return vertcat(*load.force)
-        slide, x = self.scene.bodies[load.body].slide, self.slid(load.body)
-        assert slide is not None
+        x = self.slid(load.body)
         if isinstance(load, ForceTable):
             within = casadi.fmin(casadi.fmax(x, load.displacements[0]), load.displacements[-1])
-            return casadi.pw_lin(within, vertcat(*load.displacements), vertcat(*load.forces)) * vertcat(*slide.along)
+            force = casadi.pw_lin(within, vertcat(*load.displacements), vertcat(*load.forces))
+            return force * vertcat(*self.scene.slides[load.body].along)
         before_end = load.closing * (self.stroke_ends[number] - x)
         closes = load.closing * jtimes(x, self.x, self.v) > 0
         return casadi.logic_and(before_end <= load.last, closes) * vertcat(*load.force)

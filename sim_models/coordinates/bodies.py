@@ -93,7 +93,7 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
     b, a = (body.lengths[frozenset((name, apex))] for name in base)
     c = ((u - x) ** 2 + (v - y) ** 2) ** 0.5
     squared = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c)  # 16 times that of the area
-    A, B, C = (drawn_points(scene)[name] for name in (*base, apex))
+    A, B, C = (scene.drawn[name] for name in (*base, apex))
     side = ((B - A).conjugate() * (C - A)).imag
     if side == 0 or (isinstance(squared, float) and not squared > 0):
         why = "do not meet" if side else "are on no side of it: the sketch shows them on one line"
@@ -102,8 +102,3 @@ def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]
         )
     along, across = (b**2 + c**2 - a**2) / (2 * c**2), squared**0.5 / (2 * c**2) * (1 if side > 0 else -1)
     return x + along * (u - x) - across * (v - y), y + along * (v - y) + across * (u - x)
-
-
-def drawn_points(scene: Scene) -> dict[str, complex]:
-    """Where the scene has the points of the ground and of the sketch, m."""
-    return {name: complex(*at) for name, at in (*scene.ground.items(), *scene.sketch.points.items())}

@@ -37,9 +37,7 @@ def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any
         return complex(*load.force)
     displacement, velocity = slid(load.body)
     if isinstance(load, ForceTable):
-        slide = scene.bodies[load.body].slide
-        assert slide is not None
-        return complex(*slide.along) * load.along(displacement)
+        return complex(*scene.slides[load.body].along) * load.along(displacement)
     return load.acts(displacement, velocity, end) * complex(*load.force)
 
 

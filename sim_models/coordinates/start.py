@@ -10,7 +10,7 @@ from scenes import Failure, Status
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, PressForce
 
-from .bodies import MovingBody, drawn_points
+from .bodies import MovingBody
 from .poses import PathFollower, Stuck
 from .system import ClosedPose, System
 
@@ -50,12 +50,11 @@ def begun(system: System) -> Start:
 def on_sketch(system: System, position: float) -> dict[str, MovingBody]:
     """Return every body where it fits the sketch best by least squares, with the drive at a position, rad or m."""
     scene, frames = system.scene, {GROUND: MovingBody()}
-    drawn = drawn_points(scene)
     own, seen = dict[str, Samples](), dict[str, Samples]()
     for name, body in system.bodies.items():
-        shown = [point for point in body.points if point in drawn]
+        shown = [point for point in body.points if point in scene.drawn]
         own[name] = np.array([complex(*body.points[point]) for point in shown], complex)
-        seen[name] = np.array([drawn[point] for point in shown], complex)
+        seen[name] = np.array([scene.drawn[point] for point in shown], complex)
     for name in system.bodies:
         group, angle = scene.aligned[name], 0.0
         if scene.drive.body in group and scene.driven_slide is None:

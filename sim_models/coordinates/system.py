@@ -68,10 +68,9 @@ class System:
         ends = ((body, point, at) for body, points in known.items() for point, at in points.items())
         self.arms = {(body, point): complex(*at) for body, point, at in ends}  # in frames that move with the bodies, m
         self.guides = dict[str, GuideLine]()
-        for name, body in scene.bodies.items():
-            if (slide := body.slide) is not None:
-                through, along = complex(*slide.through), complex(*slide.along)
-                self.guides[name] = GuideLine(slide.on, through, along, self.arms[name, body.points[0]])
+        for name, slide in scene.slides.items():
+            through, along = complex(*slide.through), complex(*slide.along)
+            self.guides[name] = GuideLine(slide.on, through, along, self.arms[name, scene.bodies[name].points[0]])
         self.pins, self.sliders = list(scene.pins), [] if slides else [*self.guides]  # those that are constraints
         self.coordinates = [coordinate for name in self.bodies for coordinate in self.coordinates_of(name)]
         self.units = np.array([1.0 if name.endswith(".turn") else self.size for name in self.coordinates])
@@ -200,9 +199,8 @@ class System:
         values = [self.driven(bodies)]
         for point in self.scene.moving_points:
             body = self.scene.owners[point][0]
-            values += [
-                part for vector in bodies[body].at(self.arms[body, point]) for part in (vector.real, vector.imag)
-            ]
+            for vector in bodies[body].at(self.arms[body, point]):
+                values += [vector.real, vector.imag]
         for name in self.scene.turning:
             values += bodies[name].turning
         return dict(zip(kinematic_channels(self.scene)[1:], values, strict=True))

@@ -16,7 +16,7 @@ from weakref import finalize
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import GROUND, Body, Slide
+from scenes.scene import GROUND, Slide
 
 from .drive import ExudynDrive
 from .equations import blocks
@@ -33,7 +33,7 @@ class ReducedSystem(ExudynSystem):
     """
 
     def __init__(self, scene: Scene, drive: ExudynDrive, *, si: bool = False) -> None:
-        slides = {name: body.slide for name, body in scene.bodies.items() if body.slide is not None}
+        slides = scene.slides
         carriers = {slide.on for slide in slides.values()}
         pins = {name: [p for p in scene.pins if (p.first, p.second) == (GROUND, name)] for name in scene.bodies}
         self.pivots = {name: own[0] for name, own in pins.items() if len(own) == 1 and name not in slides}
@@ -112,7 +112,7 @@ class ReducedSystem(ExudynSystem):
         if body in self.pivots:
             return complex(*self.scene.ground[self.pivots[body].point])
         normal = 1j * self.along(body)
-        return normal * (normal.conjugate() * (complex(*self.slide(body).through) - self.lever(body))).real
+        return normal * (normal.conjugate() * (complex(*self.scene.slides[body].through) - self.lever(body))).real
 
     def _add_body(self, name: str) -> Any:
         if name not in self.reduced:
@@ -175,10 +175,8 @@ class SpatialSystem(ExudynSystem):
         markers = [self.at(first, point), self.at(second, point)]
         return self.mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
 
-    def _add_slot(self, body: Body, slide: Slide) -> Any:
-        raise Failure(
-            Status.unsupported, f"{body.name} slides on {slide.on}, for which there is no joint in space here"
-        )
+    def _add_slot(self, name: str, slide: Slide) -> Any:
+        raise Failure(Status.unsupported, f"{name} slides on {slide.on}, for which there is no joint in space here")
 
     def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
         for name in self.bodies:
@@ -216,7 +214,7 @@ def _sensors(system: ExudynSystem, *, forces: bool) -> Iterator[Callable[..., An
         at = {"bodyNumber": system.objects[body], "localPosition": [place.real, place.imag, 0]}
         yield from (partial(items.SensorBody, outputVariableType=kind, **at) for kind in measured)
     if forces:
-        slots = [joint for name, joint in system.slides.items() if system.slide(name).on != GROUND]
+        slots = [joint for name, joint in system.slides.items() if scene.slides[name].on != GROUND]
         for joint in (*system.pins.values(), system.drive, *system.slides.values()):
             kind = kinds.ForceLocal if joint in slots else kinds.Force
             yield partial(items.SensorObject, objectNumber=joint, outputVariableType=kind)

@@ -65,18 +65,13 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
 
 
-def sketched(scene: Scene) -> dict[str, complex]:
-    """The sketched points and those of the ground: name -> m."""
-    return {name: complex(*point) for name, point in (*scene.ground.items(), *scene.sketch.points.items())}
-
-
 def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
     if body.local is not None:
         return {name: complex(*point) for name, point in body.local.items()}
     assert body.lengths is not None
     first, second, *others = body.points
     points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
-    drawn = sketched(scene)
+    drawn = scene.drawn
     for apex in others:
         p, q = body.bases(apex)
         a, b = (body.lengths[frozenset((base, apex))] for base in (p, q))

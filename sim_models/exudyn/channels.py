@@ -64,7 +64,7 @@ def forces(system: ExudynSystem, multipliers: Array, wanted: AbstractSet[str]) -
     effort = -system.drive_factor * multipliers[:, system.columns(system.drive)[0]]
     for name, constraint in system.slides.items():
         force, moment = -multipliers[:, system.columns(constraint)].T
-        if system.slide(name).on == GROUND:
+        if scene.slides[name].on == GROUND:
             # That moment is about the centre of mass C; about the first point P it is M_C + (C - P) x f. The drive
             # moves a slider by its first point, but in coordinates its force acts at C too.
             total = 1j * force + (effort if name == scene.drive.body else 0)

@@ -53,10 +53,8 @@ class ExudynDrive:
     rate: Function
 
     def __init__(self, held: float = 0.0) -> None:
-        self.held, self.zero = (
-            held,
-            0.0,
-        )  # s, of the scene's time when Exudyn's clock, which cannot be negative, is zero
+        self.held = held
+        self.zero = 0.0  # s, of the scene's time when Exudyn's clock, which cannot be negative, is zero
         self.position, self.rate = lambda _clock: self.held, lambda _clock: 1.0
 
     def run(self, parts: Sequence[Piece], zero: float) -> None:

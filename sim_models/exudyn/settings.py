@@ -12,7 +12,7 @@ class JacobianUse(Enum):
     """How often a step's Newton iterations factorise the Jacobian anew."""
 
     FULL = "in every iteration"
-    ONE_A_STEP = "once at the start of every step"
+    ONE_A_STEP = "once at the start of every step"  # the fastest
     MODIFIED = "when they converge badly, else one serves many steps"
 
 
@@ -40,9 +40,7 @@ class TimeStepping(Settings):
     richardson: Annotated[bool, "also twice the steps, and extrapolation, which cancels the error's h²"] = True
     spectral_radius: Annotated[float, "of generalised-alpha: the start transient is damped by it in a step"] = 0.5
     pre_roll: Annotated[int, "steps before the first sample"] = 24
-    newton: Annotated[JacobianUse, "when Newton's iterations factorise the Jacobian"] = (
-        JacobianUse.ONE_A_STEP
-    )  # the fastest
+    newton: Annotated[JacobianUse, "when Newton's iterations factorise the Jacobian"] = JacobianUse.ONE_A_STEP
     tolerance: Annotated[float, "of Newton's method"] = 1e-10  # Exudyn's 1e-8 shows in the reactions
     reduced: Annotated[bool, "one coordinate for every body that only turns or slides on the ground"] = False
     extra: Annotated[ExudynExtra, "what is modelled"] = ExudynExtra.NOTHING

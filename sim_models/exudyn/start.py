@@ -9,7 +9,6 @@ import numpy as np
 from scenes import Failure, Scene, Status
 from scenes.scene import GROUND
 
-from .bodies import sketched
 from .loads import PressSwitches, press_switches
 from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, exudyn
@@ -47,7 +46,7 @@ def _rough(system: ExudynSystem, position: float) -> Array:
 
     A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
     """
-    scene, places = system.scene, sketched(system.scene)
+    scene, places = system.scene, system.scene.drawn
     own, drawn = {}, {}
     for name, body in system.bodies.items():
         known = [point for point in body.points if point in places]

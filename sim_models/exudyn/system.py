@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Body, Slide
+from scenes.scene import GROUND, Slide
 
 from .bodies import force_unit, linkage_size, rigid_body
 from .drive import ExudynDrive
@@ -57,9 +57,9 @@ class ExudynSystem:
             if not (pin.first == GROUND and pin.second in self.reduced)
         }
         self.slides = {
-            name: self._add_guide(name, body.slide) if body.slide.on == GROUND else self._add_slot(body, body.slide)
-            for name, body in scene.bodies.items()
-            if body.slide is not None and not (body.slide.on == GROUND and name in self.reduced)
+            name: self._add_guide(name, slide) if slide.on == GROUND else self._add_slot(name, slide)
+            for name, slide in scene.slides.items()
+            if not (slide.on == GROUND and name in self.reduced)
         }
         self.drive, self.drive_factor = self._add_drive(drive)
         self.mbs.Assemble()
@@ -81,15 +81,9 @@ class ExudynSystem:
         first = 3 * list(self.bodies).index(body)
         return q[..., first] + 1j * q[..., first + 1], q[..., first + 2]
 
-    def slide(self, body: str) -> Slide:
-        """The guide of a body that slides."""
-        slide = self.scene.bodies[body].slide
-        assert slide is not None
-        return slide
-
     def along(self, body: str) -> complex:
         """The direction of a body's guide, in the frame of the guide."""
-        return complex(*self.slide(body).along)
+        return complex(*self.scene.slides[body].along)
 
     def lever(self, body: str) -> complex:
         """The first point of a body, from its centre of mass along its own axes, m."""
@@ -97,7 +91,7 @@ class ExudynSystem:
 
     def displaced(self, body: str, com: Any) -> Any:
         """The displacement on the ground of a slider, m, with its centre of mass at `com`."""
-        first = com + self.lever(body) - complex(*self.slide(body).through)
+        first = com + self.lever(body) - complex(*self.scene.slides[body].through)
         return (self.along(body).conjugate() * first).real
 
     def displacement_factors(self, body: str) -> Any:
@@ -149,14 +143,14 @@ class ExudynSystem:
         held = items.CoordinateVectorConstraint(markerNumbers=markers, scalingMarker1=rows, offset=values)
         return self.mbs.AddObject(held)
 
-    def _add_slot(self, body: Body, slide: Slide) -> Any:
+    def _add_slot(self, name: str, slide: Slide) -> Any:
         """Hold normal . (through - P) at zero, and the sine of the slider's angle less the carrier's.
 
         The joint's normal belongs to its second marker's body, here the carrier, so that the force acts at the slider's
         first point P.
         """
-        along = self.along(body.name)
-        first = self.marker(body.name, self.lever(body.name), "Rigid")
+        along = self.along(name)
+        first = self.marker(name, self.lever(name), "Rigid")
         second = self.marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid")
         axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
         return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))

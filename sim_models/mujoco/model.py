@@ -18,9 +18,7 @@ from ..coordinates.system import System
 
 LEAST_INERTIA = 1e-9  # of m l^2: MuJoCo has no body without one
 IMPEDANCE = 0.9999  # MuJoCo's limit; a joint's softness is the rest of it, times what its bodies weigh at their joints
-HARDER = (
-    1e-4  # times the reciprocals of those weights: at 1, softness shows in accelerations near a toggle's dead point
-)
+HARDER = 1e-4  # times the reciprocals of those weights: at 1, softness shows in accelerations near dead points
 SOFT = 'solref="{time!r} 1" solimp="0.9 0.95 0.001"'  # MuJoCo's defaults
 SOFT_TIME = 0.02  # s, of them
 

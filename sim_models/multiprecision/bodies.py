@@ -46,8 +46,7 @@ def _from_bases(scene: Scene, body: Body, local: dict[str, PlaneVector], point: 
 
 def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str) -> int:
     """Return +1 where the sketch shows a body's point to the left of the way from its first base to its second."""
-    known = dict(scene.ground) | dict(scene.sketch.points)
-    A, B, C = (complex(*known[name]) for name in (first, second, point))
+    A, B, C = (scene.drawn[name] for name in (first, second, point))
     size = abs(B - A) * abs(C - A)
     sine = ((B - A).conjugate() * (C - A)).imag / size if size > 0 else 0.0
     if not abs(sine) > FLAT:

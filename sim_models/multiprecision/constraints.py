@@ -81,7 +81,7 @@ class LinkageEquations:
     @cached_property
     def size(self) -> float:
         """A length of the linkage's order, m: the spread of its points, or the driven slider's travel."""
-        known = np.array([complex(*at) for at in self.sketched.values()] or [0j])
+        known = np.array([*self.scene.drawn.values()] or [0j])
         arms = (np.hypot(float(x), float(y)) for arms in self.arms.values() for x, y in arms.values())
         travel = 0.0 if self.scene.driven_slide is None else float(self.law.travel)
         return float(max(*np.abs(known - known.mean()), *arms, travel)) or 1.0
@@ -91,21 +91,15 @@ class LinkageEquations:
         """What every coordinate is measured by: the size, m, or 1 rad."""
         return [self.size, self.size, 1.0] * len(self.index)
 
-    @property
-    def sketched(self) -> dict[str, tuple[float, float]]:
-        """The places of the ground's and the sketched points, m."""
-        return dict(self.scene.ground) | dict(self.scene.sketch.points)
-
     def _constraints(self) -> EquationRows:
         scene = self.scene
-        sliders = [(body, body.slide) for body in scene.bodies.values() if body.slide is not None]
-        count = 2 * len(scene.pins) + 2 * len(sliders) + 1
-        moving = sum(slide.on != GROUND for _, slide in sliders)
+        count = 2 * len(scene.pins) + 2 * len(scene.slides) + 1
+        moving = sum(slide.on != GROUND for slide in scene.slides.values())
         rows = EquationRows(count, len(self.index), moving, self.size)
         for k, pin in enumerate(scene.pins):
             self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
-        for k, (body, slide) in enumerate(sliders, start=len(scene.pins)):
-            self._add_slide(rows, 2 * k, body, slide)
+        for k, (name, slide) in enumerate(scene.slides.items(), start=len(scene.pins)):
+            self._add_slide(rows, 2 * k, scene.bodies[name], slide)
         self._add_drive(rows, count - 1)
         return rows
 
@@ -139,11 +133,10 @@ class LinkageEquations:
             self._add_displacement(rows, row, self.scene.drive.body)
 
     def _add_displacement(self, rows: EquationRows, row: int, body: str) -> None:
-        slider = self.scene.bodies[body]
-        assert slider.slide is not None
-        along = arb(slider.slide.along[0]), arb(slider.slide.along[1])
-        self.add_point(rows, row, along, body, slider.points[0])
-        rows.k[row, 0] -= _dot(along, (arb(slider.slide.through[0]), arb(slider.slide.through[1])))
+        slide = self.scene.slides[body]
+        along = arb(slide.along[0]), arb(slide.along[1])
+        self.add_point(rows, row, along, body, self.scene.bodies[body].points[0])
+        rows.k[row, 0] -= _dot(along, (arb(slide.through[0]), arb(slide.through[1])))
 
 
 def _dot(u: PlaneVector, v: PlaneVector) -> arb:

@@ -199,7 +199,7 @@ def _nonlinear(linkage: LinkageEquations) -> Iterator[list[int]]:
 def _misfit(linkage: LinkageEquations, q: arb_mat, positions: Iterable[float]) -> str:
     """A sentence on which joint stays open, near a pose q, at the first position where one does; so in doubles."""
     scene, rows = linkage.scene, linkage.constraints
-    joints = joint_rows(scene.pins, [body.name for body in scene.bodies.values() if body.slide is not None])
+    joints = joint_rows(scene.pins, scene.slides)
 
     def gaps(position: float, at: Samples) -> Samples:
         return _floats(rows.value(_balls(at)) - linkage.drive(position))

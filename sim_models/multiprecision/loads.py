@@ -63,9 +63,8 @@ def _press(linkage: LinkageEquations, load: PressForce, end: float) -> Generalis
 
 def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
     """Return a force along the guide, f(x) = f_0 + Σ Δ_i max(x - x_i, 0), Δ_i the change of slope at entry i."""
-    slide = linkage.scene.bodies[load.body].slide
-    assert slide is not None
-    work = _work(linkage, load, (arb(slide.along[0]), arb(slide.along[1])))
+    along = linkage.scene.slides[load.body].along
+    work = _work(linkage, load, (arb(along[0]), arb(along[1])))
     displacement = linkage.displacement(load.body)
     x, f = [arb(at) for at in load.displacements], [arb(force) for force in load.forces]
     slopes = [arb(0), *((g - e) / (v - u) for (u, v), (e, g) in zip(pairwise(x), pairwise(f), strict=True)), arb(0)]
@@ -73,8 +72,8 @@ def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
 
     def force(q: arb_mat, _velocity: arb_mat) -> arb_mat:
         s = displacement.value(q)[0, 0]
-        along = f[0] + sum((change * (s - at).nonnegative_part() for at, change in kinks), arb(0))
-        return work.jacobian(q).transpose() * along
+        size = f[0] + sum((change * (s - at).nonnegative_part() for at, change in kinks), arb(0))
+        return work.jacobian(q).transpose() * size
 
     return force
 

@@ -49,13 +49,13 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
     The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of
     their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all.
     """
-    scene, known = linkage.scene, linkage.sketched
-    middle = complex(np.mean([complex(*at) for at in known.values()] or [0j]))
+    scene, known = linkage.scene, linkage.scene.drawn
+    middle = complex(np.mean([*known.values()] or [0j]))
     own, at = {}, {}
     for name, arms in linkage.arms.items():
         shown = [point for point in scene.bodies[name].points if point in known]
         own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
-        at[name] = np.array([complex(*known[p]) for p in shown] or [middle])
+        at[name] = np.array([known[p] for p in shown] or [middle])
     turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
     q = arb_mat(3 * len(linkage.index), 1)
     for name, i in linkage.index.items():
@@ -113,7 +113,5 @@ def end_of_stroke(linkage: LinkageEquations, continuation: Continuation, q: arb_
 
 def closing_sign(scene: Scene, load: PressForce) -> int:
     """Return the sign of the displacement's rate while the slider closes: it then moves against the force."""
-    slide = scene.bodies[load.body].slide
-    assert slide is not None
-    push = sum((arb(f) * e for f, e in zip(load.force, slide.along, strict=True)), arb(0))
+    push = sum((arb(f) * e for f, e in zip(load.force, scene.slides[load.body].along, strict=True)), arb(0))
     return 1 if push < 0 else -1

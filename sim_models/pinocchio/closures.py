@@ -69,9 +69,7 @@ class Closures(System):
         channels = dict(zip([*names, force_channels(self.scene)[-1]], multipliers, strict=True))
         first_of = {pin.channel: pin.first for pin in self.scene.pins}
         for joint in self.tree.joints:
-            exerted = self.tree.data.f[
-                self.tree.number[joint.child]
-            ]  # by the parent on the child, in the child's frame
+            exerted = self.tree.data.f[self.tree.number[joint.child]]  # by the parent, in the child's frame
             force, moment = complex(*exerted.linear[:2]) * bodies[joint.child].turn, exerted.angular[2]
             if joint.turns:
                 on_second = force if first_of[joint.name] == joint.parent else -force

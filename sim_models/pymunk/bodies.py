@@ -49,19 +49,14 @@ def _points(scene: Scene, body: Body) -> dict[str, complex]:
     return frame
 
 
-def sketched(scene: Scene) -> dict[str, complex]:
-    """Where the sketch has the points, those of the ground too: name -> m."""
-    return {point: complex(*place) for point, place in (*scene.ground.items(), *scene.sketch.points.items())}
-
-
 def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> complex:
     """Place c, m, at its distances from its bases a and b, on the side of a -> b that the sketch shows."""
     assert body.lengths is not None
     a, b = body.bases(c)
     base = frame[b] - frame[a]
     ab, ac, bc = abs(base), body.lengths[frozenset((a, c))], body.lengths[frozenset((b, c))]
-    drawn = sketched(scene)
-    side = np.sign((np.conj(drawn[b] - drawn[a]) * (drawn[c] - drawn[a])).imag)
+    A, B, C = (scene.drawn[point] for point in (a, b, c))
+    side = np.sign((np.conj(B - A) * (C - A)).imag)
     if side == 0:
         raise Failure(
             Status.cannot_assemble, f"the sketch shows {a}, {b}, {c} of '{body.name}' in line, not which way round"

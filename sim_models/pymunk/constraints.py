@@ -46,7 +46,7 @@ class LinkageConstraints:
         ends = [(body, pin.point) for pin in scene.pins for body in (pin.first, pin.second)]
         self._pinned = np.array([self.index[body] for body, _ in ends], np.intp).reshape(-1, 2)
         self._pin_arms = np.array([self.arm(*end) for end in ends], np.complex128).reshape(-1, 2)
-        self.slides = slides = {body.name: body.slide for body in scene.bodies.values() if body.slide is not None}
+        self.slides = slides = scene.slides
         self._sliders = np.array([self.index[name] for name in slides], np.intp)
         self._carriers = np.array([self.index[slide.on] for slide in slides.values()], np.intp)
         self._slider_arms = np.array([self.first_arm(name) for name in slides], np.complex128)

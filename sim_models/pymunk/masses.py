@@ -106,8 +106,8 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
                 if name in (pin.first, pin.second) and {pin.first, pin.second} & earlier:
                     origin, mass, moment = body.points[pin.point], scale / RATIO, scale * RATIO * size**2
             on = name
-            while (slide := scene.bodies[on].slide) is not None and slide.on != GROUND:
-                on, moment = slide.on, RATIO * moment  # so that the gear hardly turns the carrier
+            while on in scene.slides and scene.slides[on].on != GROUND:
+                on, moment = scene.slides[on].on, RATIO * moment  # so that the gear hardly turns the carrier
             chosen[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
         scale *= RATIO**3
     return chosen
@@ -117,7 +117,7 @@ def constraint_groups(scene: Scene) -> list[DiagonalBlock]:
     """The constraints that are solved together: each joint takes two freedoms of its bodies, each body has three."""
     columns = {name: range(3 * i, 3 * i + 3) for i, name in enumerate(scene.bodies)} | {GROUND: range(0)}
     joints = [(pin.first, pin.second) for pin in scene.pins]
-    joints += [(body.name, body.slide.on) for body in scene.bodies.values() if body.slide is not None]
+    joints += [(name, slide.on) for name, slide in scene.slides.items()]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
     return groups([*pattern, columns[scene.drive.body]])
 

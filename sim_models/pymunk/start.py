@@ -16,7 +16,6 @@ from scenes.model.motion import Samples
 from scenes.model.open_joint import joint_rows, misfit
 from scenes.scene import GROUND
 
-from .bodies import sketched
 from .constraints import LinkageConstraints, PoseArray, determinant_sign
 from .masses import Masses, fictitious_masses
 
@@ -69,7 +68,7 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
 
     A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
     """
-    scene, drawn = linkage.scene, sketched(linkage.scene)
+    scene, drawn = linkage.scene, linkage.scene.drawn
     shown = {
         name: np.array([(arm, drawn[point]) for point, arm in member.points.items() if point in drawn]).reshape(-1, 2).T
         for name, member in linkage.members.items()

@@ -143,7 +143,7 @@ class TextbookRun:
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
         if any(not isinstance(load, Force) for load in scene.loads) or scene.springs:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
-        if any(name in scene.turning for name, body in scene.bodies.items() if body.slide is not None):
+        if not scene.slides.keys().isdisjoint(scene.turning):
             raise Failure(Status.unsupported, "the textbook set-up has guides on the ground only")
         linkage, pose = begun(scene, own_masses)
         stride = ceil(settings.steps / sampling.samples)
