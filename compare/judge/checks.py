@@ -17,8 +17,8 @@ from scenes.scene import GROUND, Body
 from ..mechanics.bodies import distances
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from ..mechanics.motion_vectors import Acts, LoadedBody, MotionVectors
-from ..mechanics.press_switches import Acting, fitted
 from ..mechanics.projection import projected
+from ..mechanics.reference import Acting, fitted
 from ..mechanics.round_off import EPS
 from ..mechanics.scales import NOTHING, force_scales, off_origin, relative_errors, scales, sizes
 

@@ -1,11 +1,16 @@
 """One linkage, prepared to be judged: what follows from its scene alone, worked out once and handed on."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
 
-from scenes import Scene
+import numpy as np
+
+from scenes import Failure, Scene
 from scenes.model.motion import UNITS, channels, force_channels, quantity
+from scenes.numbers import At, put, walk
 from scenes.scene import PressForce
 
 from ..engines import registry
@@ -13,7 +18,6 @@ from .axis import DriveAxis, axis
 from .bodies import inertia
 from .constraints import Constraints
 from .motion_vectors import press_forces
-from .perturbation import neighbours
 
 GROUPS: Mapping[str, str] = (
     dict.fromkeys(("x", "y", "angle"), "position")
@@ -24,6 +28,13 @@ GROUPS: Mapping[str, str] = (
 )  # by quantity; every channel but the time is judged in one
 
 SHOWN_GROUPS = ("position", "velocity", "acceleration", "reaction", "torque", "force")  # the drive is an input
+
+ULPS = 4  # of every number, up or down at random
+DRAWS = 4  # scenes; their worst is within a factor of three of the worst of many more, see the tests
+SEED = 20261121
+LEFT_OUT = {("drive", name) for name in ("start", "end", "times", "positions")} | {
+    ("loads", name) for name in ("last", "displacements")
+}
 
 
 @dataclass(frozen=True)
@@ -101,5 +112,36 @@ class Mechanics:
 
     @cached_property
     def neighbours(self) -> tuple[registry.Solve, ...]:
-        """Solvers of the scene with its numbers a few last places off; none where one cannot be solved."""
-        return neighbours(self.scene)
+        """Solvers of the scene with its lengths and places a few last places off; none where one cannot be solved."""
+        draw, off = np.random.default_rng(SEED), ULPS * np.finfo(float).eps
+        lengths = [one for one in inputs(self.scene) if one.dimension == "length"]
+
+        def jittered(value: float) -> float:
+            return value * (1 + off * float(draw.choice((-1.0, 1.0))))
+
+        try:
+            others = [put(self.scene, {one.at: one.each(jittered) for one in lengths}) for _ in range(DRAWS)]
+            return tuple(map(registry.reference, others))
+        except Failure:
+            return ()
+
+
+class Input(NamedTuple):
+    """A number of a scene, SI, or several that belong together: a vector, or the forces of a table."""
+
+    at: At
+    value: float | tuple[float, ...]
+    dimension: str  # `length` of lengths and places
+
+    def each(self, other: Callable[[float], float]) -> float | tuple[float, ...]:
+        """The value with another number in the place of each."""
+        return tuple(map(other, self.value)) if isinstance(self.value, tuple) else other(self.value)
+
+
+def inputs(scene: Scene) -> Iterator[Input]:
+    """Yield the inputs of a scene but for those that say where the drive is, and where a load changes."""
+    for at, together in groupby(walk(scene), lambda n: n.at[:-1] if isinstance(n.at[-1], int) else n.at):
+        first, *others = together
+        if at[0] != "sketch" and (at[0], at[-1]) not in LEFT_OUT:
+            value = (first.value, *(other.value for other in others)) if isinstance(first.at[-1], int) else first.value
+            yield Input(at, value, first.quantity.dimension)

@@ -19,7 +19,7 @@ from scenes.model.motion import Samples
 from .constraints import ClosedPoses, Matrices, planes
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
-from .press_switches import Acting, fitted
+from .reference import Acting, fitted
 
 
 class Projection(NamedTuple):

@@ -15,9 +15,8 @@ import numpy as np
 from scenes import Failure, Motion, Rows
 from scenes.model.motion import Samples
 
-from .mechanics import Mechanics
+from .mechanics import ULPS, Mechanics
 from .motion_vectors import MotionVectors
-from .perturbation import ULPS
 from .reference import Reference
 from .scales import off_origin, sizes
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.model.motion import Samples
+from scenes.model.motion import Samples, quantity
 
 from .mechanics import Mechanics
 from .motion_vectors import Vectors
@@ -93,18 +93,19 @@ def relative_errors(motion: Motion, true: Motion, scale: Mapping[str, float]) ->
         if other in errors and scale[other] == scale[channel]:
             errors[channel] = errors[other]  # the same array: errors are half of what a long run keeps in memory
             continue
-        distance = _distance(motion, true, channel)
+        pair = motion[channel], true[channel]
+        distance = np.abs(pair[0] - pair[1] if channel in DRIVEN else apart(channel, *pair))  # a drive counts its turns
         if other in judged:
-            distance = np.hypot(distance, _distance(motion, true, other))
+            distance = np.hypot(distance, motion[other] - true[other])
         errors[channel] = distance / sizes(true, channel, scale[channel])
     return errors
 
 
-def _distance(motion: Motion, true: Motion, channel: str) -> Samples:
-    difference = motion[channel] - true[channel]
-    if channel.endswith(".angle"):
-        difference = np.remainder(difference + np.pi, 2 * np.pi) - np.pi
-    return np.abs(difference)
+def apart(channel: str, one: Samples, other: Samples) -> Samples:
+    """By how much samples of a channel are more than others, angles modulo one turn."""
+    difference = one - other
+    of_angle = quantity(channel) in ("angle", "crank_angle")
+    return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if of_angle else difference
 
 
 def off_origin(mechanics: Mechanics, motion: Motion) -> Samples:

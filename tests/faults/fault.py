@@ -8,12 +8,11 @@ from zlib import crc32
 
 import numpy as np
 
-from compare.judge.canaries.sizes import apart
 from compare.judge.canaries.thinned import CleanRun
 from compare.judge.causes.cause import stem
 from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.motion_vectors import MotionVectors
-from compare.mechanics.scales import sizes
+from compare.mechanics.scales import apart, sizes
 from scenes import Motion, Scene, Settings
 from scenes.model.motion import Samples, quantity
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
-from compare.mechanics.perturbation import inputs
+from compare.mechanics.mechanics import inputs
 from scenes import Scene
 from scenes.numbers import put
 from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce

@@ -50,7 +50,7 @@ COMPARISON = {
     "compare.judge.checks": ("checks", "_drive", "_gaps", "_balances", "_newton_euler", "_powers", "_flips"),
     "compare.mechanics.round_off": ("Explained.left_over", "Explained.error"),
     "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),
-    "compare.mechanics.scales": ("relative_errors", "sizes", "_distance", "force_scales", "_kinematic"),
+    "compare.mechanics.scales": ("relative_errors", "sizes", "apart", "force_scales", "_kinematic"),
 }
 FAULTS = 25  # of each engine's motion, that a comparison with a wrong line is tried with
 ROUNDING = 10  # times what doubles explain: the core's limit, besides its promise

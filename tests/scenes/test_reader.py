@@ -8,7 +8,7 @@ import pytest
 
 import scenes
 from compare.measure.hard.digits import inputs_off
-from compare.mechanics.perturbation import inputs
+from compare.mechanics.mechanics import inputs
 from scenes import InputError
 from scenes.scene import ConstantSpeed, Force
 from tests import scene_files

@@ -46,9 +46,3 @@ def length(motion: Motion, channel: str) -> Samples:
     """Return the length of the vector of a component, the size of any other channel, shape (n,)."""
     stem = channel[:-1]
     return np.hypot(motion[f"{stem}x"], motion[f"{stem}y"]) if channel[-1] in "xy" else np.abs(motion[channel])
-
-
-def apart(channel: str, one: Samples, other: Samples) -> Samples:
-    """Return the distance of two channels, that of angles modulo one turn."""
-    difference = one - other
-    return np.angle(np.exp(1j * difference)) if quantity(channel) == "angle" else difference

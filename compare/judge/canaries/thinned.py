@@ -13,15 +13,15 @@ from scenes.model.motion import Samples, channels, force_channels, quantity
 from ...engines.runner import Run, complete
 from ...mechanics.bodies import largest_length
 from ...mechanics.mechanics import GROUPS
-from ...mechanics.press_switches import on_switch
-from ...mechanics.reference import Reference
+from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import EPS, Explained
+from ...mechanics.scales import apart
 from ..errors import shown_groups
 from ..gates import gates, missed
 from ..measure import Measurement, assess
 from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
-from .sizes import apart, length, sizes
+from .sizes import length, sizes
 
 ROWS = 24  # the least that a cycle is thinned to: enough for every check, and a comparison takes some milliseconds
 CLEAR = 3.0  # times what the settings promise: more than an ok run is off by, by more than it may be off itself

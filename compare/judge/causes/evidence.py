@@ -16,8 +16,8 @@ from scenes import Failure, Motion, Rows
 from scenes.model.motion import Samples, quantity
 
 from ...mechanics.reference import Reference
-from ...mechanics.scales import sizes
-from .cause import ANGLES, FORCES, Cause, Part, parts
+from ...mechanics.scales import apart, sizes
+from .cause import FORCES, Cause, Part, parts
 
 ROWS = 400  # at most, but for those about the worst: all of a usual run
 ABOUT = 10  # rows on either side of the worst
@@ -188,12 +188,6 @@ def least_squares(columns: NDArray[np.float64], off: Samples) -> Samples:
         return np.zeros(len(size))
     size[size == 0] = np.inf
     return np.asarray(np.linalg.lstsq(columns / size, off, rcond=1e-6)[0] / size)
-
-
-def apart(channel: str, one: Samples, other: Samples) -> Samples:
-    """Return by how much samples of a channel are more than others, angles modulo one turn."""
-    difference = one - other
-    return np.remainder(difference + np.pi, 2 * np.pi) - np.pi if quantity(channel) in ANGLES else difference
 
 
 def away_from_switches(evidence: Evidence) -> Evidence:

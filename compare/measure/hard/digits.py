@@ -39,10 +39,9 @@ from scenes.scene import ConstantSpeed
 from ...engines import registry
 from ...engines.runner import run
 from ...mechanics.constraints import Constraints
-from ...mechanics.mechanics import GROUPS, SHOWN_GROUPS
+from ...mechanics.mechanics import GROUPS, SHOWN_GROUPS, inputs
 from ...mechanics.motion_vectors import MotionVectors, press_forces
-from ...mechanics.perturbation import inputs
-from ...mechanics.press_switches import on_switch
+from ...mechanics.reference import on_switch
 from ...mechanics.scales import magnitude, relative_errors
 
 EPS = float(np.finfo(float).eps)

@@ -7,7 +7,7 @@ import pytest
 
 import compare
 from compare.engines import registry
-from compare.mechanics.press_switches import Acting, fitted
+from compare.mechanics.reference import Acting, fitted
 from scenes import Sampling
 from scenes.model.motion import Samples
 from scenes.scene import PressForce

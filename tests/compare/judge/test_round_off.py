@@ -9,7 +9,7 @@ from compare import check
 from compare.engines import registry
 from compare.judge.checks import checks
 from compare.judge.errors import compare, error_table
-from compare.mechanics import perturbation as sensitivity
+from compare.mechanics import mechanics as sensitivity
 from compare.mechanics.constraints import Constraints
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference, uncertified
