@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import Phase, assume, given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import analytic
@@ -14,86 +14,17 @@ from compare.mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from compare.mechanics.scales import travels
 from scenes import Sampling, Scene
 from scenes.model.motion import channels, force_channels
-from scenes.scene import GROUND, Body, Force, ForceTable, Load
 from tests import absolute_coordinates, scene_files
-from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, kind, solve, where
+from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, solve
 from tests.comparisons import all_checks
-from tests.linkage_scenes import linkages, loads_on
-from tests.linkages import numbers, xy
+from tests.linkage_scenes import linkages
 
 from .newton import as_one_group
-from .views import Change
 
 SOLVED = ("estimate", *SHOWN_GROUPS)
 
 often = settings(max_examples=12, deadline=None, derandomize=True)
 seldom = settings(max_examples=6, deadline=None, derandomize=True, phases=[Phase.generate])  # shrinking took minutes
-
-
-@often
-@given(linkages(), numbers(0.1, 10))
-def test_forces_follow_density(scene: Scene, denser: float) -> None:
-    """Without loads every force is proportional to the masses, whatever gravity and speed are."""
-    light = replace(scene, loads=(), springs=())
-    heavy = replace(light, bodies={name: denser_body(body, denser) for name, body in scene.bodies.items()})
-    motion = solve(light)
-    forces = force_channels(scene)
-    assert_agree(heavy, solve(heavy), {c: motion[c] * (denser if c in forces else 1) for c in channels(scene)})
-
-
-def denser_body(body: Body, by: float) -> Body:
-    assert body.mass is not None
-    return replace(body, mass=body.mass * by, inertia=None if body.inertia is None else body.inertia * by)
-
-
-@often
-@given(linkages(), numbers(0.1, 10))
-def test_forces_follow_the_square_of_speed(scene: Scene, faster: float) -> None:
-    """Without loads and weights all forces are inertia's."""
-    slow = replace(scene, loads=(), springs=(), gravity=None)
-    fast = Change(time=1 / faster).scene(slow)
-    motion = solve(slow)
-    power = {"time": -1, "vx": 1, "omega": 1, "ax": 2, "alpha": 2, "fx": 2, "torque": 2}
-    expected = {c: motion[c] * faster ** power.get(kind(c), 0) for c in channels(scene)}
-    assert_agree(fast, solve(fast, instants(slow) / faster), expected)
-
-
-@often
-@given(linkages(), st.data())
-def test_loads_superpose(scene: Scene, data: st.DataObject) -> None:
-    """Forces are affine in the loads, F(a + 2 b) = F(a) + 2 F(b) - 2 F(0); weights count among the loads here."""
-    some = [data.draw(loads_on(scene)) for _ in range(2)]
-    twice = [doubled(load) for load in some]
-    g = scene.gravity or (0.0, 0.0)
-    none = solve(replace(scene, loads=(), gravity=None))
-    own = solve(scene)
-    more = solve(replace(scene, loads=tuple(some), gravity=(1.0, -9.81)))
-    both = replace(scene, loads=(*twice, *scene.loads), gravity=(g[0] + 2.0, g[1] - 2 * 9.81))
-    forces = force_channels(scene)
-    expected = {c: own[c] + 2 * (more[c] - none[c]) if c in forces else own[c] for c in channels(scene)}
-    assert_agree(both, solve(both), expected)
-
-
-def doubled(load: Load) -> Load:
-    if isinstance(load, ForceTable):
-        return replace(load, forces=tuple(2 * force for force in load.forces))
-    return replace(load, force=(2 * load.force[0], 2 * load.force[1]))
-
-
-@often
-@given(scene=linkages(), data=st.data())
-def test_a_spring_is_the_forces_at_its_ends(scene: Scene, data: st.DataObject) -> None:
-    """At one position of the drive a spring is two constant forces, of k (d - length) towards each other."""
-    assume(scene.springs)
-    spring = data.draw(st.sampled_from(scene.springs))
-    time = instants(scene)[11:12]
-    motion = solve(scene, time)
-    one, two = (complex(where(scene, motion, point)[0]) for _, point in (spring.first, spring.second))
-    pull = spring.stiffness * (abs(two - one) - spring.length) * (two - one) / abs(two - one)
-    ends = [Force(*end, xy(f)) for end, f in ((spring.first, pull), (spring.second, -pull)) if end[0] != GROUND]
-    others = tuple(other for other in scene.springs if other is not spring)
-    without = replace(scene, springs=others, loads=(*scene.loads, *ends))
-    assert_agree(without, solve(without, time), {c: motion[c] for c in channels(scene)}, solve(scene))
 
 
 @often

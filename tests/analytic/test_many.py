@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike
 
 import analytic
 import scenes
@@ -48,14 +47,6 @@ def test_each_machine_is_as_one_of_a_file(name: str) -> None:
 
 def of_machine(many: analytic.Machines, machine: int) -> dict[str, np.ndarray]:
     return {channel: samples[machine] for channel, samples in many.samples.items()}
-
-
-def test_one_part_of_a_direction_turns_the_guide() -> None:
-    """Its other part is another one too, of a direction that has the length one."""
-    along, position = "bodies.slider.slides.along.0", np.linspace(0, 6, 7)
-    many = analytic.solve_many(scenes.load("toggle_press"), {along: [0.0, 0.1]}, position)
-    one = analytic.solve(scenes.load("toggle_press", {along: 0.1}), position)
-    assert_close(of_machine(many, 1), one.samples, CLOSE)
 
 
 def test_a_machine_that_fails_spoils_no_other() -> None:
@@ -198,21 +189,6 @@ def test_a_direction_that_no_file_may_have_is_refused() -> None:
         )
     assert [status.name for status in many.status] == ["ok", "cannot_assemble", "cannot_assemble"]
     assert all(f"{along}: expected a direction of a size" in why for why in many.reason[1:])
-
-
-@pytest.mark.parametrize(
-    ("position", "time"), [(0.1, None), (np.zeros((3, 4)), None), (np.zeros(4), np.zeros(3)), (np.zeros(4), 0.1)]
-)
-def test_positions_and_instants_of_another_shape(position: ArrayLike, time: ArrayLike | None) -> None:
-    scene = scenes.load("toggle_press")
-    with pytest.raises(InputError, match="expected the shape"):
-        analytic.solve_many(scene, {"bodies.rod.mass": [60.0, 61]}, position, time)
-    with pytest.raises(InputError, match="expected the shape"):
-        analytic.solve(scene, position, time)
-    if np.ndim(position) < 2:
-        for route in (analytic.fast_solver(scene), lambda *at: analytic.derivatives(scene, ["bodies.rod.mass"], *at)):
-            with pytest.raises(InputError, match="expected the shape"):
-                route(position, time)
 
 
 LENGTHS = {ROCKER: np.array([300, 200, 301.0])}  # the second does not assemble all the way

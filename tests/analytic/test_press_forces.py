@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import analytic
-import scenes
 from analytic.core.decomposition import decompose
 from analytic.core.geometry import guide_of
 from analytic.core.kinematics import followed
@@ -78,45 +77,6 @@ def test_a_stroke_ends_where_a_law_turns_back() -> None:
     assert furthest > 1.4
     # The law's peak lies between two of ten thousand instants: its extent misses 1e-9 of a swing of one radian there.
     assert end_of_stroke(scene) == pytest.approx(x_of(furthest), abs=1e-8)
-
-
-def test_the_end_of_a_driven_platen_is_its_lock() -> None:
-    """The toggle goes through its lock: the platen is furthest where A, B and C are in line, hypot by hand."""
-    scene = scenes.load("double_toggle_clamp", {"drive.end": 260})
-    (dead,) = dead_points(displaced(scene, "C"), *scene.drive.extent)
-    furthest = sqrt((0.352 + 0.457) ** 2 - 0.06347340844382656**2)
-    assert displaced(scene, "C")(np.array([dead]))[0] == pytest.approx(furthest, abs=1e-15)
-
-
-@pytest.mark.parametrize("speed", [10, -10])
-def test_it_acts_in_the_last_of_the_closing_stroke_alone(speed: int) -> None:
-    """Between the two, channel by channel to the bit: with the force all the time, and without any."""
-    angle = np.linspace(0.01, 6.27, 501)
-    never, always, press = (
-        analytic.solve(scene_files.load("slider_crank", {"drive.speed": speed, **load}), angle)
-        for load in ({"loads.0.force": [0, 0]}, {"loads.0.force": [-50, 7]}, pressed())
-    )
-    acts = (np.array([x_of(a) for a in angle]) > 4 - 0.3) & (-speed * np.sin(angle) > 0)
-    assert 0 < acts.sum() < 0.2 * len(angle)
-    for channel in press.samples:
-        assert np.array_equal(press[channel], np.where(acts, always[channel], never[channel])), channel
-
-
-def test_it_acts_on_the_platen_of_a_driven_slider() -> None:
-    """Here the toggle opens; by virtual power the crosshead's force is larger by 900 N against dx / dq."""
-    press, free = (
-        scene_files.load("driven_toggle", {"loads": [{"body": "platen", "at": "C", **load}]})
-        for load in ({"force": [900, 0], "last": 20}, {"force": [0, 0]})
-    )
-    q = np.linspace(*press.drive.extent, 301)[1:-1]
-    pressing, freely = analytic.solve(press, q), analytic.solve(free, q)
-    x, slope = freely["C.x"], freely["C.vx"] / press.drive.at(0.0).rate
-    acts = (x <= x.min() + 0.02) & (freely["C.vx"] < 0)  # its end is that of the way, but for one step of the grid
-    more = pressing["drive.force"] - freely["drive.force"]
-    assert 0 < acts.sum() < len(q)
-    assert np.abs(more[~acts]).max() == 0
-    inside = acts & (x <= x.min() + 0.019)
-    assert np.abs(more[inside] + 900 * slope[inside]).max() <= 1e-9  # some thousand newtons, rounded
 
 
 @pytest.mark.parametrize(("start", "end"), [(-60, 60), (25, 35)])

@@ -71,50 +71,6 @@ def test_the_area_keeps_its_digits(r1: float, r2: float, short: float, stretched
         assert computed <= 0
 
 
-def test_slider_crank_by_hand() -> None:
-    """By hand: x = r cos + sqrt(l^2 - r^2 sin^2); a massless rod is a two-force member; the torque by virtual power."""
-    r, rod, w, m, Q = 1.0, 3.0, 10.0, 2.0, -50.0
-    theta = np.linspace(0.1, 6.2, 50)
-    motion = analytic.solve(scene_files.load("slider_crank"), theta)
-    s, c = np.sin(theta), np.cos(theta)
-    root = np.sqrt(rod**2 - (r * s) ** 2)
-    x = r * c + root
-    v = w * (-r * s - r**2 * s * c / root)
-    a = w**2 * (-r * c - r**2 * (c**2 - s**2) / root - (r**2 * s * c) ** 2 / root**3)
-    on_slider = m * a - Q  # of the rod, along the guide
-    tangent = -r * s / root  # slope of the rod from A to B
-    expected = {
-        "B.x": x,
-        "B.vx": v,
-        "B.ax": a,
-        "B.y": 0 * x,
-        "B.fx": on_slider,
-        "B.fy": on_slider * tangent,
-        "slider.guide_force": -on_slider * tangent,
-        "slider.guide_moment": 0 * x,
-        "drive.torque": (m * a - Q) * v / w,
-        "O.fx": on_slider,
-        "O.fy": on_slider * tangent,
-    }
-    for channel, by_hand in expected.items():
-        # the textbook's own formulas round a few times more than the core
-        assert np.abs(motion[channel] - by_hand).max() <= 1e-13 * max(1.0, np.abs(by_hand).max()), channel
-
-
-def test_guide_moment_of_an_offset_slider() -> None:
-    """The rod ends 0.5 above the slider's guided point, and the weight hangs beside it: the guide balances both."""
-    beside = {"points": {"G": [0, 0], "B": [0, 0.5]}, "mass": 2, "com": [0.2, 0], "inertia": 1}
-    slider = beside | {"slides": {"through": [0, 0], "along": [1, 0]}}
-    changes = {"bodies.slider": slider, "gravity": [0, -9.81], "output.slider": "G", "sketch.B": [3.8, 0.5]}
-    scene = scene_files.load("slider_crank", changes)
-    motion = analytic.solve(scene, TURN)
-    push_x, push_y, m = motion["B.fx"], motion["B.fy"], 2.0
-    balance = motion["slider.guide_moment"] - 0.5 * (push_x - 50.0) - 0.2 * m * 9.81
-    assert np.abs(balance).max() <= 1e-12 * np.abs(push_x).max()  # cancelling terms of that size
-    assert np.abs(motion["slider.guide_force"] + push_y - m * 9.81).max() <= 1e-12 * np.abs(push_y).max()
-    assert np.array_equal(motion["G.y"], np.zeros_like(TURN))
-
-
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("order", [(0, 1, 2, 3, 4), (4, 3, 2, 1, 0), (3, 1, 0, 4, 2), (2, 3, 4, 0, 1)])
 def test_a_busy_scene_in_any_order(order: tuple[int, ...], mirrored: bool) -> None:

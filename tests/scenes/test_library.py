@@ -22,27 +22,6 @@ def turned(name: str, crank_angle: Angles = TURN) -> Motion:
     return analytic.solve(scenes.load(name), crank_angle)
 
 
-@pytest.mark.parametrize("name", ["toggle_press", "four_bar", "watt_six_bar", "stephenson_six_bar", "walking_leg"])
-def test_the_drive_does_no_work_in_a_turn(name: str) -> None:
-    """Weights and constant forces give back what they take. The mean over a period has no error but rounding."""
-    torque = turned(name)["drive.torque"]
-    assert abs(torque.mean()) <= 1e-12 * np.abs(torque).max()
-
-
-def test_quick_return_is_the_textbook_s() -> None:
-    a = 2 * np.degrees(np.arccos(120 / 240))  # of the return; the bar is square to the crank at the dead points
-    assert abs((360 - a) / a - 2) <= 1e-14
-    dead = turned("quick_return", np.radians([a / 2 - 90, 270 - a / 2]))  # right and left: symmetric about upright
-    assert np.abs(dead["E.vx"]).max() <= 1e-14  # m/s, rounding
-    assert abs(dead["E.x"][0] - dead["E.x"][1] - 0.450) <= 1e-14  # m, rounding
-    assert np.abs(dead["link.angle"] - [0, 0]).max() <= 1e-7  # rad; level, by a root of rounding
-    angle = np.arange(720) / 2
-    motion = turned("quick_return", np.radians(angle))
-    cuts = (angle < 270 - a / 2) | (angle > a / 2 - 90 + 360)
-    assert (motion["E.vx"][cuts & (np.abs(motion["E.vx"]) > 1e-12)] < 0).all()
-    assert (motion["E.vx"][~cuts & (np.abs(motion["E.vx"]) > 1e-12)] > 0).all()
-
-
 def test_quick_return_is_a_slotted_lever() -> None:
     crank_pin = 0.120 * np.exp(1j * TURN)
     slot = crank_pin + 0.240j

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 import scenes
@@ -67,37 +66,19 @@ def test_crank_press() -> None:
     assert abs(there["drive.torque"][1] - 53e3) <= 500  # N m; the digits of the scene's head
 
 
-def test_servo_press_is_the_toggle_press_with_a_law() -> None:
-    """By the chain rule, with the toggle press's motion by the angle and a spline made here."""
-    times, degrees = np.array(SERVO_LAW).T
-    trend = 360 / times[-1]
-    spline = CubicSpline(times, np.radians(degrees - trend * times), bc_type="periodic")
-    time = np.linspace(0, 1, 721)
-    angle, rate = spline(time) + np.radians(trend) * time, spline(time, 1) + np.radians(trend)
-    motion, plain = moving(scenes.load("servo_press"), time), turned("toggle_press", angle)
-    w = 2 * np.pi  # rad/s, of the toggle press
-    by_the_law = {
-        "crank_angle": angle,
-        "P5.y": plain["P5.y"],
-        "P5.vy": plain["P5.vy"] / w * rate,
-        "P5.ay": plain["P5.ay"] / w**2 * rate**2 + plain["P5.vy"] / w * spline(time, 2),
-    }
-    for channel, expected in by_the_law.items():
-        assert np.abs(motion[channel] - expected).max() <= 1e-13 * np.abs(expected).max(), channel  # rounding
-
-
 def test_servo_press_goes_down_fast_and_presses_slowly() -> None:
-    scene, press = scenes.load("servo_press"), PRESSES["servo_press"]
+    scene, press, plain = scenes.load("servo_press"), PRESSES["servo_press"], scenes.load("toggle_press")
+    assert (scene.ground, scene.bodies) == (plain.ground, plain.bodies)
     on_table = moving(scene, np.array([time for time, _ in SERVO_LAW]))["crank_angle"]
     assert np.abs(np.degrees(on_table) - [angle for _, angle in SERVO_LAW]).max() <= 1e-12  # deg, rounding
     rate = np.degrees(scene.drive.at(np.linspace(0, 1, 10_001)).rate)
     assert 113 <= rate.min() <= rate.max() <= 638  # deg/s; as the head says, and never backwards
     met, end = stroke(press)
     there = moving(scene, np.array([met, end]))
-    plain = turned("toggle_press", there["crank_angle"])
+    constant = turned("toggle_press", there["crank_angle"])
     assert abs(np.degrees(there["crank_angle"][1]) - 372.8) <= 0.05  # deg; this and the rest to the head's digits
     assert abs(there["P5.vy"][0] + 0.054) <= 5e-4  # m/s
-    assert abs(plain["P5.vy"][0] + 0.158) <= 5e-4
+    assert abs(constant["P5.vy"][0] + 0.158) <= 5e-4
     upper = turned("toggle_press", np.radians([208.55, 208.65]))
     assert upper["P5.vy"][0] > 0 > upper["P5.vy"][1]
 

@@ -177,8 +177,7 @@ def test_steps_that_leave_the_branch_are_noticed(engine: Any) -> None:
     assert raised.value.status in (Status.wrong_branch, Status.diverged)
 
 
-@SLOW
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", ["exudyn", "pymunk", *(pytest.param(n, marks=SLOW) for n in ENGINES)])
 def test_nothing_is_imported_before_it_is_needed(name: str) -> None:
     code = f"import sys, sim_models.{name}.engine; sys.exit({name!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=Path(__file__).parents[2]).returncode == 0

@@ -1,8 +1,6 @@
 """The Exudyn model's manners, and its ways of failing."""
 
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -56,12 +54,6 @@ def test_kinematic_linkage_close_to_its_change_points() -> None:
     scene = scene_files.load("parallelogram", {"bodies.crank.lengths.A-B": 0.299})
     motion = run(scene, DEFAULT)
     assert max(by_level(motion, solve(scene, *scene.drive.at(motion["time"]))).values()) <= DEFAULT.promise
-
-
-@pytest.mark.parametrize("engine", ["exudyn", "pymunk"])
-def test_import_does_not_load_the_engine(engine: str) -> None:
-    code = f"import sys, sim_models.{engine}.engine; sys.exit({engine!r} in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_settings_round_steps_up_to_whole_samples() -> None:

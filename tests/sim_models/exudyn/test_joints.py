@@ -82,17 +82,6 @@ def test_trapezoidal_steps_follow_the_drive(name: str) -> None:
 
 
 @BOTH_ROUTES
-def test_law_repeats(settings: ExudynSettings) -> None:
-    scene, _ = referred("turning_law")
-    motion = run(scene, settings, samples=60, turns=3)
-    assert motion["crank_angle"][-1] == pytest.approx(6 * np.pi, rel=1e-12)
-    for channel in ("E.x", "E.vx", "E.ax", "drive.torque", "block.guide_moment"):
-        first, last = motion[channel][1:61], motion[channel][121:]
-        # the same steps on the same law, but for round-off, which accelerations take over h^2
-        assert np.abs(last - first).max() <= 1e-6 * np.abs(first).max()
-
-
-@BOTH_ROUTES
 def test_press_load_at_the_dead_point(settings: ExudynSettings) -> None:
     """The slider turns back on a sample, the first and the last of a turn: from there on, the load is off."""
     motion = run(pressing(0.35, {"drive.speed": 7.3}), settings, samples=36, turns=3)

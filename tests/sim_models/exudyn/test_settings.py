@@ -250,12 +250,6 @@ def test_a_build_finds_no_pose_of_a_sample(settings: ExudynSettings) -> None:
     assert many.poses.newton_iterations <= 1.2 * few.poses.newton_iterations  # other firsts of pieces
 
 
-def test_kinematics_alone_cost_less() -> None:
-    asked = (frozenset({"P5.y"}), None)
-    position, everything = fastest(25, *(built(EXACT, of) for of in asked))
-    assert position < everything  # measured 0.85 of it
-
-
 def test_springs_are_checked_though_nobody_asks_for_their_ends() -> None:
     with pytest.raises(Failure, match="P and B meet"):
         run(scene_files.load("slider_crank", meeting_spring(0.1)), EXACT, channels=frozenset({"drive.torque"}))

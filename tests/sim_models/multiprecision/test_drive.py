@@ -1,21 +1,15 @@
-"""The drive in arbitrary precision: laws worked by hand, and SciPy's splines."""
+"""The drive in arbitrary precision: laws worked by hand; test_shared_input.py has SciPy's splines."""
 
 from collections.abc import Iterator
 from fractions import Fraction
-from math import tau
 
-import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
-from scenes import Positions, Sampling
-from scenes.scene import ConstantSpeed, Drive, MotionLaw
-
-from .runs import EPS, Array
+from scenes.scene import MotionLaw
 
 flint = pytest.importorskip("flint")
 
-from sim_models.multiprecision.drive import Command, commands, law_of  # noqa: E402  (their engine is there)
+from sim_models.multiprecision.drive import Command, law_of  # noqa: E402  (their engine is there)
 
 EXACT = 1e-45  # of 50 digits, for numbers up to a hundred
 
@@ -24,10 +18,6 @@ EXACT = 1e-45  # of 50 digits, for numbers up to a hundred
 def _fifty_digits() -> Iterator[None]:
     with flint.ctx.workdps(50):
         yield
-
-
-def passes(drive: Drive, request: Sampling | Positions) -> Array:
-    return np.array([[float(ball) for ball in command] for command in commands(law_of(drive), request)])
 
 
 def off(command: Command, *expected: Fraction) -> float:
@@ -60,31 +50,3 @@ def test_a_periodic_law_by_hand(gain: int) -> None:
     # Half-way in the first step: 1/2 - 3 (1/8 - 1/2) / 6, 1 - 3 (3/4 - 1) / 6.
     half = Fraction(11, 16) + Fraction(gain, 8), Fraction(9, 8) + Fraction(gain, 4), Fraction(-3, 2)
     assert off(of.at(Fraction(1, 8)), Fraction(1, 2), *half) <= EXACT
-
-
-@pytest.mark.parametrize("periodic", [False, True])
-@pytest.mark.parametrize("entries", [4, 5, 12, 60])
-def test_splines_are_those_of_scipy(entries: int, periodic: bool) -> None:
-    random = np.random.default_rng(entries)
-    times = np.concatenate([[0], np.cumsum(random.uniform(0.1, 1, entries - 1))])
-    positions = random.normal(size=entries)
-    if periodic:
-        positions[-1] = positions[0]
-    law = MotionLaw("crank", tuple(times.tolist()), tuple(positions.tolist()), periodic=periodic)
-    spline = CubicSpline(times, positions, bc_type="periodic" if periodic else "not-a-knot")
-    time, *found = passes(law, Sampling(97)).T
-    for order, values in enumerate(found):
-        expected = spline(time, order)
-        # SciPy's doubles: some steps are ten times shorter than others, and lose that squared.
-        assert np.abs(values - expected).max() <= 500 * EPS * np.abs(expected).max()
-
-
-def test_a_constant_speed_by_hand() -> None:
-    back = passes(ConstantSpeed("crank", -2.0, 0.5, None), Sampling(4, turns=2))
-    quarters = np.arange(9) * tau / 4
-    expected = np.transpose([quarters / 2, 0.5 - quarters, np.full(9, -2.0), np.zeros(9)])
-    np.testing.assert_allclose(back, expected, rtol=4 * EPS, atol=0)
-    once = passes(ConstantSpeed("table", 0.5, 1.0, 3.0), Sampling(4))
-    assert once.tolist() == [[t, 1 + t / 2, 0.5, 0] for t in range(5)]
-    at = passes(ConstantSpeed("table", 0.5, 1.0, 3.0), Positions((1.25, 3.0)))
-    assert at.tolist() == [[0.5, 1.25, 0.5, 0], [4, 3, 0.5, 0]]
