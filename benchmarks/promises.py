@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 
 import pandas as pd
 
-from compare.engines.settings import TIERS
+from compare.engines.registry import TIERS
 from tests.clean_scenes import clean_scenes
 from tests.promises import ACCURACIES, ENGINES, NUMBERS, PromiseRecord, records
 

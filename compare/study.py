@@ -9,8 +9,7 @@ from scenes import Motion, Sampling, Scene, Settings
 
 from .engines import registry
 from .engines.processes.workers import workers
-from .engines.registry import ORACLE, REFERENCE
-from .engines.settings import Accuracy, settings_of, tiers
+from .engines.registry import ORACLE, REFERENCE, Accuracy, settings_of, tiers
 from .judge.agreement import Judgement
 from .judge.errors import group_floors
 from .judge.floor import establish

@@ -81,7 +81,7 @@ class ForceTable:
 
     @cached_property
     def _of_many(self) -> bool:
-        """Whether the entries are those of many machines, as of `scenes.file.machines`."""
+        """Whether the entries are those of many machines, as of `scenes.file.changes`."""
         return any(np.ndim(number) for number in (*self.displacements, *self.forces))
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from compare.engines import registry
+from compare.engines.registry import settings_of
 from compare.engines.runner import Run
-from compare.engines.settings import settings_of
 from compare.judge.checks import checks
 from compare.judge.errors import ChannelError, compare, error_table, shown_groups
 from compare.measure.speed.timing import Again, Budget, Times, take_turns

@@ -10,8 +10,8 @@ from unittest.mock import patch
 import analytic
 import compare
 from compare import study
+from compare.engines.registry import TIERS, Accuracy
 from compare.engines.runner import HERE, Run
-from compare.engines.settings import TIERS, Accuracy
 from compare.judge import judgement
 from scenes import Sampling, Scene
 from scenes.scene import ForceTable, MotionLaw, PressForce

@@ -38,9 +38,9 @@ FORBIDDEN = {  # by module what it must not import
     "compare.judge.canaries.canaries": "compare.measure.speed.timing",
     "compare.study": "compare.report.pages.html",
     "compare.report.pages.html": "compare.run",
-    "compare.report.numbers": "compare.cli.printing compare.ci.github",
-    "compare.ci.github": "compare.cli.printing",
-    "compare.cli.printing": "compare.run",
+    "compare.report.numbers": "compare.cli.report compare.ci.github",
+    "compare.ci.github": "compare.cli.report",
+    "compare.cli.report": "compare.run",
     "compare.report.pages.report": "papers.audit",
 }
 PAIRS = [(module, imported) for module, several in FORBIDDEN.items() for imported in several.split()]

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 
 import compare
-from compare.engines.registry import DEFAULT_ENGINES, REFERENCE
-from compare.engines.settings import settings_of
+from compare.engines.registry import DEFAULT_ENGINES, REFERENCE, settings_of
 from compare.judge.agreement import Judgement
 from compare.judge.errors import group_floors, shown_groups
 from compare.measure.speed.speed_table import speed_table

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Failure, Scene, Status
+from scenes.model.constraints import open_joint
 from scenes.model.motion import Samples
-from scenes.model.open_joint import open_joint
 
 from .geometry import RigidBody
 from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates

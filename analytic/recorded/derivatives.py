@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from scenes import Scene
 from scenes.arguments import finite_numbers, names
-from scenes.file.machines import at_path
+from scenes.file.changes import at_path
 from scenes.model.motion import Samples
 
 from ..solve import driven_at, solver

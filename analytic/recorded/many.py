@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scenes import Failure, InputError, Motion, Scene, Status
 from scenes.arguments import finite_numbers, names
 from scenes.drive import Driven, Samples
-from scenes.file.machines import numbers_of, refused
+from scenes.file.changes import numbers_of, refused
 from scenes.scene import PressForce
 
 from ..core.continuation import Track

@@ -11,7 +11,7 @@ import compare
 import scenes
 from benchmarks.publishing import readme
 from benchmarks.publishing.first_screen import FILE, first_screen
-from compare.engines.installed import environment
+from compare.engines.kept import environment
 from compare.engines.registry import DEFAULT_ENGINES
 from compare.measure.hard.cases import forget, hard_cases
 from compare.measure.speed.timing import Budget

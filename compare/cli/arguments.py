@@ -10,11 +10,10 @@ from pathlib import Path
 from scenes import InputError, Sampling, Scene, limits
 from scenes.arguments import names, refuse
 from scenes.errors import nearest, one_line
-from scenes.model.motion import channels
-from scenes.model.request import FEWEST
+from scenes.model.motion import FEWEST, channels
 
 from ..engines import registry
-from ..engines.settings import TIERS, Accuracy
+from ..engines.registry import TIERS, Accuracy
 from ..measure.many.grid import variation
 from .command import Parser, called
 

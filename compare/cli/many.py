@@ -10,7 +10,7 @@ from contextlib import nullcontext
 from scenes import Sampling, Scene
 
 from ..measure.many.grid import grid
-from .printing import show_page, stops
+from .report import show_page, stops
 
 
 def family(scene: Scene, request: Sampling, options: Namespace, show: Callable[[str], None]) -> bool:

@@ -7,8 +7,8 @@ import pytest
 from scenes import Motion, Sampling, Scene, Status
 from scenes.model.motion import channels, quantity
 
+from ..engines.registry import TIERS, tiers
 from ..engines.runner import complete, run
-from ..engines.settings import TIERS, tiers
 from .asked import SAMPLING, outcome, plain_run
 from .test_process import digest
 

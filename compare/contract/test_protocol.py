@@ -10,7 +10,7 @@ from scenes import Engine, Settings
 from scenes.errors import one_line
 
 from ..engines.outside import check
-from ..engines.settings import settings_of, tiers
+from ..engines.registry import settings_of, tiers
 
 
 def test_it_gives_its_version(engine: Engine[Any]) -> None:

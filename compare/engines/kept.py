@@ -9,6 +9,8 @@ without it. Reading runs no code.
 """
 
 import json
+import os
+import platform
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -18,6 +20,7 @@ from errno import EEXIST
 from functools import cache
 from hashlib import sha256
 from importlib import import_module
+from importlib.metadata import version as version_of
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -27,10 +30,16 @@ import numpy as np
 from scenes import Settings
 
 from . import registry
-from .installed import environment
 from .outside import StandIn, stand_in, standing
 
 PACKAGES = ("analytic", "compare", "scenes", "sim_models")
+REPORTED = (
+    "linkage-crosscheck",
+    "numpy",
+    "scipy",
+    "pandas",
+    "plotly",
+)  # besides what the engines name
 KINDS = {kind.__name__: kind for kind in (dict, frozenset, tuple)}
 ARRAYS = "biufc"  # kinds of NumPy's types that are numbers
 MOST = 2**26  # bytes of a line: a member of a family has 2**20 at 360 samples
@@ -81,6 +90,15 @@ class Kept:
             yield
         except OSError as error:
             self.trouble = f"nothing is kept for another run in {self._file}: {error.strerror}"
+
+
+@cache
+def environment() -> dict[str, str]:
+    """Return the machine's and the packages' versions."""
+    return {
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+    } | {package: version_of(package) for package in REPORTED}
 
 
 @cache

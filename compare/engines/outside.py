@@ -1,4 +1,4 @@
-"""Engines of other distributions, by entry points of the group `linkage_crosscheck.engines`.
+"""Where engines live; those of other distributions by entry points of the group `linkage_crosscheck.engines`.
 
 An entry point names a module: `mine = "my_package.engine"`. Only metadata are read before an engine is asked for.
 An engine whose name another has as well is called NAME@DISTRIBUTION.
@@ -10,10 +10,10 @@ import sys
 from collections import Counter
 from collections.abc import Collection, Mapping
 from contextlib import suppress
-from dataclasses import fields, make_dataclass, replace
-from functools import cache
+from dataclasses import dataclass, fields, make_dataclass, replace
+from functools import cache, cached_property
 from importlib import import_module
-from importlib.metadata import Distribution, EntryPoint, distributions
+from importlib.metadata import Distribution, EntryPoint, PackageNotFoundError, distributions, version
 from importlib.util import find_spec
 from itertools import chain
 from multiprocessing import current_process
@@ -26,7 +26,6 @@ from scenes.errors import one_line
 from scenes.fields import ENGINE
 from scenes.model.engine import completed
 
-from .installed import Entry
 from .processes.inside import Ended, Limits, packed
 from .processes.isolation import isolated
 from .reasons import described, text_of
@@ -36,6 +35,35 @@ LIMITS = Limits(20.0)  # of an import
 TIERS, LADDERS = ("DEFAULT", "FAST", "EXACT"), ("WORK_PRECISION", "LONG_WORK_PRECISION", "ABLATIONS")
 FUNCTIONS = ("build", "at_steps", "iterations_needed")
 Meanings: TypeAlias = tuple[tuple[str, str], ...]  # by name of a field
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Where an engine lives and what must be installed for it."""
+
+    purpose: str
+    module: str
+    package: str  # what is imported
+    distribution: str  # what is installed
+    install: str
+    everything: bool = False  # whether it gives every channel of every scene that it can model
+    outside: str = ""  # name and version of the distribution that offers it, where that is not this project
+    trouble: str = ""  # what keeps it from running, whatever is installed
+
+    @property
+    def missing(self) -> str | None:
+        """The step to take before the engine can run, or None when it can."""
+        if self.trouble:
+            return self.trouble
+        return None if find_spec(self.package) else f"{self.distribution} is not installed: {self.install}"
+
+    @cached_property
+    def version(self) -> str:
+        """Return the installed version of what does the work, without importing it."""
+        try:
+            return self.outside or f"{self.distribution} {version(self.distribution)}"
+        except PackageNotFoundError:
+            return "not installed"
 
 
 def entries(taken: Collection[str]) -> dict[str, Entry]:

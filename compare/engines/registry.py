@@ -1,4 +1,4 @@
-"""The one place that knows the engines' names. A module is imported when its engine runs, not before."""
+"""The one place that knows the engines' names, and what they offer. A module is imported when its engine runs."""
 
 from collections import UserDict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -6,12 +6,12 @@ from functools import cached_property
 from importlib import import_module
 from typing import Any, Protocol, TypeAlias, cast
 
-from scenes import Engine, InputError, Motion, Scene, Status
+from scenes import Engine, InputError, Motion, Scene, Settings, Status
 from scenes.errors import nearest
 from scenes.model.motion import Samples
 
 from . import outside
-from .installed import Entry as Entry
+from .outside import Entry as Entry
 from .processes.inside import Ended
 
 Solve: TypeAlias = Callable[[Samples, Samples], Motion]  # positions of the drive, rad or m, and instants, s, to motion
@@ -72,6 +72,9 @@ OWN = {
 ENTRIES = Entries(OWN)
 DEFAULT_ENGINES = (REFERENCE, "exudyn", "pymunk")
 ORACLE = "multiprecision"
+TIERS = ("fast", "balanced", "exact")  # settings by name
+WORK_PRECISION, ABLATION = "work-precision", "ablation"  # their roles: from cheap to accurate; more than a scene needs
+Accuracy: TypeAlias = str | float  # one of `TIERS`, or the largest relative error
 ALIKE = frozenset({"casadi", "mujoco", "pinocchio"})  # they share how a linkage is assembled, `sim_models.coordinates`
 
 
@@ -147,3 +150,18 @@ def route(scene: Scene) -> str:
 def in_closed_form(scene: Scene) -> bool:
     """Return whether the reference solves a scene without iterations."""
     return cast("bool", import_module("analytic").in_closed_form(scene))
+
+
+def tiers(name: str) -> Mapping[str, Settings]:
+    """Return the settings that an engine offers by name, from the fastest to the most accurate."""
+    module = engine(name)
+    return dict(zip(TIERS, (module.FAST, module.DEFAULT, module.EXACT), strict=True))
+
+
+def settings_of(name: str, *, full: bool) -> Mapping[Settings, str]:
+    """Return all settings of an engine with the role of each; `full` adds those that only `--full` takes."""
+    module = engine(name)
+    if not full:
+        return dict.fromkeys(module.WORK_PRECISION, WORK_PRECISION)
+    settings = (*module.WORK_PRECISION, *module.LONG_WORK_PRECISION, *tiers(name).values())
+    return dict.fromkeys(module.ABLATIONS, ABLATION) | dict.fromkeys(settings, WORK_PRECISION)

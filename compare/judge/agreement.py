@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Motion, Sampling, Scene, Status
-from scenes.model.request import FEWEST
+from scenes.model.motion import FEWEST
 
 from ..engines import registry
 from ..engines.registry import REFERENCE

@@ -7,9 +7,8 @@ import numpy as np
 
 from scenes import Failure, Instants, Motion, Rows, Sampling, Scene, Settings, Status
 
-from ..engines.registry import REFERENCE
+from ..engines.registry import REFERENCE, tiers
 from ..engines.runner import HERE, Run, Runs, complete
-from ..engines.settings import tiers
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained, explain

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scenes import Failure, Scene
-from scenes.corners import heights
+from scenes.bodies import heights
 from scenes.scene import MotionLaw
 
 from ..mechanics.reference import Reference

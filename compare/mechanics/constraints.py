@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
-from scenes.model.groups import groups
+from scenes.model.constraints import groups
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 

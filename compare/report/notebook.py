@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from scenes.errors import nearest
-from scenes.model.motion import UNITS, quantity
-from scenes.model.sparkline import sparkline
+from scenes.model.motion import UNITS, quantity, sparkline
 from scenes.scene import SI
 
 from ..judge.agreement import Judgement

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..bodies import Body
-from ..corners import LINE, heights
+from ..bodies import LINE, Body, heights
 from ..loads import push
 from ..numbers import walk
 from ..scene import ConstantSpeed, ForceTable, PressForce, Scene

@@ -1,6 +1,12 @@
-"""TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent."""
+"""TOML -> Scene. Units and user errors end here: what leaves is SI, complete and consistent.
 
+And a first file to change, with the schema by which editors complete and check it.
+"""
+
+import json
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
 from os import PathLike
@@ -11,6 +17,8 @@ from typing import Any
 
 from ..arguments import check_changes, refuse
 from ..errors import InputError, at_place, nearest, one_line
+from ..fields import NAME
+from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
 from ..numbers import put, walk
 from ..scene import GROUND, Scene, Sketch, Variation
@@ -21,6 +29,7 @@ from .toml import read_toml
 from .units import si_units
 
 LIBRARY = Path(str(files("scenes"))) / "library"
+SCHEMA = "scene.schema.json"
 
 
 @cache
@@ -127,3 +136,45 @@ def _tolerances(place: str, table: TolerancesTable, *, slides: bool) -> Mapping[
     elif not slides and "force" in groups:
         raise InputError(f"{place}.force: expected 'torque', since the drive moves a crank")
     return MappingProxyType(groups)
+
+
+def write_starter(path: Path) -> list[Path]:
+    """Write a commented scene, its file named by the path and .toml, and its schema beside it; return both files.
+
+    Raises:
+        InputError: the name cannot be a scene's, the file is there already, another schema is in its place, or the
+            folder cannot be written. Then nothing is left of either file.
+    """
+    place, name = f"new {one_line(str(path))}", path.name.removesuffix(".toml")
+    if not (re.fullmatch(NAME, name) and len(name) <= LONGEST_NAME):
+        raise InputError(
+            f"{place}: '{one_line(name, 40)}' is not a name: expected letters, digits and '_', a letter first,"
+            f" {LONGEST_NAME} at most"
+        )
+    if name in shipped():
+        raise InputError(f"{place}: '{name}' is a scene that ships, which its name stands for; expected another name")
+    scene, schema = (path.with_name(file) for file in (f"{name}.toml", SCHEMA))
+    texts = {
+        scene: (files("scenes") / "starter.toml").read_text(encoding="utf-8").replace('"NAME"', f'"{name}"'),
+        schema: json.dumps(SceneFile.model_json_schema(), indent=1) + "\n",
+    }
+    try:
+        with ExitStack() as undo:
+            for file, text in texts.items():
+                if file == schema and _holds(file, text):
+                    continue
+                with file.open("x", encoding="utf-8") as stream:
+                    undo.callback(file.unlink)
+                    stream.write(text)
+            undo.pop_all()
+    except FileExistsError as error:
+        if error.filename == str(scene):
+            raise InputError(f"{place}: the file exists; expected a new name") from None
+        raise InputError(f"{place}: another {SCHEMA} is beside it; expected none, or the one of this version") from None
+    except (OSError, ValueError) as error:  # the latter of a zero in the path
+        raise InputError(f"{place}: cannot be written ({getattr(error, 'strerror', error)})") from None
+    return [scene, schema]
+
+
+def _holds(file: Path, text: str) -> bool:
+    return file.is_file() and file.stat().st_size == len(text.encode()) and file.read_text(encoding="utf-8") == text

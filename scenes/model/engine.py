@@ -12,12 +12,12 @@ Any stage may raise `Failure`. A module needs `DEFAULT` and `build` alone, a sim
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from enum import Enum
+from time import perf_counter, process_time
 from types import SimpleNamespace
 from typing import Annotated, Any, Protocol, TypeVar, cast
 
 from ..scene import Scene
-from .motion import Motion
-from .request import Request, Sampling
+from .motion import Motion, Request, Sampling
 
 
 class Status(Enum):
@@ -145,3 +145,22 @@ def completed(module: Any, version: str) -> Engine[Any]:
     optional = dict.fromkeys(("FAST", "EXACT"), default) | dict.fromkeys(("at_steps", "iterations_needed"))
     optional |= {"WORK_PRECISION": (default,), "LONG_WORK_PRECISION": (), "ABLATIONS": (), "version": lambda: version}
     return cast("Engine[Any]", SimpleNamespace(**(optional | vars(module))))
+
+
+class ProcessorBudget:
+    """What one task may take of the process's processor time, which a busy machine does not use up."""
+
+    def __init__(self, seconds: float, task: str) -> None:
+        """Start the clock: so many seconds from now on, for a task as the reason names it, while it goes on."""
+        self.seconds, self.task = seconds, task
+        self._end, self._least = process_time() + seconds, perf_counter() + seconds
+
+    def check(self, progress: str) -> None:
+        """Do nothing while there is time left; then raise Failure, `timed_out`, with the task and its progress.
+
+        Asking for the processor time can take longer than a step. It is no more than the time on the wall, but in a
+        process of several threads, so it is asked for only when that is over.
+        """
+        if perf_counter() >= self._least and process_time() >= self._end:
+            reason = f"{self.seconds:g} s of processor time were not enough for {self.task}: {progress}"
+            raise Failure(Status.timed_out, reason)

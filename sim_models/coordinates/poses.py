@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from scenes import Failure, ProcessorBudget, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import joint_rows, misfit
+from scenes.model.constraints import joint_rows, misfit
 
 from .system import ClosedPose, System, solved
 

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.model.open_joint import misfit
+from scenes.model.constraints import misfit
 
 from .drive import ExudynDrive
 from .system import Array, ExudynSystem, exudyn

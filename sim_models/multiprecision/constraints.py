@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Scene
-from scenes.model.groups import groups
+from scenes.model.constraints import groups
 from scenes.scene import GROUND, Body, Slide
 
 from .bodies import centre_of_mass, inertia, local_points

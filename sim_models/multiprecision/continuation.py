@@ -15,7 +15,7 @@ from flint import arb, arb_mat
 
 from scenes import Failure, ProcessorBudget, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import joint_rows, misfit
+from scenes.model.constraints import joint_rows, misfit
 
 from .constraints import LinkageEquations
 from .rows import angles, solved

@@ -15,8 +15,8 @@ further geometry:
 
 U' vanishes but for the slides on moving bodies, whose Coriolis term that is.
 
-Systems with J are solved group by group, see `scenes.model.groups`. Needs python-flint; every function works at the
-precision that the caller has set in `flint.ctx`.
+Systems with J are solved group by group, see `scenes.model.constraints`. Needs python-flint; every function works at
+the precision that the caller has set in `flint.ctx`.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, arb_mat
 
-from scenes.model.groups import DiagonalBlock
+from scenes.model.constraints import DiagonalBlock
 
 PlaneVector: TypeAlias = tuple[arb, arb]
 AT_ONCE = 16  # equations: of so few at 50 digits, FLINT eliminates all in less time than their blocks are taken apart

@@ -21,7 +21,7 @@ from math import fsum, inf, isfinite, isinf
 from typing import TypeAlias
 
 from scenes import Failure, Request, Scene, Status
-from scenes.model.groups import DiagonalBlock, groups
+from scenes.model.constraints import DiagonalBlock, groups
 from scenes.scene import GROUND, Pin
 
 from .bodies import PymunkBody

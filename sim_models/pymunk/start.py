@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes import Failure, ProcessorBudget, Scene, Status
 from scenes.model.motion import Samples
-from scenes.model.open_joint import joint_rows, misfit
+from scenes.model.constraints import joint_rows, misfit
 from scenes.scene import GROUND
 
 from .constraints import LinkageConstraints, PoseArray, determinant_sign

@@ -6,7 +6,7 @@ from math import inf
 import pytest
 
 from scenes import Failure, ProcessorBudget, Status
-from scenes.model import budget as clock
+from scenes.model import engine as clock
 
 
 def test_a_budget_lasts_for_its_seconds_and_names_the_task_and_its_progress(monkeypatch: pytest.MonkeyPatch) -> None:

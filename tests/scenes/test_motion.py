@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from scenes import Motion
-from scenes.model.sparkline import HEIGHT, MARGIN, WIDTH, sparkline
+from scenes.model.motion import HEIGHT, MARGIN, WIDTH, sparkline
 
 MOTION = Motion(
     {"time": np.array([0.0, 0.5, 1.0]), "P.x": np.array([1.0, -2.0, 3.0])}, {"P/rod.fx": "it has <no> forces & masses"}

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from scenes import Motion, Scene, Status, numbers_in
-from scenes.file.machines import machines as of_machines
+from scenes.file.changes import machines as of_machines
 from scenes.model.motion import Samples
 from scenes.scene import ForceTable
 

@@ -6,7 +6,7 @@ from math import nan
 
 from scenes import Status
 
-from ...engines.settings import WORK_PRECISION
+from ...engines.registry import WORK_PRECISION
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from scenes import Sampling, Settings, Status
 
 from ...engines import registry
 from ...engines.processes.stopping import kept
+from ...engines.registry import settings_of, tiers
 from ...engines.runner import HERE, Run, Runs
-from ...engines.settings import settings_of, tiers
 from ...judge.measure import Measurement, measure
 from ...mechanics.reference import Reference
 from ...mechanics.round_off import explain

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from scenes import Settings
 from scenes.model.motion import Samples
 
-from ...engines.registry import REFERENCE
-from ...engines.settings import settings_of, tiers
+from ...engines.registry import REFERENCE, settings_of, tiers
 from ...mechanics.mechanics import SHOWN_GROUPS
 from .row import SpeedRow
 

@@ -14,7 +14,7 @@ from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.model.motion import header
 from scenes.scene import SI
 
-from ...engines.installed import environment
+from ...engines.kept import environment
 from ...engines.registry import route
 from ...judge.agreement import worst_error
 from ...judge.measure import Measurement

@@ -15,7 +15,7 @@ from jinja2 import ChoiceLoader, Environment, FileSystemBytecodeCache, PackageLo
 from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
-from ...engines.installed import environment
+from ...engines.kept import environment
 from ...judge.agreement import Word
 from ..extremes import CURVE
 from ..figures.figure import CONFIG, Figure, template

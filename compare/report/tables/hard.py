@@ -8,7 +8,7 @@ import pandas as pd
 
 from scenes import hard
 
-from ...engines.settings import tiers
+from ...engines.registry import tiers
 from ...measure.hard.case import Outcome
 from ...mechanics.mechanics import SHOWN_GROUPS
 from . import TableRows

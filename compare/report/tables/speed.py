@@ -3,8 +3,7 @@
 import re
 from math import isnan
 
-from ...engines.registry import REFERENCE
-from ...engines.settings import ABLATION
+from ...engines.registry import ABLATION, REFERENCE
 from ...measure.speed.row import SpeedRow
 from ...measure.speed.work_precision import LEVELS, Choice, as_fast, contenders, groups, solved, standing
 from ...mechanics.axis import cycle_name

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from compare.engines.installed import environment
+from compare.engines.kept import environment
 from compare.report.figures.figure import Figure, draw, stacked
 from compare.report.figures.style import BOUND, DASHES, colour, layout, marker
 from compare.report.output.placing import placed

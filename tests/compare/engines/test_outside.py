@@ -15,7 +15,7 @@ import pytest
 import compare
 from compare.engines import TRACEBACK, outside, registry
 from compare.engines.kept import version
-from compare.engines.settings import settings_of, tiers
+from compare.engines.registry import settings_of, tiers
 from compare.run import main
 from scenes.model.motion import channels
 from tests.sites import GOOD, install, known

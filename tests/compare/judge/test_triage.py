@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from compare.engines import registry
+from compare.engines.registry import tiers
 from compare.engines.runner import Run, run
-from compare.engines.settings import tiers
 from compare.judge.causes import numbers
 from compare.judge.causes.cause import Cause, Kind
 from compare.judge.causes.evidence import evidence

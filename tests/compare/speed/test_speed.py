@@ -11,7 +11,7 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.engines.settings import TIERS
+from compare.engines.registry import TIERS
 from compare.measure.speed.row import SpeedRow
 from compare.measure.speed.speed_table import speed_table
 from compare.measure.speed.timing import Budget

@@ -9,7 +9,7 @@ import pytest
 
 import scenes
 from scenes import Sampling, Scene
-from scenes.model.groups import groups
+from scenes.model.constraints import groups
 from tests import chain, scene_files
 
 flint = pytest.importorskip("flint")

@@ -144,8 +144,8 @@ def test_forces_are_proven_as_the_motion_is(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_run_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch, name: str, steps: int, task: str) -> None:
     """By a clock that goes on by a second a step; no step is longer than two degrees."""
     ticks = count()
-    monkeypatch.setattr("scenes.model.budget.process_time", lambda: next(ticks))
-    monkeypatch.setattr("scenes.model.budget.perf_counter", lambda: inf)  # the time on the wall is long over
+    monkeypatch.setattr("scenes.model.engine.process_time", lambda: next(ticks))
+    monkeypatch.setattr("scenes.model.engine.perf_counter", lambda: inf)  # the time on the wall is long over
     with pytest.raises(Failure, match=rf"^{steps} s .* {task}: it is at crank angle [\d.]+ deg$") as failure:
         model.build(scenes.load(name), MultiprecisionSettings("short", seconds=steps), Sampling(72)).solve()
     assert failure.value.status is Status.timed_out
