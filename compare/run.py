@@ -14,7 +14,7 @@ with starting(__name__):
 
     from scenes import InputError, Scene, load, numbers_in, shipped, write_starter
 
-    from .cli import many, report
+    from .cli import report
     from .cli.arguments import COMMANDS, parser, sampling
     from .cli.cost import announce
     from .engines import registry
@@ -84,9 +84,9 @@ def _run(options: argparse.Namespace) -> int:
     from .report.output.origin import check_origin
     from .report.output.placing import check_writable
 
-    run, own = (many.family, files.FAMILY) if options.vary else (report.run, files.REPORT)
+    run, own = (report.family, files.FAMILY) if options.vary else (report.run, files.REPORT)
     if options.monte_carlo:
-        run, own = many.monte_carlo, files.MONTE_CARLO
+        run, own = report.monte_carlo, files.MONTE_CARLO
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():

@@ -134,16 +134,13 @@ class Body:
     inertia: Inertia | None  # kg m^2, about the centre of mass
     slide: Slide | None = field(metadata={"path": "slides"})
 
-    def bases(self, point: str) -> tuple[str, ...]:
-        """The earlier points from which a point of a body given by lengths has a distance: two, or fewer."""
-        return self._bases.get(point, ())
-
     @cached_property
-    def _bases(self) -> Mapping[str, tuple[str, ...]]:
-        bases: dict[str, tuple[str, ...]] = {}
+    def bases(self) -> Mapping[str, tuple[str, ...]]:
+        """The earlier points from which each point of a body given by lengths has a distance: two, or fewer."""
+        bases: dict[str, tuple[str, ...]] = dict.fromkeys(self.points, ())
         for pair in sorted(sorted(map(self.points.index, pair)) for pair in self.lengths or ()):
             earlier, *later = (self.points[number] for number in pair)
-            bases |= {point: (*bases.get(point, ()), earlier) for point in later}
+            bases |= {point: (*bases[point], earlier) for point in later}
         return bases
 
 

@@ -19,7 +19,7 @@ from .bodies import Slide as Slide
 from .drive import ConstantSpeed as ConstantSpeed
 from .drive import Drive as Drive
 from .drive import MotionLaw as MotionLaw
-from .fields import Gravity, Place, Position
+from .fields import Gravity, Number, Place, Position, put, walk
 from .fields import Vector as Vector
 from .loads import Force as Force
 from .loads import ForceTable as ForceTable
@@ -27,7 +27,6 @@ from .loads import Load as Load
 from .loads import PressForce as PressForce
 from .loads import Spring as Spring
 from .loads import closing_sense
-from .numbers import Number, put, walk
 
 SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 

@@ -26,7 +26,7 @@ def local_points(scene: Scene, body: Body) -> dict[str, Floats]:
     first, second, *others = body.points
     local: dict[str, Floats] = {first: np.zeros(2), second: np.array([body.lengths[frozenset((first, second))], 0.0])}
     for C in others:
-        A, B = body.bases(C)
+        A, B = body.bases[C]
         a, b = body.lengths[frozenset((A, C))], body.lengths[frozenset((B, C))]
         base = local[B] - local[A]
         c = hypot(*base)

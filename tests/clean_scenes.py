@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 import scenes
 from scenes import Scene
+from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.numbers import put, walk
 from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, PressForce
 
 from . import scene_files

@@ -87,7 +87,7 @@ def _from_lengths(scene: Scene, body: Body) -> dict[str, Vector]:
     at = sketched(scene) if others else {}
     local = {first: 0j, second: lengths[frozenset((first, second))] + 0j}
     for C in others:
-        A, B = body.bases(C)
+        A, B = body.bases[C]
         a, b = lengths[frozenset((B, C))], lengths[frozenset((A, C))]
         base = local[B] - local[A]
         c = abs(base)

@@ -16,8 +16,8 @@ from pydantic import AfterValidator, BaseModel, FiniteFloat, ValidationError
 
 from scenes import InputError, Scene
 from scenes.errors import one_line, path_in_file
+from scenes.fields import quantity_at
 from scenes.file.toml import SUMMARY_BYTES, read_text
-from scenes.numbers import quantity_at
 from scenes.scene import units_of_all
 
 FACTOR = 2.0  # of errors and times: more than another processor's rounding, or another program on it, makes of them

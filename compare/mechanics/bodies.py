@@ -71,7 +71,7 @@ def arms(scene: Scene, body: Body) -> dict[str, complex]:
     length, (first, second, *others) = distances(body), body.points
     places = {first: 0j, second: complex(length[first, second])}
     for point in others:
-        p, q = body.bases(point)
+        p, q = body.bases[point]
         way, a, b = places[q] - places[p], length[p, point], length[q, point]
         along = (a**2 - b**2 + abs(way) ** 2) / (2 * abs(way))
         side = np.sign(((drawn[q] - drawn[p]).conjugate() * (drawn[point] - drawn[p])).imag)

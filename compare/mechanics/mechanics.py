@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Failure, Scene
+from scenes.fields import At, put, walk
 from scenes.model.motion import UNITS, channels, force_channels, quantity
-from scenes.numbers import At, put, walk
 from scenes.scene import PressForce
 
 from ..engines import registry

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from scenes import InputError, Scene
 from scenes.errors import at_place, one_line
-from scenes.fields import FileTable, Number, Pair, Positive
+from scenes.fields import FileTable, Finite, Pair, Positive
 from scenes.file.format import validated
 from scenes.file.reader import tables_of
 from scenes.file.toml import read_toml
@@ -33,7 +33,7 @@ class FrameTable(FileTable):
     """The result's frame, as seen from the scene's."""
 
     origin: Pair = Field((0.0, 0.0), description="Where its origin is.")
-    angle: Number = Field(0.0, description="How far its x axis is turned, counter-clockwise.")
+    angle: Finite = Field(0.0, description="How far its x axis is turned, counter-clockwise.")
     mirrored: bool = Field(False, description="Whether its y axis is turned clockwise from its x axis.")
 
 
@@ -43,7 +43,7 @@ class ColumnTable(FileTable):
     column: Text = Field(description="Its name.")
     unit: str | None = Field(None, description="Of its numbers.")
     sign: Literal[1, -1] = Field(1, description="-1 where it is positive the other way.")
-    zero: Number = Field(0.0, description="What it reads where the channel is zero, as where a log starts late.")
+    zero: Finite = Field(0.0, description="What it reads where the channel is zero, as where a log starts late.")
 
 
 class MappingFile(FileTable):

@@ -69,7 +69,10 @@ def _place(tables: Mapping[str, Any], path: str, like: Value) -> tuple[Any, str 
     for part in path.split("."):
         if not isinstance(value, dict | list):
             raise InputError(f"{path}: the path goes on after a number or a text, at '{part}'")
-        table, key = value, _key(value, part, path)
+        keys, turned = _keys(value), "-".join(reversed(part.split("-")))  # a length has no direction
+        if not (known := [name for name in (part, turned) if name in keys]):
+            raise InputError(f"{path}: the file has no '{part}' there{nearest(part, keys)}")
+        table, key = value, keys[known[0]]
         value = table[key]
     kind, kinds = ("text", str) if isinstance(like, str) else ("number", int | float)
     if isinstance(value, bool) or not isinstance(value, kinds):
@@ -78,21 +81,9 @@ def _place(tables: Mapping[str, Any], path: str, like: Value) -> tuple[Any, str 
     return table, key
 
 
-def _key(table: dict[str, Any] | list[Any], part: str, path: str) -> str | int:
-    turned = "-".join(reversed(part.split("-")))  # a length has no direction
-    for name in (part, turned):
-        if name in _keys(table):
-            return int(name) if isinstance(table, list) else name
-    raise InputError(f"{path}: the file has no '{part}' there{nearest(part, _keys(table))}")
-
-
-def _keys(table: dict[str, Any] | list[Any]) -> tuple[str, ...]:
-    return tuple(table) if isinstance(table, dict) else tuple(map(str, range(len(table))))
-
-
-def machines(scene: Scene, changes: Mapping[str, ArrayLike]) -> Scene:
-    """The scene with the numbers of many machines, see `numbers_of`."""
-    return scene_of(scene).with_numbers(numbers_of(scene, changes))
+def _keys(value: dict[str, Any] | list[Any]) -> dict[str, str | int]:
+    """The keys of a table or a list, by the parts of paths that name them."""
+    return {str(key): key for key in (value if isinstance(value, dict) else range(len(value)))}
 
 
 def numbers_of(scene: Scene, changes: Mapping[str, ArrayLike]) -> dict[str, Samples]:

@@ -81,7 +81,7 @@ def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str
     if frozenset((first, second)) not in lengths:
         yield f"{place}: missing the length '{first}-{second}'"
     for point in others:
-        bases = body.bases(point)
+        bases = body.bases[point]
         if len(bases) != 2:
             given = ", ".join(f"'{base}-{point}'" for base in bases) or "none"
             instead = "; give the points as 'points' in the body's own frame instead" if len(bases) > 2 else ""

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bodies import LINE, Body, heights
+from ..fields import walk
 from ..loads import push
-from ..numbers import walk
 from ..scene import ConstantSpeed, ForceTable, PressForce, Scene
 
 
@@ -93,6 +93,6 @@ def _of_drive(scene: Scene) -> Iterator[Demand]:
 def _triangles(body: Body) -> Iterator[Any]:
     """Yield the sides of each triangle that a body's lengths give, from the shortest to the longest."""
     for point in body.points[2:] if body.lengths is not None else ():
-        pairs = [frozenset(pair) for pair in combinations((*body.bases(point), point), 2)]
+        pairs = [frozenset(pair) for pair in combinations((*body.bases[point], point), 2)]
         if body.lengths is not None and all(pair in body.lengths for pair in pairs):
             yield np.sort(np.stack(np.broadcast_arrays(*(body.lengths[pair] for pair in pairs))), axis=0)

@@ -9,9 +9,8 @@ from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
 from ..errors import InputError, nearest, one_line, path_in_file
-from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive
+from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
 from ..loads import LoadTable, SpringTable
-from ..numbers import parts
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]

@@ -17,10 +17,9 @@ from typing import Any
 
 from ..arguments import check_changes, refuse
 from ..errors import InputError, at_place, nearest, one_line
-from ..fields import NAME
+from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
 from ..limits import SOURCE, TITLE
-from ..numbers import put, walk
 from ..scene import GROUND, Scene, Sketch, Variation
 from .changes import Value, change, check_variations, label, numbers
 from .consistency import check

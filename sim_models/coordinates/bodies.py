@@ -88,7 +88,7 @@ def linkage_size(scene: Scene, bodies: Mapping[str, FramedBody]) -> float:
 def _apex(scene: Scene, body: Body, apex: str, points: Mapping[str, Coordinates]) -> Coordinates:
     """C of a triangle ABC by its sides: its height over AB is by Heron's formula, in factors."""
     assert body.lengths is not None
-    base = body.bases(apex)
+    base = body.bases[apex]
     (x, y), (u, v) = (points[name] for name in base)
     b, a = (body.lengths[frozenset((name, apex))] for name in base)
     c = ((u - x) ** 2 + (v - y) ** 2) ** 0.5

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from scenes import Failure, ProcessorBudget, Status
-from scenes.model.motion import Samples
 from scenes.model.constraints import joint_rows, misfit
+from scenes.model.motion import Samples
 
 from .system import ClosedPose, System, solved
 

@@ -73,7 +73,7 @@ def _local_points(scene: Scene, body: Body) -> dict[str, complex]:
     points = {first: 0j, second: complex(body.lengths[frozenset((first, second))])}
     drawn = scene.drawn
     for apex in others:
-        p, q = body.bases(apex)
+        p, q = body.bases[apex]
         a, b = (body.lengths[frozenset((base, apex))] for base in (p, q))
         base = points[q] - points[p]
         x = (abs(base) ** 2 + a**2 - b**2) / (2 * abs(base))

@@ -30,7 +30,7 @@ def _from_bases(scene: Scene, body: Body, local: dict[str, PlaneVector], point: 
     t = (a^2 + c^2 - b^2) / (2 c^2), and |h| c is the height, h^2 = a^2 / c^2 - t^2.
     """
     assert body.lengths is not None
-    first, second = body.bases(point)
+    first, second = body.bases[point]
     a, b = (arb(body.lengths[frozenset((base, point))]) for base in (first, second))
     (x, y), (u, v) = local[first], local[second]
     u, v = u - x, v - y

@@ -14,8 +14,8 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Failure, ProcessorBudget, Status
-from scenes.model.motion import Samples
 from scenes.model.constraints import joint_rows, misfit
+from scenes.model.motion import Samples
 
 from .constraints import LinkageEquations
 from .rows import angles, solved

@@ -52,7 +52,7 @@ def _points(scene: Scene, body: Body) -> dict[str, complex]:
 def _apex(scene: Scene, body: Body, c: str, frame: Mapping[str, complex]) -> complex:
     """Place c, m, at its distances from its bases a and b, on the side of a -> b that the sketch shows."""
     assert body.lengths is not None
-    a, b = body.bases(c)
+    a, b = body.bases[c]
     base = frame[b] - frame[a]
     ab, ac, bc = abs(base), body.lengths[frozenset((a, c))], body.lengths[frozenset((b, c))]
     A, B, C = (scene.drawn[point] for point in (a, b, c))

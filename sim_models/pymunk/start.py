@@ -12,8 +12,8 @@ from typing import TypeAlias
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Scene, Status
-from scenes.model.motion import Samples
 from scenes.model.constraints import joint_rows, misfit
+from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
 from .constraints import LinkageConstraints, PoseArray, determinant_sign

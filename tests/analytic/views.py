@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scenes import Motion, Scene
+from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.numbers import put, walk
 from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy

@@ -11,8 +11,8 @@ from compare.engines import registry
 from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind
 from scenes import Failure, Motion
+from scenes.fields import put
 from scenes.model.motion import Samples
-from scenes.numbers import put
 
 from .fault import Clean, Fault
 from .read_out import signs, vectors_in_other_frames

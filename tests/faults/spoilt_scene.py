@@ -12,7 +12,7 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
-from scenes.numbers import put
+from scenes.fields import put
 from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce
 
 from .fault import Clean, Fault

@@ -11,8 +11,8 @@ from itertools import cycle
 import numpy as np
 
 from scenes import Status
+from scenes.fields import put
 from scenes.model.motion import force_channels
-from scenes.numbers import put
 
 from ...engines import registry
 from ..agreement import Judgement

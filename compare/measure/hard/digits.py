@@ -32,8 +32,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from scenes import Failure, Motion, Positions, Request, Sampling, Scene, Status
+from scenes.fields import put
 from scenes.model.motion import Samples, channels, quantity
-from scenes.numbers import put
 from scenes.scene import ConstantSpeed
 
 from ...engines import registry

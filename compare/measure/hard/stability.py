@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Settings, Status
-from scenes.numbers import put
+from scenes.fields import put
 
 from ...engines import registry
 from ...engines.outside import check_settings, stand_in

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from scenes import Motion, Scene, Status, numbers_in
-from scenes.file.changes import machines as of_machines
+from scenes.file.changes import numbers_of
 from scenes.model.motion import Samples
 from scenes.scene import ForceTable
 
@@ -62,7 +62,7 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     are refined.
     """
     scene, scale, count = reference.scene, reference.scale, len(next(iter(changes.values())))
-    many = of_machines(scene, changes)
+    many = scene.with_numbers(numbers_of(scene, changes))
     quantities = curves(many, scale, reference.cycle)
     tables = [scene.bodies[load.body].points[0] for load in scene.loads if isinstance(load, ForceTable)]
     wanted = [channel for curve in quantities for channel in curve.channels]
@@ -91,7 +91,8 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     if not rows.size:
         return SolvedMachines(status, reason, rows, Motion({}), ())
     motion = Motion({name: values[rows] for name, values in motion.samples.items()})
-    quantities = curves(of_machines(scene, {path: values[rows] for path, values in changes.items()}), scale, motion)
+    many = scene.with_numbers(numbers_of(scene, {path: values[rows] for path, values in changes.items()}))
+    quantities = curves(many, scale, motion)
     found = numbers(scene, quantities, motion, exact=True)
     placed = [n for n in found if n.row is not None or n.kind == STROKE]  # at one place, or between two; no sums
     return SolvedMachines(status, reason, rows, motion, placed)

@@ -16,8 +16,8 @@ from compare.judge.causes.words import words
 from compare.judge.triage import likeliest
 from compare.mechanics.reference import Reference
 from scenes import Motion, Sampling, Scene
+from scenes.fields import put
 from scenes.model.motion import Samples, force_channels, quantity
-from scenes.numbers import put
 from scenes.scene import ConstantSpeed
 from tests.comparisons import References
 
