@@ -72,8 +72,7 @@ class Quantity(GroupedMetadata):
 
 
 Vector: TypeAlias = tuple[float, float]
-Key: TypeAlias = str | int | frozenset[str]
-At: TypeAlias = tuple[Key, ...]  # where in a scene: names of fields, keys of what they hold, numbers of entries
+At: TypeAlias = tuple[str | int | frozenset[str], ...]  # where in a scene: names of fields, keys, numbers of entries
 
 Finite = Annotated[float, Strict(), AllowInfNan(False)]  # of a file, but of no scene
 Positive = Annotated[Finite, Gt(0)]

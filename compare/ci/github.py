@@ -93,14 +93,8 @@ def _escaped(text: str, more: str = "") -> str:
 
 
 def _section(name: str, judgement: Judgement) -> Iterator[str]:
+    """The lines on a linkage, with a row an engine: by group its error and tolerance, bold where that is missed."""
     yield from ("", f"### {_plain(name)}: {judgement.agreement.word}", "", _plain(judgement.agreement.sentence), "")
-    yield from _table(judgement)
-    yield from (f"- {_plain(reason)}" for reason in judgement.reasons)
-    yield from (f"- likely cause: {_plain(cause)}" for cause in judgement.causes.values())
-
-
-def _table(judgement: Judgement) -> Iterator[str]:
-    """A row an engine: its status, and by group its error and tolerance, bold where that is missed."""
     groups = shown_groups(judgement.scene)
     yield f"| {' | '.join(('engine', 'status', *groups))} |"
     yield f"|{' --- |' * (2 + len(groups))}"
@@ -114,6 +108,8 @@ def _table(judgement: Judgement) -> Iterator[str]:
             cells.append(f"**{text}**" if gate and gate.missed else text)
         yield f"| {' | '.join(cells)} |"
     yield ""
+    yield from (f"- {_plain(reason)}" for reason in judgement.reasons)
+    yield from (f"- likely cause: {_plain(cause)}" for cause in judgement.causes.values())
 
 
 def _plain(text: str) -> str:

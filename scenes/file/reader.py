@@ -160,7 +160,8 @@ def write_starter(path: Path) -> list[Path]:
     try:
         with ExitStack() as undo:
             for file, text in texts.items():
-                if file == schema and _holds(file, text):
+                there = file == schema and file.is_file() and file.stat().st_size == len(text.encode())
+                if there and file.read_text(encoding="utf-8") == text:
                     continue
                 with file.open("x", encoding="utf-8") as stream:
                     undo.callback(file.unlink)
@@ -173,7 +174,3 @@ def write_starter(path: Path) -> list[Path]:
     except (OSError, ValueError) as error:  # the latter of a zero in the path
         raise InputError(f"{place}: cannot be written ({getattr(error, 'strerror', error)})") from None
     return [scene, schema]
-
-
-def _holds(file: Path, text: str) -> bool:
-    return file.is_file() and file.stat().st_size == len(text.encode()) and file.read_text(encoding="utf-8") == text
