@@ -264,8 +264,7 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
             if point in first:
                 pins.append(PinJoint(point, body, first[point]))
             first.setdefault(point, body)
-    sliding = ((name, other.slide) for name, other in placed.scene.bodies.items())
-    slides = [SlideJoint(name, slide.on) for name, slide in sliding if slide is not None]
+    slides = [SlideJoint(name, slide.on) for name, slide in placed.scene.slides.items()]
     here = {GROUND, *placed.carries, *bodies}
     own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
     return Group(bodies, tuple(pins), own, next((pin.point for pin in pins if pin.on is not None), bodies[0]))

@@ -184,8 +184,7 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
             S[number, index[name]] = sign
             R[number, index[name]] = sign * arm(name, bodies[name].local[pin.point]) if name in bodies else 0
     for number, joint in enumerate(group.slides):
-        slide = scene.bodies[joint.slider].slide
-        assert slide is not None
+        slide = scene.slides[joint.slider]
         T[number, index[joint.slider]], T[number, index[joint.on]] = 1, -1
         E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
         along[number] = as_complex(slide.along)

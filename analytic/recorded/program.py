@@ -178,8 +178,7 @@ class RecordedPass(Pass):
             gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
         offsets, turns = [], []
         for joint in group.slides:
-            slide = self.scene.bodies[joint.slider].slide
-            assert slide is not None
+            slide = self.scene.slides[joint.slider]
             u_on = frames[joint.on][1]
             away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
             offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)

@@ -117,16 +117,12 @@ def _accelerations(known: Mapping[str, Corners]) -> Iterator[Claim]:
 def _spans(readings: Mapping[str, Callable[[Samples], float]]) -> pd.DataFrame:
     """What each reading gives for each design at face value, mm/s^2, and how far scheme 4 is above the initial, %."""
     strokes = {name: formulas.at(d, d.alpha_max * np.linspace(0, 1, ALPHAS)) for name, d in PUBLISHED.items()}
-    spans = pd.DataFrame.from_dict(
-        orient="index",
-        data={
-            f"{form}, {text}": {
-                name: of(formulas.acceleration(p, SPEED, printed=printed)) for name, p in strokes.items()
-            }
-            for form, printed in FORMS.items()
-            for text, of in readings.items()
-        },
-    )
+    values = {
+        f"{form}, {text}": {name: of(formulas.acceleration(p, SPEED, printed=as_is)) for name, p in strokes.items()}
+        for form, as_is in FORMS.items()
+        for text, of in readings.items()
+    }
+    spans = pd.DataFrame.from_dict(values, orient="index")
     return spans.assign(change=100 * (spans["scheme 4"] / spans["initial"] - 1))
 
 

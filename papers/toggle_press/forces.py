@@ -125,12 +125,8 @@ def statics(scene: Scene, motion: Motion) -> Statics:
     for name, (first, Ls, mx, my, J) in COMPONENTS.items():
         body = scene.bodies[name]
         (com, _, acceleration), mass = state.com(body), body.mass or 0.0
-        symbols |= {
-            mx: mass * acceleration.real,
-            my: mass * acceleration.imag,
-            Ls: float(np.abs(com - place[first]).mean()),
-        }
-        symbols[J] = inertia(body) * state.turning(name)[2]
+        symbols |= {mx: mass * acceleration.real, my: mass * acceleration.imag}
+        symbols |= {Ls: float(np.abs(com - place[first]).mean()), J: inertia(body) * state.turning(name)[2]}
     for bar, index in zip(bars(state), "₀₁₂₃₄₅", strict=True):
         symbols |= {f"θ{index}": np.angle(bar), f"L{index}": float(np.abs(bar).mean())}
     for point, index in zip(("P2", "P3", "P4"), "₂₃₄", strict=True):

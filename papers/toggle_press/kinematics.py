@@ -101,12 +101,7 @@ POSITIONS = (
     length("eq 6.2", "l₀ sin θ + l₂ sin θ₂ = l₁ sin θ₁ + y"),
     length("eq 7", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ₁ + x", "l₁ cos θ₁ − l₂ cos θ₂ = l₀ cos θ + x"),
     length("eq 7.2", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ₁ − y", "l₁ sin θ₁ − l₂ sin θ₂ = l₀ sin θ − y"),
-    angle(
-        "eq 8",
-        f"θ₁ = 2 atan((B₁ + √(A₁² + B₁² − C₁²)) / (A₁ − C₁)), {AB_1}",
-        given=C_1,
-        branch=WITH_MINUS,
-    ),
+    angle("eq 8", f"θ₁ = 2 atan((B₁ + √(A₁² + B₁² − C₁²)) / (A₁ − C₁)), {AB_1}", given=C_1, branch=WITH_MINUS),
     area(
         "eq 9",
         C_1,
@@ -141,19 +136,12 @@ POSITIONS = (
         branch=WITH_MINUS,
     ),
     area(
-        "eq 15",
-        F_1,
-        read=f"D₁ cos θ₃ + E₁ sin θ₃ + F₁ = 0, {D_1}, {E_1}, {F_1}",
-        note="with E₁ as corrected in (14)",
+        "eq 15", F_1, read=f"D₁ cos θ₃ + E₁ sin θ₃ + F₁ = 0, {D_1}, {E_1}, {F_1}", note="with E₁ as corrected in (14)"
     ),
     length("eq 16", "l₁ e^iθ₁ + l₃ e^iθ₃ + l₅ e^iθ₅ = iS"),
     length("eq 17", "l₁ cos θ₁ + l₃ cos θ₃ + l₅ cos θ₅ = 0"),
     length("eq 17.2", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = 0", "l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅ = S"),
-    angle(
-        "eq 18",
-        "θ₅ = arccos((−l₁ cos θ₁ − l₃ cos θ₃) / l₅)",
-        branch=("with −arccos", "= arccos", "= −arccos"),
-    ),
+    angle("eq 18", "θ₅ = arccos((−l₁ cos θ₁ − l₃ cos θ₃) / l₅)", branch=("with −arccos", "= arccos", "= −arccos")),
     length("eq 19", "S = l₁ sin θ₁ + l₃ sin θ₃ + l₅ sin θ₅"),
 )
 

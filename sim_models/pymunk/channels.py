@@ -87,7 +87,7 @@ def reaction_channels(linkage: LinkageConstraints, motion: Motions, active: Acti
     for name, member in linkage.members.items():
         i = linkage.index[name]
         r, _, _, acceleration = motion.of_point(i, member.com)
-        lacking[:, i] += _wrench(r, member.mass * (acceleration - _gravity(linkage)))
+        lacking[:, i] += _wrench(r, member.mass * (acceleration - linkage.gravity))
         lacking[:, i, 2] += member.inertia * a[:, i, 2]
     flat = lacking.reshape(len(q), -1)
     poses = [solved(linkage.jacobian(q[rows]).swapaxes(1, 2), flat[rows]) for rows in blocks(q)]
@@ -109,12 +109,8 @@ def joint_forces(
             member, sign = linkage.members[name], -1 if name == pin.first else 1
             _, _, _, acceleration = motion.of_point(linkage.index[name], member.points[pin.point])
             ballast = linkage.moved[name].mass - member.mass
-            force[pin.channel] = force[pin.channel] + sign * ballast * (acceleration - _gravity(linkage))
+            force[pin.channel] = force[pin.channel] + sign * ballast * (acceleration - linkage.gravity)
     return np.stack([np.abs(force[joint]) for joint in joints], axis=1)
-
-
-def _gravity(linkage: LinkageConstraints) -> complex:
-    return complex(*linkage.scene.gravity) if linkage.scene.gravity else 0j
 
 
 def _wrench(r: PlaneVector, force: PlaneVector) -> PoseArray:

@@ -42,6 +42,7 @@ class LinkageConstraints:
         self.members = {name: body.about(self.moved[name].origin) for name, body in rigids.items()}
         self.index = {name: number for number, name in enumerate([*scene.bodies, GROUND])}
         self.driven = self.index[scene.drive.body]
+        self.gravity = complex(*(scene.gravity or (0.0, 0.0)))
 
         ends = [(body, pin.point) for pin in scene.pins for body in (pin.first, pin.second)]
         self._pinned = np.array([self.index[body] for body, _ in ends], np.intp).reshape(-1, 2)

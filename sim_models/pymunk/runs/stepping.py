@@ -148,9 +148,8 @@ class TextbookRun:
         linkage, pose = begun(scene, own_masses)
         stride = ceil(settings.steps / sampling.samples)
         dt = float(sampling.times(scene)[1]) / stride
-        self.steps = Steps(
-            dt, stride, ceil(TEXTBOOK_PRE_ROLL * stride * sampling.samples), stride * (sampling.count - 1)
-        )
+        pre_roll = ceil(TEXTBOOK_PRE_ROLL * stride * sampling.samples)
+        self.steps = Steps(dt, stride, pre_roll, stride * (sampling.count - 1))
         first = scene.drive.at(-self.steps.pre_roll * dt)
         begin = move(linkage, pose, scene.drive.start, float(first.position))
         self._model = Model(linkage, begin, rates(linkage, begin, float(first.rate)), ERROR_BIAS, "motor")
