@@ -81,7 +81,6 @@ def _run(options: argparse.Namespace) -> int:
         announce(scene, request, options.engines, len(grid(options.vary)) if options.vary else 0)
 
     from .report.output import files  # late: slow to import, and bad input should be named at once
-    from .report.output.origin import check_origin
     from .report.output.placing import check_writable
 
     run, own = (report.family, files.FAMILY) if options.vary else (report.run, files.REPORT)
@@ -90,14 +89,14 @@ def _run(options: argparse.Namespace) -> int:
     places = {f"{scene.name}{end}": scene for scene in scenes for end in ("", files.PARTIAL)}
     check_writable(options.out, places, own)
     for name, scene in places.items():
-        check_origin(scene, options.out / name)
+        files.check_origin(scene, options.out / name)
     missed = []
     with shown_progress() as show:
         for scene, request in zip(scenes, requests, strict=True):
             with annotated(scene.file):
                 missed.append(run(scene, request, options, show))
     if options.full:
-        from .measure.hard.cases import forget
+        from .measure.hard.case import forget
 
         forget(options.out)
     return 1 if any(missed) else 0

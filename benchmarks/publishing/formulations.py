@@ -14,7 +14,7 @@ from benchmarks import promises
 from compare.engines import registry
 from compare.engines.runner import run
 from compare.judge.measure import measure
-from compare.measure.hard.cases import forget, hard_cases
+from compare.measure.hard.case import forget, hard_cases
 from compare.mechanics.reference import Reference, uncertified
 from compare.report.tables.hard import counts, verdict
 from scenes import Sampling, Settings

@@ -81,7 +81,7 @@ def _in_full(result: "Study", options: Namespace, progress: Callable[[str], None
     """The study with maps of stability and the hard cases, as far as the user lets it."""
     from scenes.hard import catalogue, ladder
 
-    from ..measure.hard.cases import hard_cases
+    from ..measure.hard.case import hard_cases
     from ..measure.hard.stability import stability_table
 
     able = [engine for engine in options.engines if not registry.ENTRIES[engine].missing]

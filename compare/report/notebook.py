@@ -92,7 +92,7 @@ class Varied(Family):
 
     def plot(self) -> "Figure":
         """A figure of the curves of output and drive over one cycle, a line a member."""
-        from .figures.family import curves
+        from .figures.many import curves
         from .figures.offline import offline
 
         return offline(curves(self))

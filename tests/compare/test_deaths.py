@@ -8,7 +8,7 @@ import pytest
 
 from compare.engines.processes.inside import Limits
 from compare.engines.registry import DEFAULT_ENGINES, ENTRIES, ORACLE, REFERENCE
-from compare.measure.hard.cases import hard_cases
+from compare.measure.hard.case import hard_cases
 from compare.run import main
 from tests import scene_files
 from tests.comparisons import SLOW
@@ -73,7 +73,7 @@ def test_in_a_family(number: int, tmp_path: Path, capsys: pytest.CaptureFixture[
 @pytest.mark.parametrize("number", ALL)
 def test_in_the_hard_cases(number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The row of the analytic core is that of the arbitrary precision that certifies it."""
-    monkeypatch.setattr("compare.measure.hard.cases.Limits", lambda: Limits(seconds=1.0, memory=MEMORY, workers=2))
+    monkeypatch.setattr("compare.measure.hard.case.Limits", lambda: Limits(seconds=1.0, memory=MEMORY, workers=2))
     ladder = tmp_path / "rod.toml"
     rungs = (scene_files.FOLDER / "ladders" / "rod.toml").read_text(encoding="utf-8")
     ladder.write_text(rungs.partition("[steps]")[0] + "[steps]\nas_is = 300\n", encoding="utf-8")

@@ -1,18 +1,26 @@
-"""One engine on one rung of a hard ladder: every attempt, what is wrong with it, and who noticed.
+"""The hard cases: every engine on every rung of every ladder, each in a process of its own, kept as they come.
 
-A run with status ok is wrong if it is off by more than its engine promises and round-off explains. A failure is a false
-alarm if what was computed is within that, or if bodies that can be assembled end as `cannot_assemble`.
+Each row tells what is wrong with an attempt, and who noticed. A run with status ok is wrong if it is off by more than
+its engine promises and round-off explains. A failure is a false alarm if what was computed is within that, or if bodies
+that can be assembled end as `cannot_assemble`.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
 
 from scenes import Failure, InputError, Sampling, Scene, Status, hard
 from scenes.model.motion import quantity
 
 from ...engines import registry
+from ...engines.kept import Kept
+from ...engines.processes.inside import Ended, Limits
+from ...engines.processes.isolation import isolated
+from ...engines.processes.stopping import kept as until_stopped
 from ...engines.registry import ORACLE, REFERENCE
 from ...judge.errors import worst_of
 from ...judge.floor import NO_ANSWER
@@ -21,6 +29,7 @@ from ...mechanics.reference import Reference, uncertified
 from ...mechanics.round_off import Explained, explain
 from .digits import digits_lost
 
+PARTIAL = "hard.partial.jsonl"
 SAMPLES, FEW, ORACLE_SAMPLES = 360, 36, 72  # a cycle; few where there are many cycles
 
 
@@ -34,8 +43,7 @@ class Outcome(StrEnum):
     uncertified = "not certified"  # the reference, where arbitrary precision had no answer
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(NamedTuple):
     """What is examined at a time."""
 
     ladder: str
@@ -48,6 +56,44 @@ class Case:
 
 
 Row = dict[str, Any]
+
+
+def hard_cases(
+    ladders: Sequence[str],
+    engines: Sequence[str],
+    folder: Path,
+    progress: Callable[[str], None],
+    note: Callable[[str], None],
+) -> pd.DataFrame:
+    """One row an attempt, in the order of the ladders.
+
+    Results are kept in `folder` as they come, and what is kept there is not done again until `forget` is called. A stop
+    leaves what is done, there and in what is returned. Where nothing can be kept there, that is noted.
+    """
+    limits = Limits()
+    rungs = [(name, rung.label) for name in ladders for rung in hard.ladder(name).rungs]
+    wanted = [Case(*rung, engine) for rung in rungs for engine in engines]
+    kept = Kept(folder / PARTIAL, limits)
+    rows = dict(kept.read())
+    left = [case for case in wanted if str(case) not in rows]
+
+    def poll() -> None:
+        progress(f"hard cases, {len(rows)} of {len(wanted)} done")
+
+    for case, result in until_stopped(isolated(examine, left, limits, poll)):
+        if isinstance(result, Ended):  # of the reference it is arbitrary precision that gave no answer
+            outcome = Outcome.uncertified if case.engine == REFERENCE else Outcome.refused
+            result = [case_row(case, result.status.name, result.reason, "isolation", outcome)]
+        rows[str(case)] = result
+        kept.add(str(case), result)
+    if kept.trouble:
+        note(kept.trouble)
+    return pd.DataFrame([row for case in wanted for row in rows.get(str(case), [])])
+
+
+def forget(folder: Path) -> None:
+    """Drop what is kept: a command that came to its end starts anew the next time."""
+    Kept(folder / PARTIAL, "").forget()
 
 
 def examine(case: Case) -> list[Row]:

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from math import nan
 from multiprocessing import current_process
 from typing import NamedTuple
 
@@ -20,15 +21,17 @@ from ...engines.processes.workers import workers
 from ...judge.agreement import Judgement
 from ...judge.floor import establish
 from ...judge.judgement import judgement
+from ...judge.peaks.numbers import CycleNumber
 from ...mechanics.reference import Reference
 from .family import balanced
 from .gradients import as_drawn, gradients
 from .machines import SolvedMachines, draws, machines
-from .spread import Spread, spread
 
 BLOCK = 2048  # machines that a process is asked for at a time
 AT_ONCE = 256  # that are solved in the same arrays: these stay in the processor's cache
 SECONDS = 1800.0  # for a block: slow linkages take 0.1 s a machine
+QUANTILES = (0.00135, 0.05, 0.5, 0.95, 0.99865)  # the outer ones are three standard deviations of a normal
+ROUNDING = 1e-11  # relative: by so much a number that nothing changes differs from machine to machine
 NUMBER = re.compile(r"-?\d[\d.]*(e-?\d+)?")
 
 
@@ -61,6 +64,25 @@ class Failed:
     reason: str  # of the first of them
     count: int
     first: int
+
+
+@dataclass(frozen=True)
+class Spread:
+    """One of the designer's numbers over all machines that run, SI."""
+
+    name: str
+    of: str  # the joint, point or body
+    unit: str
+    nominal: float  # of the linkage as drawn
+    size: float  # what the engines' differences are relative to
+    mean: float
+    deviation: float  # standard deviation, 0 where it is rounding
+    quantiles: Mapping[str, float]
+    least: int  # the machine with the least value, from 0
+    largest: int
+    linear: float  # the standard deviation by the linear model
+    unexplained: float  # the share of the sampled variance that the linear model leaves; its mean shift counts too
+    shares: Mapping[str, float]  # by path, of the variance of the linear model
 
 
 @dataclass(frozen=True)
@@ -135,6 +157,27 @@ class MonteCarlo:
     def changes(self, machine: int) -> Mapping[str, float]:
         """The numbers of one machine by path, in the units of the file."""
         return {path: float(values[0]) for path, values in draws(self.scene, self.seed, machine, 1).items()}
+
+
+def spread(number: CycleNumber, values: Samples, linear: Samples, gradient: Mapping[str, float]) -> Spread:
+    """The statistics of a number of all m machines, NaN of those that do not run, and by the linear model; shape (m,).
+
+    The gradient is by path what a standard deviation of that number of the scene changes.
+    """
+    kept, nominal, size = ~np.isnan(values), float(number.value[0]), float(number.size[0])
+    run = values[kept] if kept.any() else np.full(1, nan)
+    least, largest = (int(np.nanargmin(values)), int(np.nanargmax(values))) if kept.any() else (-1, -1)
+    deviation = float(run.std(ddof=1)) if run.size > 1 else nan
+    if deviation <= ROUNDING * max(abs(nominal), abs(size)):
+        deviation = 0.0
+    quantiles = {f"{q:.5g}": float(value) for q, value in zip(QUANTILES, np.quantile(run, QUANTILES), strict=True)}
+    unexplained = float(np.mean(np.square((values - linear)[kept]))) / deviation**2 if deviation > 0 else nan
+    parts = np.square([*gradient.values()])
+    of_all = float(parts.sum())
+    shares = {path: float(part) / of_all if of_all else 0.0 for path, part in zip(gradient, parts, strict=True)}
+    named = number.name, number.curve.of, number.unit, nominal, size
+    sampled = float(run.mean()), deviation, quantiles, least, largest
+    return Spread(*named, *sampled, of_all**0.5, unexplained, shares)
 
 
 def begun(

@@ -4,8 +4,7 @@ from functools import partialmethod
 
 from plotly.graph_objects import Figure as PlotlyFigure
 
-from ..extremes import thinned
-from .figure import CONFIG, TEMPLATE, Figure
+from .figure import CONFIG, TEMPLATE, Figure, thinned
 
 
 class Offline(PlotlyFigure):  # type: ignore[misc]

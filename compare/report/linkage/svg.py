@@ -20,7 +20,7 @@ from scenes.scene import GROUND, Body
 
 from ...mechanics.bodies import first_point
 from ...mechanics.motion_vectors import Vectors
-from ..extremes import extremes
+from ..figures.figure import extremes
 from .drawing import PX, Arrow, Drawing
 
 FRAMES = 72  # poses of a picture that moves by itself, at most

@@ -3,13 +3,14 @@
 import csv
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenes import InputError, Motion, Scene
+from scenes import InputError, Motion, Scene, shipped
 from scenes.file.toml import SUMMARY_BYTES, read_text
 from scenes.model.motion import header
 from scenes.scene import SI
@@ -26,7 +27,6 @@ from ..plain import json_text
 from ..tables import TableRows
 from ..tables import speed as speed_tables
 from ..tables import study as tables
-from .origin import origin
 from .placing import placed, remove
 
 if TYPE_CHECKING:
@@ -108,12 +108,41 @@ def _result(
 
 def _may_be_complete(place: Path, own: Sequence[str]) -> bool:
     """Whether a folder has a result that is not known to be partial."""
-    if not any(list(place.glob(pattern)) for pattern in own):
-        return False
-    try:
-        return json.loads(read_text(place / own[1], SUMMARY_BYTES))["complete"] is not False
-    except (InputError, OSError, ValueError, LookupError, TypeError, RecursionError):
-        return True
+    return any(any(place.glob(pattern)) for pattern in own) and _written(place / own[1]).get("complete") is not False
+
+
+def _written(summary: Path) -> dict[str, Any]:
+    """What an older summary has; nothing where there is none, or it is another program's."""
+    with suppress(InputError, OSError, ValueError, TypeError, RecursionError):
+        return dict(json.loads(read_text(summary, SUMMARY_BYTES)))
+    return {}
+
+
+def origin(scene: Scene, place: Path) -> str:
+    """The name of a shipped scene, or its file as seen from the folder of its results."""
+    if scene.file in shipped():
+        return scene.file
+    file = Path(scene.file).resolve()
+    with suppress(ValueError):  # on another drive of Windows
+        return relpath(file, place.resolve())
+    return str(file)
+
+
+def check_origin(scene: Scene, place: Path) -> None:
+    """Raise an InputError where a folder has the result of another scene file that is still there.
+
+    No file of the same name takes its place without a word.
+    """
+    own = shipped().get(scene.file, Path(scene.file)).resolve()
+    for _, summary, *_ in (REPORT, FAMILY, MONTE_CARLO):
+        with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):  # of an unknown origin
+            file = _written(place / summary)["made_from"]
+            other = shipped().get(file, place.resolve() / file).resolve()
+            if other != own and other.is_file():
+                raise InputError(
+                    f"{scene.file}: name: '{scene.name}' is that of {file if file in shipped() else other} too, whose"
+                    f" result is in {place}; expected another name, or another --out"
+                )
 
 
 def _write_table(rows: TableRows, file: Path) -> None:

@@ -17,8 +17,7 @@ from markupsafe import Markup, escape
 
 from ...engines.kept import environment
 from ...judge.agreement import Word
-from ..extremes import CURVE
-from ..figures.figure import CONFIG, Figure, template
+from ..figures.figure import CONFIG, CURVE, Figure, template
 from ..numbers import percent, short
 
 if TYPE_CHECKING:

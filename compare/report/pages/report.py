@@ -11,9 +11,8 @@ from ...measure.speed.speed_table import SAMPLING
 from ...measure.speed.work_precision import ALIKE, TIE
 from ...mechanics.axis import axis, cycle_name, position_name
 from ...study import Study
-from ..extremes import affordable
 from ..figures.curves import assur_groups, chosen, over_angle, over_distance
-from ..figures.figure import Attributes, Figure
+from ..figures.figure import Attributes, Figure, affordable
 from ..figures.speed import work_precision
 from ..figures.style import FLOOR, ROUND_OFF
 from ..linkage.moving import MovingPicture

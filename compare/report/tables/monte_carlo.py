@@ -8,8 +8,7 @@ import numpy as np
 from scenes import numbers_in
 
 from ...engines.registry import REFERENCE
-from ...measure.many.spread import Spread
-from ...measure.many.study import MonteCarlo
+from ...measure.many.study import MonteCarlo, Spread
 from ..numbers import DIGITS, Units, capital, percent, units, written
 from . import TableRows
 from .family import names

@@ -12,8 +12,7 @@ import scenes
 from compare.engines import registry
 from compare.engines.processes.inside import Ended, Limits
 from compare.engines.processes.stopping import Stopped
-from compare.measure.hard import case as hard_case
-from compare.measure.hard import cases as hard
+from compare.measure.hard import case as hard
 from compare.measure.hard.case import Case, examine
 from compare.report.pages.html import render
 from compare.report.pages.report import in_full
@@ -48,7 +47,7 @@ def judge(ladder: str, plug: Plug, monkeypatch: pytest.MonkeyPatch) -> Callable[
 
 @pytest.fixture(scope="module")
 def right() -> Motion:
-    scene, sampling = scenes.load("toggle_press"), Sampling(hard_case.SAMPLES)
+    scene, sampling = scenes.load("toggle_press"), Sampling(hard.SAMPLES)
     return registry.reference(scene)(sampling.commanded(scene), sampling.times(scene))
 
 
@@ -124,7 +123,7 @@ def examined(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         for case in items:
             poll()
             done.append(f"{case.rung} {case.engine}")
-            row = hard_case.case_row(case, "ok", "", "", hard_case.Outcome.right)
+            row = hard.case_row(case, "ok", "", "", hard.Outcome.right)
             yield case, Ended(Status.timed_out, "too slow") if case.rung == "locking" else [row]
 
     monkeypatch.setattr(hard, "isolated", at_once)
@@ -181,7 +180,7 @@ def test_digits_are_counted_where_the_ladder_asks(ladder: str, monkeypatch: pyte
     (digits,) = hard_tables.digits(pd.DataFrame([row]))
     assert list(digits)[3:] == ["position", "velocity", "acceleration", "reaction", "torque"]
     lost = pd.DataFrame([{"group": "velocity", "lost": 5.0, "allowed": 2.0}])
-    monkeypatch.setattr(hard_case, "digits_lost", lambda _: lost)
+    monkeypatch.setattr(hard, "digits_lost", lambda _: lost)
     (row,) = examine(Case(ladder, "as_is", "analytic"))
     assert (row["outcome"], row["reason"]) == ("silent", "velocity loses 5.0 digits")
 

@@ -8,7 +8,7 @@ import pytest
 
 from compare.judge.peaks.curves import CycleCurve
 from compare.judge.peaks.numbers import CycleNumber
-from compare.measure.many.spread import Spread, spread
+from compare.measure.many.study import Spread, spread
 from compare.report.tables.monte_carlo import verdicts
 from scenes.model.motion import Samples
 

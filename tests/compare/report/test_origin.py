@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 import scenes
-from compare.report.output.files import REPORT, _may_be_complete
-from compare.report.output.origin import check_origin, origin
+from compare.report.output.files import REPORT, _may_be_complete, check_origin, origin
 from compare.run import main
 from scenes import InputError
 from tests import scene_files

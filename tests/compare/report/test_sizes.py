@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from compare.report.extremes import CURVE, extremes
 from compare.report.figures import curves
+from compare.report.figures.figure import CURVE, extremes
 from compare.report.figures.speed import work_precision
 from compare.report.linkage.moving import SAMPLES, MovingPicture
 from compare.report.pages.html import ROWS, Parts, first, shortened
