@@ -1,8 +1,16 @@
-"""The machines that a workshop makes of one drawing: drawn from its variations, solved at once, reduced to numbers."""
+"""The machines that a workshop makes of one drawing: drawn from its variations, solved at once, reduced to numbers.
 
-from collections.abc import Mapping, Sequence
+Beside them a linear model: how the numbers change with those of the scene, from the exact derivatives of the channels.
+
+Where a quantity is largest or least its place does not matter to the first order: the number changes as the quantity
+does there, at the same position of the drive. The ends of the dwell move as the equation that they solve asks. Where a
+press force comes or goes just there the place does matter, and the linear model is off, as the machines then show.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from scipy.special import ndtri
@@ -13,14 +21,18 @@ from scenes.model.motion import Samples
 from scenes.scene import ForceTable
 
 from ...engines import registry
-from ...judge.peaks.curves import curves
-from ...judge.peaks.numbers import STROKE, CycleNumber, numbers
+from ...judge.peaks.curves import CycleCurve, Values, curves
+from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber, numbers
 from ...judge.peaks.refined import beyond, jumps, refined
-from ...judge.peaks.stroke import RowNumbers
-from ...mechanics.reference import Reference
+from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
+from ...mechanics.reference import SCALE_SAMPLES, Reference
 
 BITS = 30  # of the draws, before they become numbers
 SAMPLES = 180  # of a cycle, before extremes are refined: enough to know which of several peaks is the highest
+SPEED = "drive.speed"
+QUANTITIES = {"displacement": "", "velocity": "v", "acceleration": "a"}  # of channels, by kind of curve
+# A part of how a number changes: by the change of a quantity at an instant, times a weight; of a vector's along that.
+Term: TypeAlias = tuple[CycleCurve, float, complex]
 
 
 @dataclass(frozen=True)
@@ -100,3 +112,118 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
 
 def _no_switches(motion: Motion, _: Samples) -> Samples:
     return np.zeros((*motion["time"].shape[:-1], 0))
+
+
+def as_drawn(reference: Reference, paths: Sequence[str]) -> SolvedMachines:
+    """The linkage as drawn as the only one of its machines, its extremes placed as accurately as they can be."""
+    drawn = np.reshape(numbers_in(reference.scene.file, paths), (-1, 1))
+    return machines(reference, dict(zip(paths, drawn, strict=True)), SCALE_SAMPLES)
+
+
+def gradients(reference: Reference, nominal: SolvedMachines, paths: Sequence[str]) -> Samples:
+    """The derivatives of the k numbers by p numbers of the scene file, shape (p, k), SI per unit of the file."""
+    scene, motion = reference.scene, Motion({name: values[0] for name, values in nominal.motion.samples.items()})
+    quantities = curves(scene, reference.scale, motion)
+    terms = [[*_terms(scene, number, motion, quantities)] for number in nominal.numbers]
+    time = np.unique([instant for own in terms for _, instant, _ in own])
+    wanted = frozenset(channel for curve in quantities for channel in curve.channels)
+    position = scene.drive.at(time).position
+    by = {**registry.derivatives(scene, paths, position, time, wanted)}
+    if left := wanted - by.keys():  # how far larger groups are from a singular pose
+        by |= _by_differences(scene, paths, position, time, left)
+    there = registry.reference(scene)(position, time)
+    by_curve = {
+        curve: _change(curve, by) + np.array([_by_guide(scene, path, curve, there) for path in paths])
+        for curve in {curve for own in terms for curve, *_ in own}
+    }
+    result = np.zeros((len(paths), len(terms)))
+    for number, own in enumerate(terms):
+        for curve, instant, weight in own:
+            result[:, number] += (np.conj(weight) * by_curve[curve][:, np.searchsorted(time, instant)]).real
+    if SPEED in paths:  # a dwell is a time: at the same positions it goes with one over the speed
+        (speed,) = numbers_in(scene.file, [SPEED])
+        dwells = [float(n.value[0]) if n.kind == DWELL else 0.0 for n in nominal.numbers]
+        result[paths.index(SPEED)] -= np.array(dwells) / speed
+    return result
+
+
+def _by_differences(
+    scene: Scene, paths: Sequence[str], position: Samples, time: Samples, channels: frozenset[str]
+) -> Mapping[str, Samples]:
+    """The derivatives of channels that have no exact ones, shape (p, n): differences over twice a deviation.
+
+    Such a channel is known to few digits, so that the step is as large as what the linear model is for.
+    """
+    size = {variation.path: variation.deviation for variation in scene.variations}
+    step = np.array([size[path] for path in paths])
+    apart = np.concatenate([np.diag(step), -np.diag(step)])
+    changes = dict(zip(paths, np.transpose(numbers_in(scene.file, paths) + apart), strict=True))
+    there = registry.many(scene, changes, channels)(position, time)
+    return {c: np.subtract(*np.split(there.samples[c], 2)) / (2 * step[:, np.newaxis]) for c in channels}
+
+
+def _change(curve: CycleCurve, by: Mapping[str, Samples]) -> Values:
+    """How a quantity changes, shape (p, n): it is linear in its channels, but for a constant."""
+    if curve.kind == "guide_force":  # which is taken as a vector that turns with the guide
+        return by[curve.channels[0]]
+    nothing = {name: np.zeros_like(values) for name, values in by.items()}
+    return curve.values(Motion(by)) - curve.values(Motion(nothing))
+
+
+def _terms(scene: Scene, number: CycleNumber, motion: Motion, quantities: Sequence[CycleCurve]) -> Iterator[Term]:
+    """Yield the parts of a number of the linkage as drawn, which is the only one of its machines."""
+    time = motion["time"]
+    (curve,) = (curve for curve in quantities if (curve.kind, curve.of) == (number.curve.kind, number.curve.of))
+    if curve.kind == "path":  # the largest distance between two places
+        place = curve.values(motion)
+        longest = chords(place)
+        along = (longest.conj() * place).real
+        for end, sign in ((along.argmax(), 1), (along.argmin(), -1)):
+            yield curve, float(time[end]), complex(sign * longest / np.abs(longest))
+    elif curve.kind == "displacement":
+        way = Stroke(scene, motion, {curve.kind: curve for curve in quantities}, exact=True)
+        yield from _of_stroke(number.kind, curve, way)
+    elif number.row is not None and (row := int(number.row[0])) >= 0:  # else it is rounding
+        value = (motion[curve.channels[0]] if curve.kind == "guide_force" else curve.values(motion))[row]
+        yield curve, float(time[row]), value / (number.value[0] or 1.0)
+
+
+def _of_stroke(kind: str, curve: CycleCurve, way: Stroke) -> Iterator[Term]:
+    """Yield the parts of a slider's stroke, its ends and its dwell."""
+    closing, time = way.closing, way.motion["time"]
+    closed, opened = _turn(way, int(way.closed)), _turn(way, int(way.opened))
+    if kind == STROKE:
+        yield curve, closed, closing
+        yield curve, opened, -closing
+    elif kind != DWELL:
+        yield curve, closed if kind == CLOSED else opened, 1.0
+    else:
+        (step,), share, _, speeds = way.ends
+        for instant, speed in zip(time[step] + share * np.diff(time)[step], speeds, strict=True):
+            yield curve, float(instant), closing / speed
+            yield curve, closed, -closing * (1 - DWELLING) / speed
+            yield curve, opened, -closing * DWELLING / speed
+
+
+def _turn(way: Stroke, row: int) -> float:
+    """When the slider turns next to a sample, by a step of Newton's; or where a drive ends."""
+    time = way.motion["time"]
+    velocity, acceleration = (way.by_kind[kind].values(way.motion)[row] for kind in ("velocity", "acceleration"))
+    turns = acceleration != 0 and (way.scene.drive.repeats or time[0] < time[row] < time[-1])
+    return float(time[row] - (velocity / acceleration if turns else 0.0))
+
+
+def _by_guide(scene: Scene, path: str, curve: CycleCurve, motion: Motion) -> Samples:
+    """How a curve changes with a number of the output's guide, shape (n,), while the point moves as it does; else 0."""
+    nothing, guided = np.zeros(motion["time"].shape), scene.guided(scene.output)
+    if guided is None or curve.kind not in QUANTITIES or not path.startswith(f"bodies.{guided[0]}.slides."):
+        return nothing
+    _, slide = guided
+    *_, key, axis = path.split(".")
+    through, along, unit = np.array(slide.through), np.array(slide.along), np.eye(2)[int(axis)]
+    place = curve.kind == "displacement"
+    if key == "through":
+        return nothing - place * float(along @ unit) * scene.length_unit[1]
+    x, y = (motion[f"{curve.of}.{QUANTITIES[curve.kind]}{axis}"] for axis in "xy")
+    turn = (unit - along * (along @ unit)) / slide.drawn
+    return np.asarray(turn[0] * (x - place * through[0]) + turn[1] * (y - place * through[1]))

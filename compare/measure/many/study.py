@@ -24,8 +24,7 @@ from ...judge.judgement import judgement
 from ...judge.peaks.numbers import CycleNumber
 from ...mechanics.reference import Reference
 from .family import balanced
-from .gradients import as_drawn, gradients
-from .machines import SolvedMachines, draws, machines
+from .machines import SolvedMachines, as_drawn, draws, gradients, machines
 
 BLOCK = 2048  # machines that a process is asked for at a time
 AT_ONCE = 256  # that are solved in the same arrays: these stay in the processor's cache

@@ -102,15 +102,10 @@ def described(title: str, figure: Figure) -> str:
 
 def _extremes(traces: Sequence[Attributes]) -> str:
     """The least and the largest value of some curves, each with its place and the name of its curve."""
-    traces = [trace for trace in traces if np.isfinite(np.asarray(trace["y"], float)).any()]
-    if not traces:
+    known = [trace for trace in traces if np.isfinite(np.asarray(trace["y"], float)).any()]
+    if not known:
         return "no values"
-    values = [np.asarray(trace["y"], float) for trace in traces]
-
-    def at(pick: Any, most: Any, none: float) -> str:
-        rows = [pick(np.where(np.isnan(y), none, y)) for y in values]
-        number = int(most([y[row] for y, row in zip(values, rows, strict=True)]))
-        trace, row = traces[number], rows[number]
-        return f"{short(float(values[number][row]))} ({trace['name']}) at {short(float(trace['x'][row]))}"
-
-    return f"from {at(np.argmin, np.nanargmin, np.inf)} to {at(np.argmax, np.nanargmax, -np.inf)}"
+    y, x = (np.concatenate([np.asarray(trace[axis], float) for trace in known]) for axis in "yx")
+    names = [trace["name"] for trace in known for _ in trace["y"]]
+    ends = (f"{short(float(y[n]))} ({names[n]}) at {short(float(x[n]))}" for n in (np.nanargmin(y), np.nanargmax(y)))
+    return f"from {' to '.join(ends)}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import scenes
-from compare.measure.many.gradients import as_drawn, gradients
+from compare.measure.many.machines import as_drawn, gradients
 from scenes.model.motion import Samples
 from tests import scene_files
 
