@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +24,7 @@ from .core.kinetostatics import Balance, Reactions, StrokeEnds
 from .core.placing import Kinematics
 from .recorded.arithmetics.in_numpy import StraightLine
 from .recorded.expressions import Line
-from .recorded.program import inputs_at, recorded, stroke_end_input
+from .recorded.program import Program, inputs_at, recorded, stroke_end_input
 from .way.motion_range import describe
 from .way.slider import stroke_end
 
@@ -32,6 +32,7 @@ BLOCK = 8000  # positions, whose temporaries stay in cache
 # glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
 # back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
 np.empty(31 << 17)
+RECORDED_FROM = 40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
 STILL = ("time", "crank_angle", "displacement", "x", "y", "angle")  # quantities that need no rates
 
 MotionAt: TypeAlias = Callable[[Scene, Linkage, Driven], Kinematics]
@@ -88,27 +89,24 @@ def prepared(
 class Solver:
     """One scene, prepared for many calls."""
 
-    recorded_from: ClassVar = (
-        40_001  # positions, where recording, some ms, pays: the line takes half the formulas' time
-    )
-
     scene: Scene
     linkage: Linkage
     stroke_ends: StrokeEnds  # where forces are wanted
     request: Request
+    at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises, or by another way to the kinematics.
 
         Where the positions are an array in single precision, so is all that is computed.
         """
-        single = isinstance(position, np.ndarray) and position.dtype == np.float32
+        single = self.at_hand is None and isinstance(position, np.ndarray) and position.dtype == np.float32
         position = finite_numbers("position", position).astype(np.float32 if single else np.float64, copy=False)
         time, driven = driven_at(self.scene, position, time)
         if position.ndim != 1 or time.ndim != 1:
             raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
-        many = len(position) >= self.recorded_from and not single and motion_at is None
-        samples = self._by_line(driven) if many else None
+        line_pays = self.at_hand is not None or len(position) >= RECORDED_FROM
+        samples = self._by_line(driven) if line_pays and not single and motion_at is None else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
             samples = self._by_formulas(driven, motion_at or partial(kinematics, rates=self.rates))
         samples |= {"time": time, self.scene.drive_channel: position}
@@ -116,11 +114,11 @@ class Solver:
 
     def _by_line(self, driven: Driven) -> dict[str, Samples] | None:
         """The channels by the recorded line; None where not all can be had from it."""
-        names, line = self.recorded
-        if line is None:
+        if self.recorded is None:
             return None
+        program, line = self.recorded
         rows = line({**self.ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
-        return dict(zip(names, rows, strict=False)) if (rows[-1] >= 0).all() else None
+        return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
     def _by_formulas(self, driven: Driven, motion_at: MotionAt) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
@@ -142,10 +140,10 @@ class Solver:
         }
 
     @cached_property
-    def recorded(self) -> tuple[tuple[str, ...], Line | None]:
-        """The channels that are recorded, and the line that has them and the reach; none where not all wanted are."""
-        program = recorded(self.scene, frozenset(), self.request.channels)
-        return tuple(program.channels), None if program.own else StraightLine(program.rows)
+    def recorded(self) -> tuple[Program, Line] | None:
+        """The recorded formulas, and the line that has their channels and the reach; none where not all wanted are."""
+        program, line = self.at_hand or (recorded(self.scene, frozenset(), self.request.channels), None)
+        return None if program.own else (program, line or StraightLine(program.rows))
 
     @property
     def ends(self) -> dict[str, float]:

@@ -2,21 +2,16 @@
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass
-from functools import cached_property
-from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from scenes import Failure, InputError, Motion, Scene, Status
-from scenes.arguments import finite_numbers
+from scenes import Failure, InputError, Scene, Status
 
-from ..solve import MotionAt, Solver, solver
+from ..solve import Solver, solver
 from .arithmetics.in_numpy import StraightLine
 from .arithmetics.machine_code import COMPILES, MachineCode, operations
-from .expressions import Line
-from .many import Machines, ManySolver, many_solver
-from .program import Program, recorded
+from .many import Machines, ManySolver, many_by, many_solver
+from .program import recorded
 
 LARGEST = 1000  # operations, of which machine code is made in some 4 s; of twice as many in three times that
 
@@ -49,27 +44,13 @@ def fast_solver(
             raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
         if count is not None and (compiled or count <= LARGEST):
             known = {path: number.value for path, number in scene.numbers.items()}
-            return FastSolver(*own, program, MachineCode(program.rows, known | core.ends))
+            return FastSolver(*own, (program, MachineCode(program.rows, known | core.ends)))
     program = recorded(scene, frozenset(), core.request.channels)
-    return FastSolver(*own, program, StraightLine(program.rows))
+    return FastSolver(*own, (program, StraightLine(program.rows)))
 
 
-@dataclass(frozen=True)
 class FastSolver(Solver):
-    """One topology, prepared for many calls."""
-
-    program: Program
-    line: Line
-    recorded_from: ClassVar = 0
-
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
-        """Solve as `solve` does, with what it returns and raises."""
-        return super().__call__(finite_numbers("position", position), time, motion_at)
-
-    @cached_property
-    def recorded(self) -> tuple[tuple[str, ...], Line | None]:
-        """As of the core's solver, by the line that is at hand."""
-        return tuple(self.program.channels), None if self.program.own else self.line
+    """One topology, prepared for many calls, of many machines too."""
 
     def many(self, changes: Mapping[str, ArrayLike], position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
@@ -77,5 +58,7 @@ class FastSolver(Solver):
 
     def many_solver(self, changes: Mapping[str, ArrayLike]) -> ManySolver:
         """Return `many` for many calls, with what it raises."""
-        own = (self.program, self.line) if isinstance(self.line, MachineCode) else None
-        return many_solver(self.scene, changes, self.request.channels, own)
+        own = self.at_hand
+        if own is not None and isinstance(own[1], MachineCode):
+            return many_by(lambda _: own, self.scene, changes)
+        return many_solver(self.scene, changes, self.request.channels)

@@ -1,7 +1,7 @@
 """Many machines of one topology by the line of their formulas: their numbers have shape (m, 1), positions (n,)."""
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -88,27 +88,30 @@ def many_solver(
     scene: Scene,
     changes: Mapping[str, ArrayLike],
     channels: AbstractSet[str] | None = None,
-    own: tuple[Program, Line] | None = None,
 ) -> "ManySolver":
-    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once.
-
-    Its line may be its `own`, of at least the numbers that differ.
-    """
+    """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
     asked = None if channels is None else frozenset(names("channels", channels))
-    with np.errstate(all="ignore"):  # machines that no file could describe are named
-        numbers = numbers_of(scene, changes)
-        many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
-        program, line = own or _line(scene, frozenset(numbers), asked)
-        failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
-        try:
-            tracks = branches(scene, program, numbers, count)
-        except Failure:
-            tracks = None
-        ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
+    return many_by(partial(_line, scene, asked), scene, changes)
+
+
+@np.errstate(all="ignore")  # machines that no file could describe are named
+def many_by(
+    line_of: Callable[[frozenset[str]], tuple[Program, Line]], scene: Scene, changes: Mapping[str, ArrayLike]
+) -> "ManySolver":
+    """The same, given the line for the paths of the numbers that differ."""
+    numbers = numbers_of(scene, changes)
+    many, count = scene.with_numbers(numbers), max(map(len, numbers.values()), default=1)
+    program, line = line_of(frozenset(numbers))
+    failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
+    try:
+        tracks = branches(scene, program, numbers, count)
+    except Failure:
+        tracks = None
+    ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
     return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
 
 
-def _line(scene: Scene, paths: frozenset[str], channels: frozenset[str] | None) -> tuple[Program, Line]:
+def _line(scene: Scene, channels: frozenset[str] | None, paths: frozenset[str]) -> tuple[Program, Line]:
     """The line of a very scene, as it was recorded for the last block of machines."""
     kept = (own for of, *key, own in LINES if of is scene and key == [paths, channels])
     if (found := next(kept, None)) is None:

@@ -76,7 +76,7 @@ class Integral:
         if self._last is not None and self._last[0] == rows:
             at = np.concatenate([self._last[1], at], axis=1)
             samples = np.concatenate([self._last[2], samples], axis=1)
-        self.total[rows] += np.trapezoid(samples, at, axis=1)
+        self.total[rows] += (np.diff(at) * (samples[:, 1:] + samples[:, :-1]) / 2).sum(axis=1)
         self._last = rows, at[:, -1:], samples[:, -1:]
 
 
