@@ -1,17 +1,18 @@
 """The scene's channels, each with how it is taken from the kinematics and the reactions."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from collections.abc import Set as AbstractSet
+from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
-from scenes import Scene
+from scenes import Sampling, Scene
 from scenes.arguments import known_names
 from scenes.model.motion import Samples
 
-from .core.decomposition import Dyad
+from .core.decomposition import Dyad, Linkage, members
 from .core.dyads import Vectors, dot
 from .core.group_equations import Group
 from .core.kinetostatics import Reactions
@@ -28,17 +29,17 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
     """
     for point in scene.moving_points:
         for q, of in (("", "z"), ("v", "v"), ("a", "a")):
-            yield (f"{point}.{q}x", f"{point}.{q}y"), partial(_moving, of, point)
+            yield (f"{point}.{q}x", f"{point}.{q}y"), partial(lambda of, point, k, _: getattr(k, of)[point], of, point)
     for pin in scene.pins if scene.has_masses else ():
-        yield (f"{pin.channel}.fx", f"{pin.channel}.fy"), partial(_pin, (pin.point, pin.second))
+        yield (f"{pin.channel}.fx", f"{pin.channel}.fy"), partial(lambda at, _, on: on.pin[at], (pin.point, pin.second))
     for body in scene.turning:
-        yield (f"{body}.angle",), partial(_angle, body)
-        yield (f"{body}.omega",), partial(_moving, "omega", body)
-        yield (f"{body}.alpha",), partial(_moving, "alpha", body)
+        yield (f"{body}.angle",), partial(lambda body, k, _: np.arctan2(k.u[body].imag, k.u[body].real), body)
+        yield (f"{body}.omega",), partial(lambda body, k, _: k.omega[body], body)
+        yield (f"{body}.alpha",), partial(lambda body, k, _: k.alpha[body], body)
     if scene.has_masses:
         for name in (name for name, body in scene.bodies.items() if body.slide is not None):
-            yield (f"{name}.guide_force",), partial(_guide, name, 0)
-            yield (f"{name}.guide_moment",), partial(_guide, name, 1)
+            for part, q in enumerate(("force", "moment")):
+                yield (f"{name}.guide_{q}",), partial(lambda name, part, _, on: on.guide[name][part], name, part)
         yield ("drive.torque" if scene.driven_slide is None else "drive.force",), lambda _, on: on.effort
     for group in groups:
         if not isinstance(group, Group):
@@ -46,31 +47,20 @@ def all_channels(scene: Scene, groups: Iterable[Dyad | Group]) -> Iterator[tuple
         yield (f"{group.P}.to_lock",), partial(_to_lock, group)
 
 
-def known_channels(
-    scene: Scene, groups: Sequence[Dyad | Group], channels: AbstractSet[str] | None
-) -> frozenset[str] | None:
-    """The channels asked for, besides the time and the drive's position, or InputError; None for all."""
+def asked(scene: Scene, whole: Linkage, channels: AbstractSet[str] | None) -> tuple[Sampling, Linkage]:
+    """A request of the channels, or InputError; and the decomposition with the groups that they need.
+
+    The last groups go unless a force, or a point or body of theirs, is wanted.
+    """
     if channels is None:
-        return None
-    names = (name for names, _ in all_channels(scene, groups) for name in names)
-    return known_names("channels", channels, ("time", scene.drive_channel, *names))
-
-
-def _moving(of: str, name: str, k: Kinematics, _: Reactions) -> Vectors | Samples:
-    samples: Vectors | Samples = getattr(k, of)[name]
-    return samples
-
-
-def _pin(joint: tuple[str, str], _: Kinematics, on: Reactions) -> Vectors:
-    return on.pin[joint]
-
-
-def _angle(body: str, k: Kinematics, _: Reactions) -> Samples:
-    return np.arctan2(k.u[body].imag, k.u[body].real)
-
-
-def _guide(body: str, part: int, _: Kinematics, on: Reactions) -> Samples:
-    return on.guide[body][part]
+        return Sampling(), whole
+    names = (name for names, _ in all_channels(scene, whole.groups) for name in names)
+    request = Sampling(channels=known_names("channels", channels, ("time", scene.drive_channel, *names)))
+    wanted = {channel.rpartition(".")[0] for channel in request.channels or ()}
+    count = len(whole.groups)
+    while count and not any({body, *whole.carries[body]} & wanted for body in members(whole.groups[count - 1])):
+        count -= 1
+    return request, whole if request.wants_forces(scene) else replace(whole, groups=whole.groups[:count])
 
 
 def _transmission(joint: str, k: Kinematics, _: Reactions) -> Samples:

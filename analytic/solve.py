@@ -3,21 +3,21 @@
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from scenes import Failure, InputError, Motion, Request, Sampling, Scene, Status
+from scenes import Failure, InputError, Motion, Request, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.drive import Driven
 from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
 
-from .channels import FromBoth, all_channels, known_channels
+from .channels import FromBoth, all_channels, asked
 from .core.continuation import Track, misfit
-from .core.decomposition import Dyad, Linkage, decompose, guides_cross, with_needed_groups
+from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions, StrokeEnds
@@ -76,13 +76,11 @@ def prepared(
     scene: Scene, whole: Linkage, channels: AbstractSet[str] | None = None, tracks: Mapping[Group, Track] | None = None
 ) -> "Solver":
     """Return the solver by a decomposition, of groups that are needed, followed unless there are `tracks` of them."""
-    request = Sampling(channels=known_channels(scene, whole.groups, channels))
-    forces = request.wants_forces(scene)
-    linkage = followed(scene, with_needed_groups(whole, request.channels, forces=forces), tracks)
-    presses = {n: load for n, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces}
-    strokes = {n: (load.body, load.closing) for n, load in presses.items()}
-    ends = {stroke: stroke_end(scene, linkage, n) for stroke, n in {s: n for n, s in strokes.items()}.items()}
-    return Solver(scene, linkage, {n: ends[stroke] for n, stroke in strokes.items()}, request)
+    request, needed = asked(scene, whole, channels)
+    linkage, loads = followed(scene, needed, tracks), scene.loads if request.wants_forces(scene) else ()
+    end = cache(partial(stroke_end, scene, linkage))
+    ends = {n: end(load.body, load.closing) for n, load in enumerate(loads) if isinstance(load, PressForce)}
+    return Solver(scene, linkage, ends, request)
 
 
 @dataclass(frozen=True)

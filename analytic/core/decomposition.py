@@ -7,8 +7,7 @@ one larger group.
 """
 
 from collections.abc import Iterator, Mapping
-from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import TypeAlias
 
@@ -118,17 +117,6 @@ def route(scene: Scene) -> str:
 def in_closed_form(scene: Scene) -> bool:
     """Return whether a scene is solved without iterations, as its groups are dyads alone, or raise as `route` does."""
     return not any(isinstance(group, Group) for group in decompose(scene).groups)
-
-
-def with_needed_groups(whole: Linkage, channels: AbstractSet[str] | None, *, forces: bool) -> Linkage:
-    """A decomposition without the last groups, unless a force, or a point or body of theirs, is wanted."""
-    if channels is None or forces:
-        return whole
-    names = {channel.rpartition(".")[0] for channel in channels}
-    count = len(whole.groups)
-    while count and not any({body, *whole.carries[body]} & names for body in members(whole.groups[count - 1])):
-        count -= 1
-    return replace(whole, groups=whole.groups[:count])
 
 
 def kind(group: Dyad | Group) -> str:

@@ -161,7 +161,7 @@ class Pass(Placing):
     def rpp(self, dyad: InnerSlide, one: Guided, two: Pinned) -> None:
         """Turn the pinned leg with the outer guide; the other leg's point F then lies where its two guides cross."""
         k, inner = self.k, dyad.guide
-        self.place(two.body, two.A, k.u[one.on], self.spin(one.on))
+        self.place_along(two.body, two.A, one.on)
         t1, t2 = self.k.direction(one), self.k.direction(inner)
         closure = k.closure[dyad.P] = Closure(t1, t2, cross(t1, t2))
         k.to_lock[dyad.P] = self.linkage.arm * dyad.branch * closure.det

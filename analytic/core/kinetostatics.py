@@ -224,10 +224,8 @@ class Balance:
         if isinstance(load, Force):
             return samples(as_complex(load.force))
         first = self.scene.bodies[load.body].points[0]
-        t, through = guide_of(self.scene, first)
-        s = dot(t, self.k.z[first] - through)
+        s, ds, _ = self.k.displaced(self.scene, first)
         if isinstance(load, ForceTable):
-            force: Vectors = t * load.along(s)
+            force: Vectors = guide_of(self.scene, first)[0] * load.along(s)
             return force
-        acts = load.acts(s, dot(t, self.k.v[first]), self.stroke_ends[number])
-        return np.where(acts, as_complex(load.force), 0)
+        return np.where(load.acts(s, ds, self.stroke_ends[number]), as_complex(load.force), 0)

@@ -11,8 +11,8 @@ from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
 from .decomposition import Guided, Linkage
-from .dyads import Vectors, closing, rrr_position, turned
-from .geometry import as_complex
+from .dyads import Vectors, closing, dot, rrr_position, turned
+from .geometry import as_complex, guide_of
 from .group_equations import FramePoses, GroupEquations
 from .numbers import Vector, samples
 
@@ -53,6 +53,11 @@ class Kinematics:
     def direction(self, leg: Guided) -> Vectors:
         """Return the direction of a leg's guide in the plane."""
         return samples(leg.t) if leg.on == GROUND else self.u[leg.on] * leg.t
+
+    def displaced(self, scene: Scene, point: str) -> tuple[Samples, Samples, Samples]:
+        """Return a slider's displacement at its point along its guide on the ground from `through`, with its rates."""
+        t, through = guide_of(scene, point)
+        return dot(t, self.z[point] - through), dot(t, self.v[point]), dot(t, self.a[point])
 
 
 class Placing:
@@ -114,11 +119,11 @@ class Placing:
 
     def place_on_guide(self, leg: Guided, foot: str) -> None:
         """Carry a leg's own points along with its placed point `foot`; it turns with what it slides on."""
-        self.place(leg.body, foot, self.k.u[leg.on], self.spin(leg.on))
+        self.place_along(leg.body, foot, leg.on)
 
-    def spin(self, body: str) -> Spin | None:
-        """Return how a placed body turns."""
-        return (self.k.omega[body], self.k.alpha[body]) if self.rates else None
+    def place_along(self, body: str, foot: str, on: str) -> None:
+        """Carry the body's own points along with its placed point `foot`; it turns with another."""
+        self.place(body, foot, self.k.u[on], (self.k.omega[on], self.k.alpha[on]) if self.rates else None)
 
     def place(self, body: str, foot: str, u: Vectors, spin: Spin | None) -> None:
         """Carry the body's own points along with its placed point `foot`."""

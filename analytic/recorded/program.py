@@ -17,11 +17,10 @@ from scenes import Sampling, Scene
 from scenes.drive import Driven, Samples
 from scenes.scene import GROUND, ConstantSpeed, PressForce
 
-from ..channels import all_channels, known_channels
+from ..channels import all_channels, asked
 from ..core.continuation import Track
-from ..core.decomposition import Linkage, decompose, with_needed_groups
-from ..core.dyads import dot
-from ..core.geometry import as_complex, guide_of
+from ..core.decomposition import Linkage, decompose
+from ..core.geometry import as_complex
 from ..core.group_equations import Group, size_of
 from ..core.kinematics import Pass
 from ..core.kinetostatics import Balance, Reactions
@@ -64,10 +63,8 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     numbers = {path: Traced(make, make.input(path, sampled=False)) for path in scene.numbers if path in paths}
     opened = scene.with_numbers(numbers)
     every = decompose(opened)
-    channels = known_channels(scene, every.groups, channels)
-    request = Sampling(channels=channels)
-    forces = request.wants_forces(scene)
-    linkage = with_needed_groups(every, channels, forces=forces)
+    request, linkage = asked(scene, every, channels)
+    channels, forces = request.channels, request.wants_forces(scene)
     driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
     if isinstance(opened.drive, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
@@ -77,9 +74,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     presses = {number: load for number, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces}
     strokes: dict[int, tuple[Expression, Expression]] = {}
     for number, load in presses.items():
-        first = scene.bodies[load.body].points[0]
-        t, through = guide_of(opened, first)
-        s, ds = (traced(make, dot(t, x)) for x in (k.z[first] - through, k.v[first]))
+        s, ds, _ = (traced(make, x) for x in k.displaced(opened, scene.bodies[load.body].points[0]))
         strokes[number] = s.x, ds.x
     if forces:
         ends: Any = {number: Traced(make, make.input(stroke_end_input(number), sampled=False)) for number in presses}

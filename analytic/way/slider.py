@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 from scenes import Failure, InputError, Scene, Status
 from scenes.arguments import finite_numbers
 from scenes.model.motion import Samples
-from scenes.scene import PressForce
 
 from ..core.decomposition import Linkage, decompose
-from ..core.dyads import dot
 from ..core.geometry import guide_of
 from ..core.kinematics import followed
 from .motion_range import SAMPLES, changes, describe, motion_at, zeros
@@ -97,22 +95,20 @@ def dead_points(displaced: Displaced, least: float, most: float) -> Samples:
 
 def displacement(scene: Scene, linkage: Linkage, point: str) -> Displaced:
     """The displacement of a slider's point along its guide from `through`, with its derivatives by the drive."""
-    t, through = guide_of(scene, point)
+    guide_of(scene, point)  # which refuses a point without one
 
     def displaced(position: Samples) -> tuple[Samples, Samples, Samples]:
-        k, shape = motion_at(scene, linkage, position), np.zeros(np.shape(position))
-        return tuple(dot(t, x) + shape for x in (k.z[point] - through, k.v[point], k.a[point]))  # type: ignore[return-value]
+        shape = np.zeros(np.shape(position))
+        s, ds, dds = motion_at(scene, linkage, position).displaced(scene, point)
+        return s + shape, ds + shape, dds + shape
 
     return displaced
 
 
-def stroke_end(scene: Scene, linkage: Linkage, number: int) -> float:
-    """Find how far a cycle of the drive takes a press force's slider in its closing direction, m."""
-    load = scene.loads[number]
-    assert isinstance(load, PressForce)
-    displaced = displacement(scene, linkage, scene.bodies[load.body].points[0])
-    ends = furthest(lambda way: [each[np.newaxis] for each in displaced(way[0])], load.closing, *scene.drive.extent)
-    return float(ends[0])
+def stroke_end(scene: Scene, linkage: Linkage, body: str, closing: float) -> float:
+    """Find how far a cycle of the drive takes a slider in its closing direction, of this sign, m."""
+    displaced = displacement(scene, linkage, scene.bodies[body].points[0])
+    return float(furthest(lambda way: [each[None] for each in displaced(way[0])], closing, *scene.drive.extent)[0])
 
 
 def furthest(

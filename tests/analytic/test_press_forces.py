@@ -28,7 +28,7 @@ def pressed(force: float = -50.0, **drive: Any) -> scene_files.Changes:
 
 def end_of_stroke(scene: Scene) -> float:
     (load,) = (load for load in scene.loads if isinstance(load, PressForce))
-    return float(stroke_end(scene, followed(scene, decompose(scene)), scene.loads.index(load)))
+    return float(stroke_end(scene, followed(scene, decompose(scene)), load.body, load.closing))
 
 
 def test_dead_points_of_an_offset_slider_crank() -> None:
