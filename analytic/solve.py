@@ -22,13 +22,12 @@ from .core.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions, StrokeEnds
 from .core.placing import Kinematics
-from .recorded.arithmetics.in_numpy import StraightLine
+from .recorded.arithmetics.in_numpy import StraightLine, blocks
 from .recorded.expressions import Line
 from .recorded.program import Program, inputs_at, recorded, stroke_end_input
 from .way.motion_range import describe
 from .way.slider import stroke_end
 
-BLOCK = 8000  # positions, whose temporaries stay in cache
 # glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
 # back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
 np.empty(31 << 17)
@@ -124,8 +123,7 @@ class Solver:
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):  # what is not finite gets a status
-            for start in range(0, len(position), BLOCK):
-                block = slice(start, start + BLOCK)
+            for _, block in blocks(1, len(position)):
                 k = motion_at(scene, linkage, Driven(*(x[block] if x.ndim else x for x in driven)))
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()

@@ -75,13 +75,11 @@ class FramePoses:
 
 @dataclass(frozen=True)
 class Placed:
-    """What a group hangs on: frames, and how they move, each of shape (..., frames)."""
+    """What a group hangs on: frames, and the rates of their coordinates, q' and q'', each of shape (..., 3 frames)."""
 
     pose: FramePoses
-    v: Complex
-    omega: Samples
-    a: Complex
-    alpha: Samples
+    dq: Samples
+    ddq: Samples
 
 
 @dataclass(frozen=True)

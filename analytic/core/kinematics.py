@@ -15,7 +15,7 @@ from scenes.scene import GROUND
 from .continuation import Track, follow
 from .decomposition import Guided, InnerPin, InnerSlide, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
-from .group_equations import FramePoses, Group, Placed, in_plane, stacked
+from .group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .newton_group import rates
 from .numbers import samples
 from .placing import Closure, Kinematics, Placing, RRRPosition
@@ -206,4 +206,5 @@ class Pass(Placing):
                 point = name.removeprefix(".")
                 z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)
         pose = FramePoses(*stacked(self.driven.position.shape, z, angle))
-        return Placed(pose, *stacked(pose.z.shape[:-1], v, omega, a, alpha))
+        moving = (coordinates(*stacked(pose.z.shape[:-1], *one)) for one in ((v, omega), (a, alpha)))
+        return Placed(pose, *moving)

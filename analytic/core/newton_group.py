@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes.model.motion import Samples
 
-from .group_equations import FramePoses, GroupEquations, Placed, coordinates, in_plane, length_of
+from .group_equations import FramePoses, GroupEquations, Placed, in_plane, length_of
 
 CLOSED = 1e-10  # of the group's size: Newton's last correction, beyond which there are only roundings
 ROUGHLY = 1e-7  # of the group's size: the same near a singular pose, where roundings grow to their square root, 1e-8
@@ -67,10 +67,9 @@ def rates(equations: GroupEquations, pose: FramePoses, everywhere: Samples, plac
     """Return q' and q'', shape (..., m), by the Jacobian of all frames."""
     b = equations.bodies
     J, J_placed = everywhere[..., : 3 * b], everywhere[..., 3 * b :]
-    dq = solved(J, -np.einsum("...ij,...j->...i", J_placed, coordinates(placed.v, placed.omega)))
-    v, omega = (np.concatenate(pair, axis=-1) for pair in zip(in_plane(dq), (placed.v, placed.omega), strict=True))
-    driving = np.einsum("...ij,...j->...i", J_placed, coordinates(placed.a, placed.alpha))
-    return dq, solved(J, -driving - equations.quadratic(pose, v, omega))
+    dq = solved(J, -np.einsum("...ij,...j->...i", J_placed, placed.dq))
+    turning = equations.quadratic(pose, *in_plane(np.append(dq, placed.dq, axis=-1)))
+    return dq, solved(J, -np.einsum("...ij,...j->...i", J_placed, placed.ddq) - turning)
 
 
 def own_jacobian(equations: GroupEquations, pose: FramePoses) -> Samples:

@@ -11,7 +11,7 @@ from scenes import Scene, Status
 from scenes.arguments import finite_numbers, refuse
 from scenes.model.motion import Samples
 
-from ..solve import BLOCK
+from .arithmetics.in_numpy import BLOCK, blocks
 from .many import Endings, many_solver
 
 
@@ -120,16 +120,12 @@ def reduce_many(
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
     positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
     n, endings, done = positions.shape[-1], Endings(many), 0
-    height = max(1, 2 * BLOCK // max(n, 1))
-    for first in range(0, many.count, height):
-        rows = slice(first, min(first + height, many.count))
-        for start in range(0, n, BLOCK):
-            columns = slice(start, min(start + BLOCK, n))
-            at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
-            samples = many.block(rows, at, None, endings)
-            for reduction in reductions:
-                reduction.take(rows, at, samples[reduction.channel])
-            done += (rows.stop - rows.start) * (columns.stop - columns.start)
-            if progress is not None:
-                progress(done, many.count * n)
+    for rows, columns in blocks(many.count, n, 2 * BLOCK):
+        at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
+        samples = many.block(rows, at, None, endings)
+        for reduction in reductions:
+            reduction.take(rows, at, samples[reduction.channel])
+        done += (rows.stop - rows.start) * (columns.stop - columns.start)
+        if progress is not None:
+            progress(done, many.count * n)
     return endings.told()

@@ -28,13 +28,10 @@ class StraightLine:
         """The values."""
         m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
         rows = np.zeros((self._count, m, n))  # whose pages, where nothing is written, cost nothing
-        height = max(1, BLOCK // n) if n else m
         with np.errstate(all="ignore"), row_by_row(n):
-            for first in range(0, m, height):
-                for start in range(0, n, BLOCK):
-                    place = slice(first, first + height), slice(start, start + BLOCK)
-                    here = {name: _part(values, *place) for name, values in given.items()}
-                    self._evaluate(here, rows[:, *place])
+            for place in blocks(m, n):
+                here = {name: part(values, *place) for name, values in given.items()}
+                self._evaluate(here, rows[:, *place])
         return rows
 
 
@@ -160,7 +157,15 @@ def row_by_row(n: int) -> Iterator[None]:
         np.setbufsize(before)
 
 
-def _part(values: Any, rows: slice, columns: slice) -> Any:
+def blocks(m: int, n: int, most: int = BLOCK) -> Iterator[tuple[slice, slice]]:
+    """Yield places of machines and positions, about as many samples, whose temporaries stay in cache."""
+    height = max(1, most // max(n, 1))
+    for first in range(0, m, height):
+        for start in range(0, n, BLOCK):
+            yield slice(first, min(first + height, m)), slice(start, min(start + BLOCK, n))
+
+
+def part(values: Any, rows: slice, columns: slice) -> Any:
     """The values of some machines and positions, of shape (m, n) or 1 for either, or a plain number."""
     if np.ndim(values) == 0:
         return float(values)

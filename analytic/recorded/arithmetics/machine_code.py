@@ -18,7 +18,7 @@ import numpy as np
 from scenes.model.motion import Samples
 
 from ..expressions import SIGNS, Expression, Inputs, needed, walk
-from .in_numpy import BLOCK
+from .in_numpy import blocks, part
 
 CHUNK = 256  # positions: their results stay in the second cache, and go to memory in long rows
 LANES = 8  # positions in a vector instruction, or a multiple of theirs
@@ -74,37 +74,27 @@ class MachineCode:
         """The values."""
         code = self._code
         m, n = np.broadcast_shapes((1, 1), *(np.shape(values) for values in given.values()))
-        machines = np.repeat(self._known, m, axis=0)
+        numbers = np.repeat(self._known, m, axis=0)
         for column, name in enumerate(code.numbers):
             if name in given:
-                machines[:, column] = np.ravel(given[name])
+                numbers[:, column] = np.ravel(given[name])
         driven = [(function, np.atleast_2d(given[name])) for function, name in code.drive]
+        own = any(len(values) > 1 for _, values in driven)
         filled = np.empty((code.rows, m, n))
-        height = max(1, BLOCK // n) if n else m
-        for top in range(0, m, height):
-            for left in range(0, n, BLOCK):
-                place = slice(top, top + height), slice(left, min(left + BLOCK, n))
-                self._fill(machines[top : top + height], driven, filled, place)
+        for rows, columns in blocks(m, n):  # so that sines, cosines and arcs stay in cache
+            machines, count = numbers[rows], columns.stop - columns.start
+            drive = np.zeros((len(machines) if own else 1, len(driven), -(-count // LANES) * LANES))
+            for column, (function, values) in enumerate(driven):
+                here = part(values, rows, columns)
+                drive[:, column, :count] = getattr(np, function)(here) if function else here
+            arcs = np.empty((len(code.arcs), len(machines), count))
+            self._kernel(machines, drive, filled, arcs, rows.start, columns.start)
+            for (row, _, _), x in zip(code.arcs, arcs, strict=True):
+                y = filled[row, rows, columns]
+                np.arctan2(y, x, out=y)
         for row, same in code.same.items():
             filled[row] = filled[same]
         return filled
-
-    def _fill(
-        self, machines: Samples, driven: Sequence[tuple[str, Samples]], filled: Samples, place: tuple[slice, slice]
-    ) -> None:
-        """Fill some machines and positions, of which sines, cosines and arcs stay in cache."""
-        rows, columns = place
-        n = columns.stop - columns.start
-        own = len(machines) if any(len(values) > 1 for _, values in driven) else 1
-        drive = np.zeros((own, len(driven), -(-n // LANES) * LANES))
-        for column, (function, values) in enumerate(driven):
-            here = values[rows if len(values) > 1 else slice(None), columns if values.shape[1] > 1 else slice(None)]
-            drive[:, column, :n] = getattr(np, function)(here) if function else here
-        arcs = np.empty((len(self._code.arcs), len(machines), n))
-        self._kernel(machines, drive, filled, arcs, rows.start, columns.start)
-        for (row, _, _), x in zip(self._code.arcs, arcs, strict=True):
-            y = filled[row, rows, columns]
-            np.arctan2(y, x, out=y)
 
 
 def operations(expressions: Sequence[Expression]) -> int | None:
