@@ -14,7 +14,7 @@ from .core.decomposition import Linkage
 from .core.dyads import Vectors, cross, turned
 from .core.kinematics import kinematics
 from .core.placing import Kinematics
-from .solve import MotionAt, Solver, solver
+from .solve import Solver, solver
 from .way.change_points import check_way
 
 
@@ -56,9 +56,12 @@ class AnalyticSimulation:
     residuals: Mapping[str, float] = {}  # a closed form has none of its own; its floor is certified from outside
 
     def __init__(self, solver: Solver, request: Request, settings: AnalyticSettings) -> None:
-        known = frozenset(solver.known)
-        self._solver = replace(solver, request=Sampling(channels=known))  # no engine's clock counts what is its own
-        self._own = replace(solver, request=Sampling(channels=frozenset(solver.own))) if solver.own else None
+        if settings.half_angles:
+            solver = replace(solver, motion_at=partial(kinematics, rrr=half_angle_position))
+        elif settings.steps is not None:
+            solver = replace(solver, motion_at=partial(differenced, step=solver.scene.drive.cycle / settings.steps))
+        asked = (Sampling(channels=frozenset(names)) for names in (solver.known, solver.own))
+        self._solver, self._own = (replace(solver, request=some) for some in asked)  # no clock counts what is its own
         self._request, self._settings = request, settings
         self._motion: Motion | None = None
 
@@ -67,19 +70,13 @@ class AnalyticSimulation:
         self._motion = self._evaluated(self._solver)
 
     def _evaluated(self, solver: Solver) -> Motion:
-        scene, settings = solver.scene, self._settings
-        commanded = self._request.commanded(scene).astype(np.float32 if settings.single else np.float64)
-        motion_at: MotionAt | None = None
-        if settings.half_angles:
-            motion_at = partial(kinematics, rrr=half_angle_position)
-        elif settings.steps is not None:
-            motion_at = partial(differenced, step=scene.drive.cycle / settings.steps)
-        return solver(commanded, self._request.times(scene), motion_at)
+        commanded = self._request.commanded(solver.scene).astype(np.float32 if self._settings.single else np.float64)
+        return solver(commanded, self._request.times(solver.scene))
 
     def read(self) -> Motion:
         """Return the channels, whatever precision they were found in, as doubles."""
         assert self._motion is not None, "expected `solve` first"
-        own = self._evaluated(self._own).samples if self._own else {}
+        own = self._evaluated(self._own).samples if self._own.own else {}
         samples = {**self._motion.samples, **own}
         return Motion({channel: values.astype(np.float64, copy=False) for channel, values in samples.items()})
 

@@ -91,9 +91,10 @@ class Solver:
     stroke_ends: StrokeEnds  # where forces are wanted
     request: Request
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
+    motion_at: MotionAt | None = None  # another way to the kinematics
 
-    def __call__(self, position: ArrayLike, time: ArrayLike | None = None, motion_at: MotionAt | None = None) -> Motion:
-        """Solve as `solve` does, with what it returns and raises, or by another way to the kinematics.
+    def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
+        """Solve as `solve` does, with what it returns and raises.
 
         Where the positions are an array in single precision, so is all that is computed.
         """
@@ -103,9 +104,9 @@ class Solver:
         if position.ndim != 1 or time.ndim != 1:
             raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
         line_pays = self.at_hand is not None or len(position) >= RECORDED_FROM
-        samples = self._by_line(driven) if line_pays and not single and motion_at is None else None
+        samples = self._by_line(driven) if line_pays and not single and self.motion_at is None else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
-            samples = self._by_formulas(driven, motion_at or partial(kinematics, rates=self.rates))
+            samples = self._by_formulas(driven)
         samples |= {"time": time, self.scene.drive_channel: position}
         return Motion({channel: samples[channel] for channel in (*self.known, *self.own)})
 
@@ -117,8 +118,9 @@ class Solver:
         rows = line({**self.ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
         return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
-    def _by_formulas(self, driven: Driven, motion_at: MotionAt) -> dict[str, Samples]:
+    def _by_formulas(self, driven: Driven) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
+        motion_at = self.motion_at or partial(kinematics, rates=self.rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
         kinds = position.dtype, np.result_type(position.dtype, np.complex64)
         rows = {names: np.empty(len(position), kinds[len(names) - 1]) for names in self.channels}

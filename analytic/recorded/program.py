@@ -71,13 +71,13 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     way = RecordedPass(make, opened, linkage, driven)
     k = way.solve().k
     on = Reactions()
-    presses = {number: load for number, load in enumerate(scene.loads) if isinstance(load, PressForce) and forces}
     strokes: dict[int, tuple[Expression, Expression]] = {}
-    for number, load in presses.items():
-        s, ds, _ = (traced(make, x) for x in k.displaced(opened, scene.bodies[load.body].points[0]))
-        strokes[number] = s.x, ds.x
     if forces:
-        ends: Any = {number: Traced(make, make.input(stroke_end_input(number), sampled=False)) for number in presses}
+        for number, load in enumerate(scene.loads):
+            if isinstance(load, PressForce):
+                s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
+                strokes[number] = s, ds
+        ends: Any = {number: Traced(make, make.input(stroke_end_input(number), sampled=False)) for number in strokes}
         on = RecordedBalance(opened, linkage, ends, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
