@@ -3,9 +3,9 @@
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,7 @@ from .expressions import Expression, Line
 from .program import Program, inputs_at, recorded, stroke_end_input
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
+Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
 LINES: deque[Any] = deque(maxlen=4)  # block after block of machines of one scene are solved
 
 
@@ -131,8 +132,9 @@ class ManySolver:
     numbers: Mapping[str, Samples]  # that differ, by path, SI, shape (m, 1)
     stroke_ends: Mapping[str, Samples]  # by input, m, shape (m, 1)
     tracks: Sequence[Mapping[Group, Track]] | None  # of each machine's larger groups; None where all go alone
-    failed: Mapping[int, tuple[Status, str]]  # machines that no file may describe, and why
+    failed: Mapping[int, Ending]  # machines that no file may describe, and why
     count: int  # m
+    cores: dict[int, Solver] = field(default_factory=dict)  # of machines that the line does not have all of
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
         """Solve as `solve_many` does, with what it returns and raises."""
@@ -141,12 +143,14 @@ class ManySolver:
         for name, given in (("position", position), ("time", position if time is None else time)):
             if given.shape not in (shape[1:], shape):
                 raise InputError(f"{name}: expected the shape {shape[1:]} or {shape}, found {given.shape}")
-        endings = Endings(self)
-        samples = self.block(slice(0, self.count), position, time, endings)
-        return Machines(samples, *endings.told())
+        failed = dict(self.failed)
+        samples = self.block(slice(0, self.count), position, time, failed)
+        return Machines(samples, *told(failed, self.count))
 
-    def block(self, rows: slice, position: Samples, time: Samples | None, endings: "Endings") -> dict[str, Samples]:
-        """The channels of some machines, in the order of the files; NaN where a machine is stopped, which is noted.
+    def block(
+        self, rows: slice, position: Samples, time: Samples | None, failed: dict[int, Ending]
+    ) -> dict[str, Samples]:
+        """The channels of some machines, in the order of the files; NaN where one is stopped, which `failed` takes in.
 
         Their positions and instants have the shape (n,) or (rows, n).
         """
@@ -169,70 +173,57 @@ class ManySolver:
         channels |= zip(self.program.channels, filled, strict=False)
         fine = ~stopped.any(axis=1) & np.isfinite(filled.sum(axis=(0, 2)))
         for row in range(shape[0]) if self.program.own else np.flatnonzero(~fine).tolist():
-            at = position[row] if position.ndim == 2 else position
-            when = time[row] if time is not None and time.ndim == 2 else time
-            tracks = self.tracks[rows.start + row] if self.tracks is not None and fine[row] else None
-            some = {name: values[row] for name, values in channels.items() if not fine[row] or name in self.program.own}
-            endings.alone(rows.start + row, at, when, some, tracks)
+            if (machine := rows.start + row) not in self.failed:
+                at = position[row] if position.ndim == 2 else position
+                when = time[row] if time is not None and time.ndim == 2 else time
+                left = {name: channels[name][row] for name in (self.program.own if fine[row] else channels)}
+                if ending := self._alone(machine, at, when, left, followed=bool(fine[row])):
+                    failed.setdefault(machine, ending)
         drive = {"time": instants, self.scene.drive_channel: position}
         channels |= {name: np.broadcast_to(values, shape) for name, values in drive.items()}
         return {name: channels[name] for name in self.program.names}
 
+    def _alone(
+        self, machine: int, position: Samples, time: Samples | None, samples: Mapping[str, Samples], *, followed: bool
+    ) -> Ending | None:
+        """Let the core fill in a machine's samples, of the positions' shape; what stops it as of one run, if anything.
 
-class Endings:
-    """How each machine ends: the first thing that stops it."""
-
-    def __init__(self, many: ManySolver) -> None:
-        self.many, self.failed = many, dict(many.failed)
-        self._cores: dict[int, Solver] = {}
-
-    def alone(
-        self,
-        machine: int,
-        position: Samples,
-        time: Samples | None,
-        samples: Mapping[str, Samples],
-        tracks: Mapping[Group, Track] | None,
-    ) -> None:
-        """Let the core fill in a machine's samples, of the positions' shape, and note what stops it as of one run."""
-        if machine in self.many.failed:
-            return
+        Its larger groups are `followed` already where the line has all else.
+        """
         try:
-            if machine not in self._cores:
-                self._cores[machine] = self._core(machine, tracks)
+            core = self.cores.get(machine) or self._core(machine, followed=followed)
         except Failure as failure:
-            self.failed.setdefault(machine, (failure.status, failure.reason))
-            return
-        core = self._cores[machine]
+            return failure.status, failure.reason
         with np.errstate(all="ignore"):
             k = kinematics(core.scene, core.linkage, Driven(position, np.ones(()), np.zeros(())), rates=False)
             reached = np.ones(position.shape, np.bool_)
             for reach in k.reach.values():
                 reached &= ~(reach < 0)
+            ending: Ending | None = None
             if (stop := not_reached(core.linkage, k, position)) is not None:
                 why = f"{where_open(core.scene, core.linkage, *stop)}; {in_line(stop[0])}"
-                self.failed.setdefault(machine, (Status.cannot_assemble, why))
+                ending = Status.cannot_assemble, why
             motion = core(position[reached], time if time is None else time[reached])
         for channel, values in samples.items():
             values[...] = np.nan
             values[reached] = motion[channel]
         if not all(np.isfinite(motion[channel]).all() for channel in samples):
-            self.failed.setdefault(machine, (Status.nonfinite, "a channel holds values that are not finite"))
+            return ending or (Status.nonfinite, "a channel holds values that are not finite")
+        return ending
 
-    def _core(self, machine: int, tracks: Mapping[Group, Track] | None) -> Solver:
-        """The core's solver of one machine, whose larger groups are followed unless their branches are given."""
-        many = self.many
-        one = many.scene.with_numbers({path: float(values[machine, 0]) for path, values in many.numbers.items()})
-        whole = decompose(one)
-        own = tracks and {
-            g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()
-        }
-        return prepared(one, whole, many.program.request.channels, own)
+    def _core(self, machine: int, *, followed: bool) -> Solver:
+        """The core's solver of one machine, which is kept."""
+        one = self.scene.with_numbers({path: float(values[machine, 0]) for path, values in self.numbers.items()})
+        whole, tracks = decompose(one), self.tracks[machine] if self.tracks is not None and followed else {}
+        own = {g: replace(track, equations=equations_of(one, whole.bodies, g)) for g, track in tracks.items()}
+        self.cores[machine] = prepared(one, whole, self.program.request.channels, own)
+        return self.cores[machine]
 
-    def told(self) -> tuple[tuple[Status, ...], tuple[str, ...]]:
-        """Return each machine's status, and why it is not ok."""
-        endings = [self.failed.get(machine, (Status.ok, "")) for machine in range(self.many.count)]
-        return tuple(status for status, _ in endings), tuple(why for _, why in endings)
+
+def told(failed: Mapping[int, Ending], count: int) -> tuple[tuple[Status, ...], tuple[str, ...]]:
+    """Return each machine's status, and why it is not ok."""
+    endings = [failed.get(machine, (Status.ok, "")) for machine in range(count)]
+    return tuple(status for status, _ in endings), tuple(why for _, why in endings)
 
 
 def _stroke_ends(

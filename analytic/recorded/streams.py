@@ -12,7 +12,7 @@ from scenes.arguments import finite_numbers, refuse
 from scenes.model.motion import Samples
 
 from .arithmetics.in_numpy import BLOCK, blocks
-from .many import Endings, many_solver
+from .many import many_solver, told
 
 
 @dataclass(frozen=True)
@@ -119,13 +119,13 @@ def reduce_many(
         refuse("reductions", "several, as [Extremes(...)]", reductions)
     many = many_solver(scene, changes, frozenset(reduction.channel for reduction in reductions))
     positions = position if isinstance(position, Grid) else np.atleast_1d(finite_numbers("position", position))
-    n, endings, done = positions.shape[-1], Endings(many), 0
+    n, failed, done = positions.shape[-1], dict(many.failed), 0
     for rows, columns in blocks(many.count, n, 2 * BLOCK):
         at = positions[rows, columns] if len(positions.shape) == 2 else positions[columns]
-        samples = many.block(rows, at, None, endings)
+        samples = many.block(rows, at, None, failed)
         for reduction in reductions:
             reduction.take(rows, at, samples[reduction.channel])
         done += (rows.stop - rows.start) * (columns.stop - columns.start)
         if progress is not None:
             progress(done, many.count * n)
-    return endings.told()
+    return told(failed, many.count)
