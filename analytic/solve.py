@@ -20,11 +20,11 @@ from .core.continuation import Track, misfit
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
-from .core.kinetostatics import Balance, Reactions, StrokeEnds
+from .core.kinetostatics import Balance, Reactions, StrokeEnds, stroke_end_input
 from .core.placing import Kinematics
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
 from .recorded.expressions import Line
-from .recorded.program import Program, inputs_at, recorded, stroke_end_input
+from .recorded.program import Program, inputs_at, recorded
 from .way.motion_range import describe
 from .way.slider import stroke_end
 
@@ -78,8 +78,8 @@ def prepared(
     request, needed = asked(scene, whole, channels)
     linkage, loads = followed(scene, needed, tracks), scene.loads if request.wants_forces(scene) else ()
     end = cache(partial(stroke_end, scene, linkage))
-    ends = {n: end(load.body, load.closing) for n, load in enumerate(loads) if isinstance(load, PressForce)}
-    return Solver(scene, linkage, ends, request)
+    presses = {stroke_end_input(n): load for n, load in enumerate(loads) if isinstance(load, PressForce)}
+    return Solver(scene, linkage, {name: end(load.body, load.closing) for name, load in presses.items()}, request)
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Solver:
         if self.recorded is None:
             return None
         program, line = self.recorded
-        rows = line({**self.ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
+        rows = line({**self.stroke_ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
         return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
     def _by_formulas(self, driven: Driven) -> dict[str, Samples]:
@@ -142,11 +142,6 @@ class Solver:
         """The recorded formulas, and the line that has their channels and the reach; none where not all wanted are."""
         program, line = self.at_hand or (recorded(self.scene, frozenset(), self.request.channels), None)
         return None if program.own else (program, line or StraightLine(program.rows))
-
-    @property
-    def ends(self) -> dict[str, float]:
-        """Where the press forces' strokes end, m, by the name of the input."""
-        return {stroke_end_input(number): end for number, end in self.stroke_ends.items()}
 
     @cached_property
     def known(self) -> tuple[str, ...]:

@@ -23,7 +23,12 @@ from .newton_group import solved
 from .numbers import Number, chosen, samples
 from .placing import Kinematics
 
-StrokeEnds: TypeAlias = Mapping[int, Number]  # by number of the press force: where its slider's closing stroke ends, m
+StrokeEnds: TypeAlias = Mapping[str, Number]  # by the input of a press force: where its slider's closing stroke ends, m
+
+
+def stroke_end_input(number: int) -> str:
+    """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
+    return f"stroke_end.{number}"
 
 
 class ActingForce(NamedTuple):
@@ -169,11 +174,10 @@ class Balance:
         """Balance the driven body, and find the effort of the drive."""
         leg = self.linkage.driver
         force, moment = self.applied(leg.body, self.foot(leg))
+        self.reactions.effort = -self.on_freedom(leg, force, moment)
         if isinstance(leg, Pinned):
             self.reactions.pin[leg.A, leg.body] = -force
-            self.reactions.effort = -moment
         else:
-            self.reactions.effort = -dot(self.k.direction(leg), force)
             self.outer_guide(leg, force, moment)
 
     def hold(self, body: str, point: str, force: Vectors) -> None:
@@ -228,4 +232,4 @@ class Balance:
         if isinstance(load, ForceTable):
             force: Vectors = guide_of(self.scene, first)[0] * load.along(s)
             return force
-        return np.where(load.acts(s, ds, self.stroke_ends[number]), as_complex(load.force), 0)
+        return np.where(load.acts(s, ds, self.stroke_ends[stroke_end_input(number)]), as_complex(load.force), 0)

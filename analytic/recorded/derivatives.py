@@ -63,7 +63,7 @@ def derivative_solver(
     def at(position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
         position = finite_numbers("position", position)
         _, driven = driven_at(scene, position, time)
-        found = line({**values, **solve.ends, **inputs_at(driven, [solve.linkage.tracks])})[:, 0]
+        found = line({**values, **solve.stroke_ends, **inputs_at(driven, [solve.linkage.tracks])})[:, 0]
         if not (found[-1] >= 0).all():
             solve(position, time)  # which tells where it does not reach
         by_number = found[:-1].reshape(len(keys), len(program.channels), len(position))

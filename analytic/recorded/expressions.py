@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, cos, sin, sqrt
 from operator import add, mul, neg, sub, truediv
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from scenes.model.motion import Samples
@@ -191,9 +190,7 @@ def substituted(
 
 
 def walk(
-    order: Iterable[Expression],
-    write: Callable[[Expression, Sequence[str]], str],
-    known: Mapping[int, str] = MappingProxyType({}),
+    order: Iterable[Expression], write: Callable[[Expression, Sequence[str]], str], known: Mapping[int, str]
 ) -> dict[int, str]:
     """The names or spellings of expressions by order of making, each written after what it is of unless known."""
     names = dict(known)

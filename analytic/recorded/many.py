@@ -20,13 +20,14 @@ from ..core.continuation import Track
 from ..core.decomposition import decompose
 from ..core.group_equations import Group, equations_of
 from ..core.kinematics import kinematics
+from ..core.kinetostatics import stroke_end_input
 from ..solve import Solver, driven_at, not_reached, prepared, where_open
 from ..way.motion_range import in_line
 from ..way.slider import furthest
 from .arithmetics.in_numpy import StraightLine
 from .branches import branches
 from .expressions import Expression, Line
-from .program import Program, inputs_at, recorded, stroke_end_input
+from .program import Program, inputs_at, recorded
 
 TOGETHER = 64  # machines whose strokes' ends are sought together
 Ending: TypeAlias = tuple[Status, str]  # of a machine, and why it is not ok
@@ -86,9 +87,7 @@ def solve_many(
 
 
 def many_solver(
-    scene: Scene,
-    changes: Mapping[str, ArrayLike],
-    channels: AbstractSet[str] | None = None,
+    scene: Scene, changes: Mapping[str, ArrayLike], channels: AbstractSet[str] | None = None
 ) -> "ManySolver":
     """Return `solve_many` for many calls, with what it raises: the formulas are recorded only once."""
     asked = None if channels is None else frozenset(names("channels", channels))

@@ -23,7 +23,7 @@ from ..core.decomposition import Linkage, decompose
 from ..core.geometry import as_complex
 from ..core.group_equations import Group, size_of
 from ..core.kinematics import Pass
-from ..core.kinetostatics import Balance, Reactions
+from ..core.kinetostatics import Balance, Reactions, stroke_end_input
 from ..core.numbers import chosen
 from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
 from .forward import forward
@@ -64,7 +64,7 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     opened = scene.with_numbers(numbers)
     every = decompose(opened)
     request, linkage = asked(scene, every, channels)
-    channels, forces = request.channels, request.wants_forces(scene)
+    channels = request.channels
     driven: Any = Driven(*(Traced(make, make.input(name, sampled=True)) for name in Driven._fields))  # type: ignore[arg-type]
     if isinstance(opened.drive, ConstantSpeed):
         driven = driven._replace(rate=traced(make, opened.drive.speed), acceleration=traced(make, 0.0))
@@ -72,12 +72,12 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
     k = way.solve().k
     on = Reactions()
     strokes: dict[int, tuple[Expression, Expression]] = {}
-    if forces:
+    if request.wants_forces(scene):
         for number, load in enumerate(scene.loads):
             if isinstance(load, PressForce):
                 s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
                 strokes[number] = s, ds
-        ends: Any = {number: Traced(make, make.input(stroke_end_input(number), sampled=False)) for number in strokes}
+        ends: Any = {name: Traced(make, make.input(name, sampled=False)) for name in map(stroke_end_input, strokes)}
         on = RecordedBalance(opened, linkage, ends, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
@@ -109,11 +109,6 @@ def inputs_at(driven: Driven, tracks: Sequence[Mapping[Group, Track]]) -> Inputs
         given[allowed] = np.array([off for _, off in guesses])
         given[branch] = np.array([[own[group].branch] for own in tracks])
     return given
-
-
-def stroke_end_input(number: int) -> str:
-    """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
-    return f"stroke_end.{number}"
 
 
 def inputs_of(group: Group) -> tuple[list[str], str, str]:

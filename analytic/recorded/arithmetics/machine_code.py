@@ -117,7 +117,7 @@ class _Code:
         self.of_machine: list[str] = []
         self.of_position: list[str] = []
         self.arcs: list[tuple[int, str, str]] = []  # row, and what it is the arc of
-        names = walk(order, self.write)
+        names = walk(order, self.write, {})
         late = {row for row, _, _ in self.arcs} | self.same.keys()
         self.outputs = [(row, names[made.order]) for row, made in enumerate(expressions) if row not in late]
 
