@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
-from typing import TypeAlias
 
 from scenes import Failure, Motion, Rows, Status
 
@@ -27,8 +26,6 @@ ALIKE, ROUGHLY = 1.1, 1e-3  # times, and of the deviation: causes that leave no 
 COARSE = "its settings are too coarse: of its error {one}"
 FEW = 3  # bodies, joints and points: of more, what is wrong in the scene is in several
 
-Causes: TypeAlias = Callable[[Evidence], Iterator[Hypothesis]]
-
 
 def cause(reference: Reference, sampling: Rows, motion: Motion) -> Cause:
     """Return the likely cause of the distance of a motion from what it should be."""
@@ -50,7 +47,7 @@ def ranked(evidence: Evidence) -> list[tuple[float, float, Hypothesis]]:
     elsewhere = away_from_switches(evidence)
     known: list[tuple[float, Hypothesis]] = []
 
-    def try_all(of: Evidence, *causes: Causes) -> None:
+    def try_all(of: Evidence, *causes: Callable[[Evidence], Iterator[Hypothesis]]) -> None:
         known.extend((of.left(hypothesis.predicted), hypothesis) for each in causes for hypothesis in each(of))
 
     try_all(evidence, sample_causes, read_out_causes, frame_causes, course_causes)
@@ -79,7 +76,9 @@ def likeliest(evidence: Evidence) -> Cause:
         return irregular(evidence) or strayed(evidence) or UNKNOWN
     _, left, best = causes[0]
     close = [one.cause for _, own, one in causes if own <= ALIKE * left + ROUGHLY and one.freedom <= best.freedom + 1]
-    close = [one for one in close if len(one.besides) <= len(best.cause.besides) and not one.widens(best.cause)]
+    close = [one for one in close if len(one.besides) <= len(best.cause.besides)]
+    text, own = best.cause.text, {*best.cause.part.channels}
+    close = [one for one in close if not (one.text == text and own < {*one.part.channels})]  # it, of more channels
     alike = {(one.kind, one.place): one for one in reversed(close)}
     others = tuple(one for key, one in alike.items() if key != (best.cause.kind, best.cause.place))
     return replace(best.cause, left=left, others=others)
@@ -110,7 +109,9 @@ def sentences(
         if m.run.motion is not None
     }
     agree = ", the others agree" * alone
-    return {engine: f"{engine}: {words(reference.scene, own)}{agree}" for engine, own in causes.items() if own.known}
+    return {
+        engine: f"{engine}: {words(reference.scene, own)}{agree}" for engine, own in causes.items() if own != UNKNOWN
+    }
 
 
 def _alone(failed: Measurement, measurements: Sequence[Measurement]) -> bool:

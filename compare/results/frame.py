@@ -46,15 +46,10 @@ class Frame(NamedTuple):
     mirrored: bool = False
     factor: float = 1.0
 
-    @property
-    def way(self) -> int:
-        """The sign of what turns."""
-        return -1 if self.mirrored else 1
-
 
 def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
     """Return channels as seen from another frame; a component without its other one is that of a vector along it."""
-    way, turn, other = frame.way, np.exp(1j * frame.angle), dict(samples)
+    way, turn, other = -1 if frame.mirrored else 1, np.exp(1j * frame.angle), dict(samples)
     for channel, own in samples.items():
         kind = quantity(channel)
         if kind in ANGLES:
@@ -79,8 +74,8 @@ def vectors(names: Iterable[str]) -> Iterator[tuple[str, str]]:
     yield from dict.fromkeys(pairs)
 
 
-def unit_near(factor: float, si: str, hair: float) -> tuple[str, float]:
-    """Return the known unit whose numbers are so many times those in SI, and how far off it is; none within a hair."""
+def unit_near(factor: float, si: str, hair: float) -> str:
+    """Return the known unit whose numbers are so many times those in SI, within a hair; empty where there is none."""
     near = {unit: abs(1 / (abs(factor) * size) - 1) if factor else np.inf for unit, size in KNOWN[si].items()}
     unit = min(near, key=near.__getitem__)
-    return (unit if near[unit] <= hair else ""), near[unit]
+    return unit if near[unit] <= hair else ""

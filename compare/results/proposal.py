@@ -8,7 +8,6 @@ unit and sign, q its zero.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from math import pi, remainder
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,13 +40,13 @@ def proposed(scene: Scene, text: str) -> str:
         table = read_table(file, None, None)
         names, columns = _numbers(table)
         solve = registry.reference(scene)
-        axis, lag, alone = _nearest(scene, solve, names, columns)
+        axis, alone = _nearest(scene, solve, names, columns)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     except Failure as failure:
         raise InputError(f"{scene.file}: {failure.reason}") from None
     rest = [k for k, name in enumerate(names) if name != axis.column]
-    time = axis.time + lag
+    time = axis.time + axis.lag
     true = solve(scene.drive.at(time).position, time).samples
     turn = _turn(true, columns[rest])
     own = {c: np.unwrap(true[c]) if quantity(c) == "angle" else true[c] for c in channels(scene)[2:]}
@@ -56,7 +55,7 @@ def proposed(scene: Scene, text: str) -> str:
         theirs = seen(Frame(float(angle if mirrored else -angle), mirrored=mirrored), own)
         ways.append((*_paired(theirs, columns[rest]), (float(angle), mirrored)))
     pairs, seconds, _, frame = min(ways, key=lambda way: way[2] + FRAME * any(way[3]))
-    return "\n".join(as_toml(scene, axis, lag, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
+    return "\n".join(as_toml(scene, axis, [names[k] for k in rest], pairs, seconds, frame, alone)) + "\n"
 
 
 def _numbers(table: Table) -> tuple[list[str], NDArray[np.float64]]:
@@ -101,8 +100,8 @@ def _axes(scene: Scene, names: Sequence[str], columns: NDArray[np.float64]) -> I
 
 def _nearest(
     scene: Scene, solve: registry.Solve, names: Sequence[str], columns: NDArray[np.float64]
-) -> tuple[Axis, float, bool]:
-    """Return the axis and the lag, s, at which the channels leave least of all columns, and whether no others do.
+) -> tuple[Axis, bool]:
+    """Return the axis, late as it is, at which the channels leave least of all columns, and whether no others do.
 
     A point on the crank alone does not show a lag: it may as well be the turn of a frame.
     """
@@ -122,18 +121,22 @@ def _nearest(
             leaves.append(_left(np.unwrap(base) if quantity(c) == "angle" else base, columns))
         return np.asarray(np.min(leaves, axis=0) + NOISE**2)
 
-    def mean(of: _Instants) -> float:
-        return float(np.log10(np.delete(of.left, names.index(of.axis.column))).mean())
+    def mean(of: Axis) -> float:
+        return float(np.log10(np.delete(of.left, names.index(of.column))).mean())
 
-    def at(axis: Axis, lags: Iterable[float]) -> list[_Instants]:
+    def as_good(one: Axis, best: Axis) -> bool:
+        """Return whether no column is left over that the best ones explain."""
+        return bool((one.left <= TOLD_APART**2 * best.left).all())
+
+    def at(axis: Axis, lags: Iterable[float]) -> list[Axis]:
         """Return instants at lags; where the drive runs once, at those that are within the run."""
         first = -float(axis.time[0])
         last = max(first, cycle - float(axis.time[-1]))
-        return [_Instants(axis, lag, left(axis, lag)) for lag in lags if repeats or first <= lag <= last]
+        return [axis._replace(lag=lag, left=left(axis, lag)) for lag in lags if repeats or first <= lag <= last]
 
-    def apart(one: _Instants, other: _Instants) -> bool:
+    def apart(one: Axis, other: Axis) -> bool:
         """Return whether their instants differ, where the drive repeats modulo a cycle."""
-        by = (one.axis.time + one.lag - other.axis.time - other.lag) / cycle
+        by = (one.time + one.lag - other.time - other.lag) / cycle
         return bool(np.abs(by - np.round(by) * repeats).max() > SAME_UNIT / (2 * pi))
 
     most = MOST if repeats else 1 + SAME
@@ -144,30 +147,18 @@ def _nearest(
     tried = [one for axis in axes for one in at(axis, (0.0, *(steps if repeats else steps - axis.time[0])))]
     closer = finer * np.arange(-PARTS, PARTS + 1)
     firsts = sorted(tried, key=mean)[:CLOSER]
-    near = min((min(at(one.axis, one.lag + closer), key=mean, default=one) for one in firsts), key=mean)
+    near = min((min(at(one, one.lag + closer), key=mean, default=one) for one in firsts), key=mean)
     bounds, options = (near.lag - finer, near.lag + finer), {"xatol": 1e-9 * cycle}
     refined = minimize_scalar(
-        lambda by: min(map(mean, at(near.axis, [by])), default=0.0), bounds=bounds, method="bounded", options=options
+        lambda by: min(map(mean, at(near, [by])), default=0.0), bounds=bounds, method="bounded", options=options
     )
-    plain = at(near.axis, (0.0, near.lag, float(refined.x)))
+    plain = at(near, (0.0, near.lag, float(refined.x)))
     best = min(plain, key=mean)
-    best = next(one for one in plain if one.as_good_as(best))
+    best = next(one for one in plain if as_good(one, best))
     moves = [way * cycle / 2**k for k in range(1, FINEST) for way in (1, -1)]
-    tried += at(best.axis, [best.lag + by for by in (*moves, *steps)])
+    tried += at(best, [best.lag + by for by in (*moves, *steps)])
     lag = best.lag - cycle if repeats and best.lag > cycle / 2 else best.lag
-    return best.axis, lag, not any(one.as_good_as(best) and apart(one, best) for one in tried)
-
-
-class _Instants(NamedTuple):
-    """Instants of the rows, and what the channels leave of the columns there."""
-
-    axis: Axis
-    lag: float
-    left: Samples  # of each column's square
-
-    def as_good_as(self, best: "_Instants") -> bool:
-        """Return whether no column is left over that the best ones explain."""
-        return bool((self.left <= TOLD_APART**2 * best.left).all())
+    return best._replace(lag=lag), not any(as_good(one, best) and apart(one, best) for one in tried)
 
 
 def _left(base: NDArray[np.float64], columns: NDArray[np.float64]) -> Samples:
@@ -227,7 +218,7 @@ def _pairs(seen: Mapping[str, Samples], columns: NDArray[np.float64]) -> list[li
 
 def _pair(channel: str, column: int, p: float, left: float, zero: float, hair: float) -> Pair:
     """Return how a column fits a channel; without a unit where it fits in none that is known."""
-    unit, _ = unit_near(p, UNITS[quantity(channel)], max(SAME_UNIT, left))
+    unit = unit_near(p, UNITS[quantity(channel)], max(SAME_UNIT, left))
     zero = remainder(zero, 2 * pi * abs(p)) if quantity(channel) == "angle" and p else zero
     zero = zero if abs(zero) > hair else 0.0
     return Pair(channel, column, left, unit, 1 if p > 0 else -1, zero)

@@ -17,13 +17,18 @@ NOISE = 1e-6  # of a column: what is left of it by rounding is less, and shows n
 TOLD_APART = 10  # times as much is left by readings that a column tells apart
 
 
+NOTHING = np.zeros(0)
+
+
 class Axis(NamedTuple):
     """A column that may be the time, or the crank's angle, in a unit."""
 
     channel: str
     column: str
     unit: str
-    time: Samples  # s, but for a lag
+    time: Samples  # s, but for the lag
+    lag: float = 0.0  # s
+    left: Samples = NOTHING  # of each column's square, by the channels at these instants
 
 
 class Pair(NamedTuple):
@@ -40,7 +45,6 @@ class Pair(NamedTuple):
 def as_toml(
     scene: Scene,
     axis: Axis,
-    lag: float,
     names: Sequence[str],
     pairs: Sequence[Pair],
     seconds: Mapping[int, float],
@@ -49,8 +53,8 @@ def as_toml(
 ) -> Iterator[str]:
     """Yield the lines of a mapping, each with a remark on how sure it is.
 
-    The rows are by `axis`, the table begins at the lag, s, and the rows can be of no other instants if `alone`; by
-    column `seconds` has what the next best channel leaves of it; its frame is turned, rad, and mirrored or not.
+    The rows are by `axis`, and can be of no other instants if `alone`; by column `seconds` has what the next best
+    channel leaves of it; its frame is turned, rad, and mirrored or not.
     """
     turn, mirrored = frame
     yield "# Proposed from the columns alone; every line is to be confirmed."
@@ -64,9 +68,9 @@ def as_toml(
         yield f"frame = {{ {place}, mirrored = {str(mirrored).lower()} }}"
     yield "[columns]"
     if axis.channel == "time":
-        yield _line("time", axis.column, axis.unit, 1, -lag / KNOWN["s"][axis.unit], "s")
+        yield _line("time", axis.column, axis.unit, 1, -axis.lag / KNOWN["s"][axis.unit], "s")
     else:  # which the frame turns too
-        zero = (turn - lag * float(scene.drive.at(0.0).rate)) / OF_ANGLES[axis.unit]
+        zero = (turn - axis.lag * float(scene.drive.at(0.0).rate)) / OF_ANGLES[axis.unit]
         yield _line(axis.channel, axis.column, axis.unit, -1 if mirrored else 1, zero, "rad")
     sure = {  # in a known unit, and far better than by the next best channel
         pair.channel

@@ -59,41 +59,6 @@ class Kind(StrEnum):
     code = "wrong line"
 
 
-@dataclass(frozen=True)
-class Cause:
-    """What is likely wrong, where, and by how much."""
-
-    kind: Kind = Kind.unknown
-    place: str = ""  # a body, joint, channel, "drive" or "all"; empty where unknown
-    text: str = "the cause is unknown"  # a sentence with gaps, see `words`, for where it is and by how much
-    amounts: tuple[float, ...] = ()  # SI, or shares
-    names: tuple[str, ...] = ()  # of what else is in it, as the other of two that are swapped
-    part: "Part | None" = None  # the channels
-    rows: tuple[float, ...] = ()  # positions of the drive: the first and the last where it acts, or the first alone
-    left: float = 0.0  # of the error, that it does not explain
-    besides: tuple["Cause", ...] = ()  # what is wrong too: they explain the error together
-    others: tuple["Cause", ...] = field(default=(), compare=False)  # each of which explains it as well
-
-    @property
-    def known(self) -> bool:
-        """Whether there is one."""
-        return self.kind is not Kind.unknown
-
-    @property
-    def all(self) -> tuple["Cause", ...]:
-        """It and what is wrong besides."""
-        return (self, *self.besides)
-
-    def widens(self, other: "Cause") -> bool:
-        """Whether it is the other one, of more channels."""
-        if self.part is None or other.part is None or self.text != other.text:
-            return False
-        return {*other.part.channels} < {*self.part.channels}
-
-
-UNKNOWN = Cause()
-
-
 class Part(NamedTuple):
     """Channels that a read-out treats alike."""
 
@@ -106,9 +71,31 @@ class Part(NamedTuple):
         """The body, joint or point that all of them are of, `drive`, or `all`."""
         return common(self.channels)
 
-    def cause(self, kind: Kind, text: str, *amounts: float, names: tuple[str, ...] = ()) -> Cause:
+    def cause(self, kind: Kind, text: str, *amounts: float, names: tuple[str, ...] = ()) -> "Cause":
         """Return what is wrong with these channels."""
         return Cause(kind, self.place, text, amounts, names, self)
+
+
+NO_PART = Part("", ())
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What is likely wrong, where, and by how much."""
+
+    kind: Kind = Kind.unknown
+    place: str = ""  # a body, joint, channel, "drive" or "all"; empty where unknown
+    text: str = "the cause is unknown"  # a sentence with gaps, see `words`, for where it is and by how much
+    amounts: tuple[float, ...] = ()  # SI, or shares
+    names: tuple[str, ...] = ()  # of what else is in it, as the other of two that are swapped
+    part: Part = NO_PART  # the channels
+    rows: tuple[float, ...] = ()  # positions of the drive: the first and the last where it acts, or the first alone
+    left: float = 0.0  # of the error, that it does not explain
+    besides: tuple["Cause", ...] = ()  # what is wrong too: they explain the error together
+    others: tuple["Cause", ...] = field(default=(), compare=False)  # each of which explains it as well
+
+
+UNKNOWN = Cause()
 
 
 def stem(channel: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from scenes.model.motion import Samples, quantity
 
 from .cause import ANGLES, Cause, Kind, Part, common, stem
-from .evidence import EXPLAINED, NEARLY_ALL, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
+from .evidence import NEARLY_ALL, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
 
 SAMPLES_LATE = (0.5, 1.0, 2.0, 5.0)  # where the search for a lag starts, besides zero
 CYCLES_LATE = tuple(k / 16 for k in range(1, 9))
@@ -23,8 +23,7 @@ SPREAD = 0.15  # of the samples, that noise and what is interpolated have at lea
 
 def course_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong course would have given, for all channels that hold nearly all of the deviation."""
-    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= EXPLAINED]
-    for part, causes in product(parts, (_late, _differences, _smoothed, _growing, _interpolated)):
+    for part, causes in product(evidence.parts, (_late, _differences, _smoothed, _growing, _interpolated)):
         yield from causes(evidence, part)
 
 
@@ -36,14 +35,12 @@ def _late(evidence: Evidence, part: Part) -> Iterator[Hypothesis]:
 
     def predict(by: Samples, start: float = 0.0) -> Channels:
         late = evidence.late(start + float(by[0]))
-        return {c: late[c] for c in part.channels} if late else {}
-
-    def left(start: float) -> float:
-        late = predict(np.zeros(1), start)
-        return evidence.left(late) if late else np.inf
+        return {c: late[c] for c in part.channels if late}
 
     starts = [k * step for k in (0.0, *SAMPLES_LATE)] + [k * drive.cycle for k in CYCLES_LATE] * drive.repeats
-    start = min((sign * by for by in starts for sign in (1, -1)), key=left)
+    start = min(
+        (sign * by for by in starts for sign in (1, -1)), key=lambda by: evidence.left(predict(np.zeros(1), by))
+    )
     (by,), late = evidence.fitted(lambda by: predict(by, start), [1e-4 * step], 4)
     if late:
         by = float(by) + start

@@ -7,14 +7,15 @@ distance from what it should be, is 0 for a cause that explains all and 1 for on
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scenes import Failure, Motion, Rows
+from scenes import Failure, Motion, Rows, Scene
 from scenes.model.motion import Samples, quantity
 
+from ...engines import registry
 from ...mechanics.reference import Reference
 from ...mechanics.scales import apart, sizes
 from .cause import FORCES, Cause, Part, parts
@@ -49,7 +50,7 @@ class Evidence:
     motion: Motion  # as the engine returned it
     true: Motion  # at the rows
     rows: NDArray[np.intp]
-    _late: dict[float, Motion | None] = field(default_factory=dict, init=False)
+    _late: dict[float, Channels] = field(default_factory=dict, init=False)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -108,21 +109,29 @@ class Evidence:
         left = float(np.sqrt(max(self.total + change, 0.0) / self.total))
         return left if np.isfinite(left) else np.inf
 
-    def late(self, by: float) -> Motion | None:
-        """Return the motion as if all were late by a time, s; None where there is no motion."""
+    def solved(self, scene: Scene, position: Samples | None = None, time: Samples | None = None) -> Channels:
+        """Return all channels of a scene, its drive and instants as asked or others; nothing where it has no motion."""
+        position = self.true[scene.drive_channel] if position is None else position
+        try:
+            with np.errstate(all="ignore"):
+                solve = self.reference.at if scene is self.reference.scene else registry.reference(scene)
+                return solve(position, self.true["time"] if time is None else time).samples
+        except Failure:
+            return {}
+
+    def late(self, by: float) -> Channels:
+        """Return the motion as if all were late by a time, s; nothing where there is no motion."""
         if by not in self._late:
-            drive, time = self.reference.scene.drive, self.true["time"] - by
-            time = time if drive.repeats else np.clip(time, 0.0, drive.cycle)
-            try:
-                self._late[by] = self.reference.at(drive.at(time).position, time)
-            except Failure:
-                self._late[by] = None
+            scene, time = self.reference.scene, self.true["time"] - by
+            time = time if scene.drive.repeats else np.clip(time, 0.0, scene.drive.cycle)
+            self._late[by] = self.solved(scene, scene.drive.at(time).position, time)
         return self._late[by]
 
     @cached_property
     def parts(self) -> list[Part]:
-        """Channels that a read-out treats alike, with what they are called: a channel, a vector, all of a body, ..."""
-        return parts(self.names, self.reference.scene.drive_channel)
+        """Channels that a read-out treats alike, and hold nearly all: a channel, a vector, all of a body, ..."""
+        every = parts(self.names, self.reference.scene.drive_channel)
+        return [part for part in every if self.outside(part.channels) <= EXPLAINED]
 
     def at(self, kept: NDArray[np.intp]) -> "Evidence":
         """Return the evidence at some of its rows."""
@@ -148,11 +157,7 @@ class Evidence:
 
     def changed(self, amounts: Iterable[float], changes: Sequence[Channels]) -> Channels:
         """Return the channels that are changed, by so much of each change."""
-        total: dict[str, Samples] = {}
-        for amount, change in zip(amounts, changes, strict=True):
-            for c, by in change.items():
-                total[c] = total.get(c, self.true[c]) + amount * by
-        return total
+        return summed(amounts, changes, self.true.samples)
 
     def fitted(
         self, predict: Callable[[Samples], Channels], steps: Sequence[float], rounds: int = 1
@@ -179,6 +184,15 @@ class Evidence:
             if settled:
                 break
         return x, now
+
+
+def summed(amounts: Iterable[float], changes: Iterable[Mapping[str, Any]], now: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is changed, from what it is now, by so much of each change."""
+    total: dict[str, Any] = {}
+    for amount, change in zip(amounts, changes, strict=True):
+        for name, by in change.items():
+            total[name] = total.get(name, now[name]) + amount * by
+    return total
 
 
 def least_squares(columns: NDArray[np.float64], off: Samples) -> Samples:

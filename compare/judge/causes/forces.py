@@ -115,8 +115,8 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
     step = float(np.ptp(time)) / (len(time) - 1)
     moving = [load for load in carried.scene.loads if evidence.of_forces and not isinstance(load, Force)]
     for by in (way * rows * step for rows in ROWS_LATE * bool(moving) for way in (1, -1)):
-        if (late := evidence.late(by)) is not None:
-            before = _carried(evidence, late)
+        if late := evidence.late(by):
+            before = _carried(evidence, Motion(late))
             for load in moving:
                 push = Push(load.body, before.force(load), carried.place(load.at))
                 yield carried.instead(load, "the load at {place} is {late}", push, by)

@@ -6,6 +6,7 @@ it is, by Gauss and Newton on the motions of scenes with such numbers, since a l
 small one near a dead point.
 """
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
@@ -18,9 +19,8 @@ from scenes.model.motion import Samples
 
 from ...engines import registry
 from .cause import Cause, Kind
-from .evidence import EXACT, Channels, Evidence, Hypothesis, least_squares, price, thinned
+from .evidence import EXACT, Channels, Evidence, Hypothesis, least_squares, price, summed, thinned
 from .scene_numbers import LENGTH, Direction, Numbers, numbers_of_causes, standing_alone
-from .whole import solved
 
 HAIR = 1e-6  # of the linkage's size, rad, or a share: what a number is varied by, for a slope
 WIDE = 16  # groups of numbers, that are tried with every further one
@@ -42,7 +42,7 @@ def number_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     slopes = [_slopes(evidence, of, [g for g in groups if g.alone == (of is both[1])]) for of in both]
     ways = [[_along(slopes[group.alone], direction) for direction in group.directions] for group in groups]
     if evidence.of_forces:
-        yield from _swapped(evidence, slopes[0])
+        yield from _swapped(evidence, slopes)
     yield from _varying(evidence, groups, ways)
     before = np.inf
     for subsets in _nearest(evidence, ways):
@@ -84,11 +84,7 @@ def _slopes(evidence: Evidence, scene: Scene, groups: Iterable[Numbers]) -> Slop
 
 
 def _along(slopes: Slopes, direction: Direction) -> Channels:
-    change: dict[str, Samples] = {}
-    for path, weight in direction.items():
-        for channel, slope in slopes.get(path, {}).items():
-            change[channel] = change.get(channel, 0.0) + weight * slope
-    return change
+    return summed(direction.values(), (slopes.get(path, {}) for path in direction), defaultdict(float))
 
 
 def _nearest(evidence: Evidence, ways: Sequence[Sequence[Channels]]) -> Iterator[list[tuple[int, ...]]]:
@@ -132,20 +128,16 @@ def _solved(
         return
     scene = both[any(group.alone for group in groups)]
     directions = [direction for group in groups for direction in group.directions]
-    steps = []
-    for direction in directions:
+    now = {path: scene.numbers[path].value for direction in directions for path in direction}
+
+    def step(direction: Direction) -> float:
         is_length = scene.numbers[next(iter(direction))].quantity.dimension == "length"
-        size = evidence.reference.mechanics.size / max(map(abs, direction.values())) if is_length else 1.0
-        steps.append(HAIR * size)
+        return HAIR * (evidence.reference.mechanics.size / max(map(abs, direction.values())) if is_length else 1.0)
 
     def predict(x: Samples) -> Channels:
-        numbers: dict[str, float] = {}
-        for direction, amount in zip(directions, x, strict=True):
-            for path, weight in direction.items():
-                numbers[path] = numbers.get(path, scene.numbers[path].value) + float(amount) * weight
-        return solved(evidence, scene.with_numbers(numbers))
+        return evidence.solved(scene.with_numbers(summed(x.tolist(), directions, now)))
 
-    x, predicted = evidence.fitted(predict, steps, ROUNDS)
+    x, predicted = evidence.fitted(predict, [*map(step, directions)], ROUNDS)
     counts = [len(group.directions) for group in groups]
     own = np.split(x, np.cumsum(counts)[:-1])
     yield from _named(groups, own, predicted)
@@ -161,12 +153,13 @@ def _named(groups: Sequence[Numbers], amounts: Sequence[Samples], predicted: Cha
         yield Hypothesis(replace(measured[0], besides=tuple(measured[1:])), predicted, sum(map(len, amounts)))
 
 
-def _swapped(evidence: Evidence, slopes: Slopes) -> Iterator[Hypothesis]:
+def _swapped(evidence: Evidence, slopes: Sequence[Slopes]) -> Iterator[Hypothesis]:
     """Yield the masses of two bodies in place of each other: all forces are linear in them."""
-    masses = {name: body.mass for name, body in evidence.reference.scene.bodies.items() if body.mass}
+    bodies = evidence.reference.scene.bodies
+    masses = {name: body.mass for name, body in bodies.items() if body.mass}
     for one, two in combinations(masses, 2):
         more = masses[two] - masses[one]
-        changes = [slopes.get(f"bodies.{name}.mass", {}) for name in (one, two)]
+        changes = [slopes[bodies[name].inertia is not None].get(f"bodies.{name}.mass", {}) for name in (one, two)]
         cause = Cause(Kind.mass, one, "the masses of {place} and {one} are swapped", names=(two,))
         yield Hypothesis(cause, evidence.changed((more, -more), changes))
 

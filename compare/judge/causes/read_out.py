@@ -12,7 +12,7 @@ from scenes.scene import GROUND
 
 from ...mechanics.motion_vectors import MotionVectors, Vectors
 from ...results.frame import COMPONENTS, unit_near
-from .cause import ANGLES, FORCES, TURNING, Cause, Kind, Part, stem
+from .cause import ANGLES, FORCES, TURNING, Cause, Kind, Part, parts, stem
 from .evidence import EXPLAINED, NEXT_TO_NOTHING, SHORTEST, Channels, Evidence, Hypothesis
 
 KNOWN_NUMBER = 5e-3  # relative: a fitted number that is this near to a known one is taken for it
@@ -22,8 +22,7 @@ CHOICE = 2  # numbers that one of many other channels counts for
 
 def read_out_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     """Yield what a wrong read-out would have given, for all channels that hold nearly all of the deviation."""
-    parts = [part for part in evidence.parts if evidence.outside(part.channels) <= EXPLAINED]
-    for part, causes in product(parts, (_scaled, _shifted, _turned, _copied, _terms)):
+    for part, causes in product(evidence.parts, (_scaled, _shifted, _turned, _copied, _terms)):
         yield from causes(evidence, part)
     yield from _swapped(evidence)
     yield from _moments(evidence)
@@ -84,7 +83,7 @@ def _units(times: float, channels: Sequence[str]) -> tuple[str, ...]:
     """Return the unit that channels are in and that which they are read in, as their factor shows, or nothing."""
     si = [UNITS[quantity(c)] for c in channels]
     for way in (times, 1 / times) if times > 0 else ():
-        units = [unit_near(way, own, KNOWN_NUMBER)[0] for own in si]
+        units = [unit_near(way, own, KNOWN_NUMBER) for own in si]
         if all(units) and units[0] != si[0]:
             return (units[0], si[0]) if way == times else (si[0], units[0])
     return ()
@@ -183,7 +182,7 @@ def _others(evidence: Evidence, part: Part) -> Iterator[tuple[str, dict[str, str
 def _swapped(evidence: Evidence) -> Iterator[Hypothesis]:
     """Two joints', points' or bodies' channels in place of each other."""
     order = [*dict.fromkeys(map(stem, evidence.names))]
-    for part in evidence.parts:
+    for part in parts(evidence.names, evidence.reference.scene.drive_channel):
         for other, theirs, at_one_pin in _others(evidence, part) if part.place not in ("all", "drive") else ():
             first = order.index(part.place) < order.index(other)
             if first and evidence.outside({*theirs, *theirs.values()}) <= EXPLAINED:

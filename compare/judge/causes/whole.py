@@ -10,11 +10,10 @@ from functools import partial
 
 import numpy as np
 
-from scenes import Failure, Scene
+from scenes import Scene
 from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, MotionLaw
 
-from ...engines import registry
 from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
 from .cause import Cause, Kind, Part
 from .evidence import Channels, Evidence, Hypothesis
@@ -58,7 +57,7 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
     a, b = complex(re, im), complex(x, y)
     if not abs(a) > LEAST:
         return
-    unit, _ = unit_near(abs(a), "m", KNOWN_FRAME)
+    unit = unit_near(abs(a), "m", KNOWN_FRAME)
     factor = 1 / LENGTHS[unit] if unit else abs(a)
     angle = float(np.angle(a)) if abs(np.angle(a)) > KNOWN_FRAME else 0.0
     b = b if abs(b) > KNOWN_FRAME * evidence.reference.stroke * factor else 0j
@@ -88,7 +87,7 @@ def drive_causes(evidence: Evidence) -> Iterator[Hypothesis]:
     off, at_one_speed = there - asked, isinstance(drive, ConstantSpeed)
     most = float(off[np.abs(off).argmax()])
     late = at_one_speed and np.ptp(off) <= LATE * abs(most)
-    if off.any() and not late and (actual := solved(evidence, scene, there)):
+    if off.any() and not late and (actual := evidence.solved(scene, there)):
         constant = np.ptp(off) <= CONSTANT * abs(most)
         yield Hypothesis(_drive(BY if constant else UP_TO, most), actual, 1 if constant else COURSE)
     if isinstance(drive, ConstantSpeed):
@@ -110,32 +109,19 @@ def _drive(text: str, *amounts: float) -> Cause:
     return Cause(Kind.drive, "drive", text, amounts)
 
 
-def solved(evidence: Evidence, scene: Scene, position: Samples | None = None) -> Channels:
-    """Return the channels of a scene with its drive at some positions or as asked; nothing where there is no motion."""
-    position = evidence.true[scene.drive_channel] if position is None else position
-    try:
-        with np.errstate(all="ignore"):
-            solve = evidence.reference.at if scene is evidence.reference.scene else registry.reference(scene)
-            motion = solve(position, evidence.true["time"])
-    except Failure:
-        return {}
-    return {channel: motion[channel] for channel in evidence.names}
-
-
 def _offsets(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
     """Yield a drive that is off by a constant, and its channel not; and a law with another entry in its table."""
     asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
-    (by,), predicted = evidence.fitted(lambda x: solved(evidence, scene, asked + x[0]), hair, 3)
+    (by,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
     yield Hypothesis(_drive(BY, float(by)), predicted, 1)
     for number in range(len(law.positions)):
 
         def predict(x: Samples, number: int = number) -> Channels:
-            moved = list(law.positions)
+            moved = np.array(law.positions)
             ends = {number, len(moved) - 1 - number} if law.periodic and number in (0, len(moved) - 1) else {number}
-            for end in ends:
-                moved[end] += float(x[0])
-            other = replace(law, positions=tuple(moved))
-            return solved(evidence, replace(scene, drive=other), other.at(evidence.true["time"]).position)
+            moved[[*ends]] += x[0]
+            other = replace(law, positions=tuple(moved.tolist()))
+            return evidence.solved(replace(scene, drive=other), other.at(evidence.true["time"]).position)
 
         (by,), predicted = evidence.fitted(predict, hair)
         cause = _drive("entry {count} of the drive's law is off by {displacement}", number + 1, float(by))
@@ -153,7 +139,7 @@ def _speeds(evidence: Evidence, scene: Scene, drive: ConstantSpeed) -> Iterator[
 
     def at(rate: float, text: str) -> Channels:
         other = scene if text == CLOCK else replace(scene, drive=replace(drive, speed=rate))
-        return solved(evidence, other, asked if text == RATE else drive.start + rate * time)
+        return evidence.solved(other, asked if text == RATE else drive.start + rate * time)
 
     def without_drive(x: Samples, text: str) -> Channels:
         predicted = at(drive.speed * (1 + float(x[0])), text)

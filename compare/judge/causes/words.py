@@ -24,7 +24,7 @@ EXPLAINED = 0.01  # of the error: what a cause leaves over of it is named where 
 
 def words(scene: Scene, cause: Cause) -> str:
     """Return the sentence of a cause, with those that are wrong besides, or that explain as much."""
-    ways = (" and ".join(_sentence(scene, one) for one in each.all) for each in (cause, *cause.others))
+    ways = (" and ".join(_sentence(scene, one) for one in (each, *each.besides)) for each in (cause, *cause.others))
     return ", or ".join(ways) + f" (all but {100 * cause.left:.0f} % of the error)" * (cause.left > EXPLAINED)
 
 
@@ -82,7 +82,7 @@ def _com(scene: Scene, cause: Cause) -> str:
 
 
 def _of(cause: Cause, one: str, many: str) -> str:
-    return many if cause.part is not None and cause.part.many else one
+    return many if cause.part.many else one
 
 
 def _in_unit(scene: Scene, quantity: str, value: float, digits: int = 3) -> str:
@@ -125,7 +125,7 @@ GAPS: Mapping[str, Callable[[Scene, Cause], str]] = {
     "place": lambda _, cause: cause.place,
     "one": lambda _, cause: cause.names[0],
     "two": lambda _, cause: cause.names[1],
-    "part": lambda _, cause: cause.part.name if cause.part else cause.place,
+    "part": lambda _, cause: cause.part.name or cause.place,
     "is": lambda _, cause: _of(cause, "is", "are"),
     "has": lambda _, cause: _of(cause, "has", "have"),
     "its": lambda _, cause: _of(cause, "its", "their"),
