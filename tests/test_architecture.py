@@ -30,7 +30,7 @@ FORBIDDEN = {  # by module what it must not import
     "compare.run": "papers.audit linkage_crosscheck.pytest_plugin",
     "compare.judge.checks": "analytic.solve compare.measure.speed.timing compare.measure.hard.case"
     " compare.measure.many.grid compare.judge.canaries.canaries compare.contract.asked",
-    "compare.engines.runner": "compare.judge.gates compare.mechanics.reference",
+    "compare.engines.runner": "compare.judge.measure compare.mechanics.reference",
     "compare.measure.speed.timing": "compare.measure.hard.case compare.study",
     "compare.measure.hard.case": "compare.measure.many.grid compare.judge.canaries.canaries",
     "compare.measure.many.grid": "compare.measure.speed.timing compare.report.pages.html",

@@ -12,7 +12,7 @@ from scenes.file.reader import file_of
 
 from ..judge.agreement import Judgement
 from ..judge.errors import shown_groups
-from ..judge.gates import Miss
+from ..judge.measure import Miss
 
 WORKSPACE, SUMMARY = "GITHUB_WORKSPACE", "GITHUB_STEP_SUMMARY"  # environment variables that its runners set
 MOST, LINES = 20, 1000  # linkages of a family, and lines, that a summary shows; it takes a megabyte

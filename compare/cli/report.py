@@ -115,7 +115,7 @@ def stops(scene: Scene, judged: Mapping[str, "Judgement"], output_format: str, m
     What was judged is by name; with `github` as format there are annotations and a step summary besides.
     """
     from ..ci import github
-    from ..judge.gates import Miss
+    from ..judge.measure import Miss
 
     if judged and not any(judgement.held for judgement in judged.values()):
         print(f"{scene.name}  no tolerance is declared for these engines; each is held to its promise")

@@ -20,8 +20,7 @@ from ..mechanics.reference import Reference
 from ..mechanics.round_off import Explained
 from .errors import ChannelError, worst_of
 from .floor import FLOOR_SAMPLES
-from .gates import Gate, Miss, gates, missed
-from .measure import Measurement
+from .measure import Gate, Measurement, Miss, gates, missed
 from .peaks.peaks import Peak, peaks
 from .verdict import digits, sized, within
 

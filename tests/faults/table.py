@@ -10,8 +10,7 @@ from compare.engines.processes.isolation import isolated
 from compare.engines.runner import Run, run
 from compare.judge.causes.cause import UNKNOWN
 from compare.judge.causes.words import words
-from compare.judge.gates import missed
-from compare.judge.measure import Measurement, assess, measure
+from compare.judge.measure import Measurement, assess, measure, missed
 from compare.judge.triage import cause
 from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain

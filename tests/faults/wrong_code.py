@@ -20,9 +20,8 @@ from compare.judge.canaries.spoilt_motion import shifted
 from compare.judge.canaries.thinned import CLEAR
 from compare.judge.causes.cause import Kind
 from compare.judge.floor import establish
-from compare.judge.gates import gates, missed
 from compare.judge.judgement import judgement
-from compare.judge.measure import assess, offers
+from compare.judge.measure import assess, gates, missed, offers
 from compare.mechanics.mechanics import GROUPS
 from compare.mechanics.reference import uncertified
 from compare.mechanics.round_off import explain
@@ -43,10 +42,9 @@ SHARED = {
     "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.after", "MotionLaw.at", "MotionLaw._trend"),
 }
 COMPARISON = {
-    "compare.judge.measure": ("assess",),
+    "compare.judge.measure": ("assess", "Gate.missed", "gates", "missed"),
     "compare.judge.verdict": ("limits", "judged", "compared"),
     "compare.judge.errors": ("compare", "error_table", "worst_of"),
-    "compare.judge.gates": ("Gate.missed", "gates", "missed"),
     "compare.judge.checks": ("checks", "_drive", "_gaps", "_balances", "_newton_euler", "_powers", "_flips"),
     "compare.mechanics.round_off": ("Explained.left_over", "Explained.error"),
     "compare.engines.runner": ("complete", "_check_complete", "_check_rows"),

@@ -17,8 +17,7 @@ from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import EPS, Explained
 from ...mechanics.scales import apart
 from ..errors import shown_groups
-from ..gates import gates, missed
-from ..measure import Measurement, assess
+from ..measure import Measurement, assess, gates, missed
 from ..verdict import BALANCES, judged
 from . import spoilt_motion as spoilt
 from .sizes import length, sizes

@@ -18,8 +18,8 @@ from scenes.scene import SI
 from ...engines.kept import environment
 from ...engines.registry import route
 from ...judge.agreement import worst_error
+from ...judge.judgement import off_sketch
 from ...judge.measure import Measurement
-from ...judge.notes import off_sketch
 from ...mechanics.axis import axis
 from ...study import Study
 from ..pages.report import page

@@ -16,7 +16,7 @@ from ...engines import registry
 from ...judge.checks import Check
 from ...judge.errors import by_group as grouped
 from ...judge.errors import shown_groups, worst_of
-from ...judge.notes import off_sketch
+from ...judge.judgement import off_sketch
 from ...mechanics.axis import axis, cycle_name
 from ...mechanics.bodies import first_point, largest_length, rule, weights
 from ...mechanics.reference import Floor

@@ -8,7 +8,7 @@ import pytest
 
 from compare.ci import github
 from compare.ci.github import line_of
-from compare.judge.gates import Miss
+from compare.judge.measure import Miss
 from compare.run import main
 from scenes import Failure, InputError, Status, load
 from tests import scene_files

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from compare.judge.gates import Gate, Miss
+from compare.judge.measure import Gate, Miss
 from linkage_crosscheck.pytest_plugin import ChannelGroup
 from tests import scene_files
 from tests.sites import install

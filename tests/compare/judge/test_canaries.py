@@ -12,16 +12,14 @@ import scenes
 from compare.engines import runner
 from compare.engines.runner import HERE, Runs
 from compare.judge import checks, errors, measure, verdict
-from compare.judge import gates as gates_module
 from compare.judge.agreement import Judgement
 from compare.judge.canaries import thinned
 from compare.judge.canaries.canaries import canaries
 from compare.judge.canaries.sizes import sizes
 from compare.judge.checks import Check
 from compare.judge.errors import compare
-from compare.judge.gates import Gate, gates
 from compare.judge.judgement import judgement
-from compare.judge.measure import offers
+from compare.judge.measure import Gate, gates, offers
 from compare.judge.verdict import compared, limits
 from compare.mechanics import reference, scales
 from compare.mechanics.round_off import Explained
@@ -171,7 +169,7 @@ def lax_check_of(name: str) -> Patch:
 
 
 NAMES = sorted(all_checks(scene_files.load("toggle_press")))
-EXPLAINS, ROWS = Explained.error, (errors, measure, gates_module)
+EXPLAINS, ROWS = Explained.error, (errors, measure)
 FROM_THE_START: dict[str, list[Patch]] = {
     "sizes times 1000": [(module, "sizes", lambda *of: 1000 * scale_sizes(*of)) for module in (scales, checks)],
     "one scale for all forces": [(scales, "force_scales", one_scale_for_all_forces)],

@@ -9,8 +9,7 @@ import pytest
 from compare.engines.runner import Run
 from compare.judge.checks import checks
 from compare.judge.errors import compare
-from compare.judge.gates import gates
-from compare.judge.measure import Measurement
+from compare.judge.measure import Measurement, gates
 from compare.judge.verdict import compared, judged
 from compare.mechanics.reference import Reference
 from scenes import Motion, Status

@@ -6,8 +6,7 @@ import pytest
 
 import scenes
 from compare.engines import registry
-from compare.judge.judgement import judgement
-from compare.judge.notes import off_sketch, warnings
+from compare.judge.judgement import judgement, off_sketch, warnings
 from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Floor, Reference, uncertified
 from scenes import Failure, Motion, Sampling, Scene, Status

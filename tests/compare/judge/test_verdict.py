@@ -9,8 +9,7 @@ import pytest
 import analytic
 from compare.engines import registry
 from compare.engines.runner import Run, run
-from compare.judge.gates import gates
-from compare.judge.measure import Measurement, measure
+from compare.judge.measure import Measurement, gates, measure
 from compare.measure.speed.timing import Budget
 from compare.mechanics.reference import Reference
 from compare.study import study

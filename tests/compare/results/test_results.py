@@ -10,8 +10,7 @@ import pytest
 
 import scenes
 from compare.judge.foreign import assess_result
-from compare.judge.gates import gates
-from compare.judge.measure import Measurement
+from compare.judge.measure import Measurement, gates
 from compare.results.result import read_result
 from compare.run import main
 from scenes import Scene
