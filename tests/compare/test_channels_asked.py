@@ -173,6 +173,20 @@ def test_one_channel_of_a_press_on_its_switch() -> None:
             assert peaks(pressing, few, [well, badly]) is not None
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_some_channels_of_some_places_are_judged(seed: int) -> None:
+    """Where one joint, point or body has channels that another's were not asked for."""
+    rng = np.random.default_rng(seed)
+    reference = uncertified(scenes.load("toggle_press"))
+    some = frozenset(rng.choice(channels(reference.scene)[2:], 6, replace=False))
+    few = replace(SAMPLING, channels=some)
+    motion = commanded(reference)
+    off = {c: values + 0.1 * reference.scale[c] for c, values in motion.samples.items() if c in some}
+    wrong = Motion({c: off.get(c, motion[c]) for c in few.wanted(reference.scene)})
+    run = Run("stub", Settings("stub", promise=1e-9), Status.ok, motion=wrong)
+    assert sentences(reference, few, [assess(reference, few, run, explain(reference, few))], set()) is not None
+
+
 def test_gates_of_what_is_not_asked_for_are_left_out() -> None:
     scene = scenes.load("toggle_press")
     scene = replace(scene, tolerances={"analytic": {"position": 1e-9, "reaction": 1e-9, "torque": 0.0}})

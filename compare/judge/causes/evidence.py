@@ -99,7 +99,7 @@ class Evidence:
 
     def outside(self, channels: Iterable[str]) -> float:
         """Return the rest that a cause leaves over which explains all of these channels and no other."""
-        own = sum(self.off[channel] for channel in channels)
+        own = sum(self.off.get(channel, 0.0) for channel in channels)  # none of those that were not asked for
         return float(np.sqrt(max(self.total - own, 0.0) / self.total))
 
     def left(self, predicted: Channels) -> float:
