@@ -7,20 +7,13 @@ silence. With k = 1/h^2 and b = 1/h, h the step, and d at its limit of 0.9999, e
 a leapfrog of order 2, whose rates belong to the middle of a step, and whose forces l to its start.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import metadata
-from typing import Annotated
 
-from scenes import Request, Scene, Settings
+from scenes import Request, Scene
 from scenes.model.engine import Simulation
 
-
-@dataclass(frozen=True)
-class MujocoSettings(Settings):
-    """Step in time."""
-
-    steps: Annotated[int, "per cycle, at least: rounded up to a multiple of the samples"]
-    hard: Annotated[bool, "gaps are closed within a step; else MuJoCo's defaults for constraints"] = True
+from .settings import MujocoSettings
 
 
 def _hard(*steps: int) -> tuple[MujocoSettings, ...]:

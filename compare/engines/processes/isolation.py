@@ -101,7 +101,7 @@ class Worker(Generic[Item, Result]):
         return self._beyond() if self.busy else None
 
     def _message(self) -> Any:
-        """Return what was sent once it is whole, None before that: half a message holds nobody up."""
+        """What was sent, once it is whole, None before that: half a message holds nobody up."""
         if self.connection.poll():
             if sys.platform == "win32":
                 return _Reader(io.BytesIO(self.connection.recv_bytes())).load()

@@ -72,7 +72,7 @@ class Part(NamedTuple):
         return common(self.channels)
 
     def cause(self, kind: Kind, text: str, *amounts: float, names: tuple[str, ...] = ()) -> "Cause":
-        """Return what is wrong with these channels."""
+        """What may be wrong with these channels."""
         return Cause(kind, self.place, text, amounts, names, self)
 
 

@@ -187,7 +187,7 @@ class Evidence:
 
 
 def summed(amounts: Iterable[float], changes: Iterable[Mapping[str, Any]], now: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is changed, from what it is now, by so much of each change."""
+    """What is there now, by name, and so much of each change."""
     total: dict[str, Any] = {}
     for amount, change in zip(amounts, changes, strict=True):
         for name, by in change.items():
