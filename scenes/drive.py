@@ -160,7 +160,10 @@ LawRow = Annotated[tuple[Time, Position], Strict(False)]
 class DriveTable(FileTable):
     """The driven body, a crank or a slider, and its speed or its motion law."""
 
-    body: Known = Field(description="A body with one pin on the ground, or one that slides on the ground.")
+    body: Known = Field(description="A body with one pin on the ground, or on the body `on`, or one that slides.")
+    on: Known | None = Field(
+        None, description="Another body, against which it turns at a pin of both; the ground where absent."
+    )
     speed: Speed | None = Field(None, description="The constant speed; negative clockwise, or against `along`.")
     start: Position | None = Field(
         None, description="At time zero: the angle of its x axis, or its displacement from `through`."

@@ -5,7 +5,7 @@ branch solver and no derived lengths or inertias; each model works those out by 
 by two models is one the comparison cannot see.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, remainder, sqrt, tau
@@ -19,26 +19,37 @@ from .bodies import Slide as Slide
 from .drive import ConstantSpeed as ConstantSpeed
 from .drive import Drive as Drive
 from .drive import MotionLaw as MotionLaw
+from .elements.loads import Force as Force
+from .elements.loads import ForceTable as ForceTable
+from .elements.loads import GuideForce as GuideForce
+from .elements.loads import Load as Load
+from .elements.loads import Moment as Moment
+from .elements.loads import PlainLoad as PlainLoad
+from .elements.loads import PressForce as PressForce
+from .elements.loads import TableForce as TableForce
+from .elements.loads import closing_sense
+from .elements.springs import Spring as Spring
+from .elements.torsion_springs import TorsionSpring as TorsionSpring
 from .fields import Gravity, Number, Place, Position, put, walk
 from .fields import Vector as Vector
-from .loads import Force as Force
-from .loads import ForceTable as ForceTable
-from .loads import Load as Load
-from .loads import PressForce as PressForce
-from .loads import Spring as Spring
-from .loads import closing_sense
 
-SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
+ELEMENTS = ("loads", "springs", "torsion_springs")  # the lists of what acts on the bodies
+SI = {"length": ("m", 1.0), "mass": ("kg", 1.0), "force": ("N", 1.0), "moment": ("N*m", 1.0)}
+SI |= {"angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 
 
 def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Mapping[str, tuple[str, float]]:
     """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none."""
     (length, m), (mass, kg), (force, newton) = (units[name] for name in ("length", "mass", "force"))
+    (moment, newton_metre), (angle, radian) = units["moment"], units["angle"]
     return {
         **units,
         "position": units["length" if slides else "angle"],
         "inertia": (f"{mass}*{length}^2", kg * m**2),
         "stiffness": (f"{force}/{length}", newton / m),
+        "damping": (f"{force}*s/{length}", newton / m),
+        "torsion_stiffness": (f"{moment}/{angle}", newton_metre / radian),
+        "torsion_damping": (f"{moment}*s/{angle}", newton_metre / radian),
         "time": ("s", 1.0),
         "gravity": ("m/s^2", 1.0),
         "direction": ("", 1.0),
@@ -96,6 +107,8 @@ class Scene:
     tolerances: Mapping[str, Mapping[str, float]]  # engine -> channel group -> largest relative error
     units: Mapping[str, tuple[str, float]] = field(default_factory=lambda: SI)  # of the file: name, and size in SI
     variations: tuple[Variation, ...] = ()  # what the workshop may deviate, in the units of the file
+    torsion_springs: tuple[TorsionSpring, ...] = ()
+    drive_on: str = GROUND  # the body against which the drive moves its own, by a pin or by a guide
 
     def __hash__(self) -> int:
         """The hash of its name: what an engine finds once a scene is known by the scene."""
@@ -148,6 +161,19 @@ class Scene:
         return tuple(name for name in self.bodies if name not in self.aligned[GROUND])
 
     @property
+    def elements(self) -> Iterator[tuple[str, Load | Spring | TorsionSpring]]:
+        """What acts on the bodies besides their weight, each with its place in the file."""
+        for key in ELEMENTS:
+            yield from ((f"{key}.{number}", element) for number, element in enumerate(getattr(self, key)))
+
+    @cached_property
+    def kinds(self) -> frozenset[str]:
+        """The kinds of what acts on the bodies, and of drives that not every engine knows."""
+        moving = self.drive_on != GROUND
+        driven = "drives between moving bodies" if self.driven_slide is None else "cylinders that drive"
+        return frozenset({*(element.kind for _, element in self.elements), *([driven] if moving else [])})
+
+    @property
     def driven_slide(self) -> Slide | None:
         """The guide of the driven body; None where that is a crank."""
         return self.bodies[self.drive.body].slide
@@ -186,7 +212,8 @@ class Scene:
 
     def size(self, number: Number) -> float:
         """What the file's unit of a number is in SI; of a guide's direction, which has a length of its own there."""
-        slide = self.bodies[str(number.at[1])].slide if number.quantity.dimension == "direction" else None
+        guide = number.quantity.dimension == "direction" and number.at[0] == "bodies"
+        slide = self.bodies[str(number.at[1])].slide if guide else None
         return self.all_units[number.quantity.dimension][1] if slide is None else 1 / slide.drawn
 
     def with_numbers(self, values: Mapping[str, Any]) -> "Scene":

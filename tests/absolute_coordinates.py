@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from scenes import Scene
 from scenes.model.motion import channels
-from scenes.scene import GROUND, Force, ForceTable, Load, PressForce
+from scenes.scene import GROUND, Force, ForceTable, Load, PlainLoad, PressForce
 
 from .absolute_bodies import TURNED, Floats, local_points, mass_properties, sketched
 
@@ -244,6 +244,7 @@ class Absolute:
     def load(self, load: Load, Q: Floats, dQ: Floats) -> Floats:
         if isinstance(load, Force):
             return np.array(load.force)
+        assert isinstance(load, PlainLoad)
         slide = self.scene.bodies[load.body].slide
         assert slide is not None
         row = self.displacement(load.body)

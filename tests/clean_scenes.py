@@ -18,7 +18,7 @@ import scenes
 from scenes import Scene
 from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, PressForce
+from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, PlainLoad, PressForce
 
 from . import scene_files
 from .linkage_scenes import linkages
@@ -122,6 +122,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
 
 def _load(load: Load) -> dict[str, Any]:
     at = {"body": load.body, "at": load.at}
+    assert isinstance(load, PlainLoad)
     if isinstance(load, ForceTable):
         return at | {"table": [*zip(load.displacements, load.forces, strict=True)]}
     return at | {"force": load.force} | ({"last": load.last} if isinstance(load, PressForce) else {})

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
 from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
-from scenes.loads import Force, ForceTable, Load, PressForce, Spring
-from scenes.scene import Sketch
+from scenes.scene import Force, ForceTable, Load, PressForce, Sketch, Spring
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
 

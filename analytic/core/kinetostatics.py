@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.motion import Samples, force_channels
-from scenes.scene import Force, ForceTable, Load
+from scenes.scene import Force, ForceTable, Load, PlainLoad
 
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned
 from .dyads import Vectors, cross, dot, inner_force
@@ -227,6 +227,7 @@ class Balance:
         """Return a load's force, N."""
         if isinstance(load, Force):
             return samples(as_complex(load.force))
+        assert isinstance(load, PlainLoad)
         first = self.scene.bodies[load.body].points[0]
         s, ds, _ = self.k.displaced(self.scene, first)
         if isinstance(load, ForceTable):

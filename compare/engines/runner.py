@@ -11,6 +11,7 @@ import numpy as np
 
 from scenes import Engine, Failure, Motion, Request, Rows, Sampling, Scene, Settings, Status
 from scenes.arguments import unmasked
+from scenes.model.engine import refuse_unknown
 from scenes.model.motion import kinematic_channels, quantity
 
 from . import registry
@@ -132,6 +133,7 @@ def _solved(engine: Engine[Any], scene: Scene, request: Request, failed: Run, *,
     settings = None if failed.settings is None else unpacked(failed.settings)
     try:
         started = processor_time()
+        refuse_unknown(engine, scene)
         simulation = engine.build(scene, settings, request)
         on_wall, built = perf_counter(), processor_time()
         simulation.solve()

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, ForceTable, Load, PressForce
+from scenes.scene import GROUND, Body, ForceTable, Load, PlainLoad, PressForce
 
 from .bodies import first_point, inertia
 
@@ -133,6 +133,7 @@ class MotionVectors:
             yield AppliedForce(weight, z, v, f"the weight of {body.name}")
 
     def _force(self, load: Load) -> Vectors:
+        assert isinstance(load, PlainLoad)
         if not isinstance(load, ForceTable):
             return np.full(self.motion["time"].shape, complex(*load.force))
         body = self.scene.bodies[load.body]

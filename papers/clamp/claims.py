@@ -9,7 +9,7 @@ from compare.engines.runner import run
 from compare.report.figures.figure import Figure, draw, stacked
 from compare.report.figures.style import colour, layout, marker
 from scenes import Failure, Motion, Sampling, Scene, load
-from scenes.loads import Force
+from scenes.elements.loads import Force
 
 from ..claims import Claim, comparison, judge, largest, solved
 from .equations import EQUATIONS, KINDS, Moving, moving, scale

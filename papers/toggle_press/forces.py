@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors
 from scenes import Motion, Scene, load
-from scenes.loads import Force
+from scenes.elements.loads import Force
 from scenes.model.motion import Samples
 
 from ..claims import EXACT, Claim, Difference, Verdict, judge, largest, solved

@@ -8,9 +8,11 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from math import pi, remainder
 
+from ..elements.attack import problems_of_attack
+from ..elements.tables import SEAM, Table
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS
-from ..scene import GROUND, Body, MotionLaw, Scene, Vector
+from ..scene import GROUND, Body, MotionLaw, Scene, Spring, TorsionSpring, Vector
 from .demands import unmet_by_numbers, unmet_together
 
 
@@ -30,7 +32,7 @@ def _problems(scene: Scene, output_slides: bool) -> Iterator[str]:
     yield from _of_drive(scene)
     yield from (demand.refusal() for demand in unmet_together(scene))
     yield from _of_joints(scene)
-    yield from _of_loads_and_springs(scene)
+    yield from _of_elements(scene)
     yield from _of_sketch_and_output(scene, output_slides)
 
 
@@ -46,12 +48,14 @@ def _of_slides(scene: Scene) -> Iterator[str]:
         ring = error.args[1][::-1]  # from each to what it slides on
         expected = "expected slides to lead to the ground, or to a body that does not slide"
         yield f"bodies.{ring[0]}.slides.on: {expected}, found {' on '.join(ring)}"
-    driven = scene.drive.body
-    pivots = [point for point in scene.bodies[driven].points if point in scene.ground]
+    driven, base = scene.drive.body, scene.drive_on
+    others = [name for name in (GROUND, *scene.bodies) if name != driven]
+    if base not in others:
+        yield f"drive.on: no other body '{base}'{nearest(base, others)}"
+    pivots = {*scene.bodies[driven].points} & {*(scene.ground if base == GROUND else scene.bodies[base].points)}
     if driven not in on and len(pivots) != 1:
-        yield f"drive.body: '{driven}' has {len(pivots)} points on the ground; expected one, to turn about"
-    if on.get(driven, GROUND) != GROUND:
-        yield f"drive.body: '{driven}' slides on '{on[driven]}'; expected a body that slides on the ground"
+        where = "the ground" if base == GROUND else f"'{base}'"
+        yield f"drive.body: '{driven}' has {len(pivots)} points on {where}; expected one, to turn about"
 
 
 def _of_bodies(scene: Scene) -> Iterator[str]:
@@ -68,7 +72,7 @@ def _of_bodies(scene: Scene) -> Iterator[str]:
             more = "more than three points that are not on one line"
             yield f"bodies.{name}: expected 'com' and 'inertia', since it has a mass and {more}"
     missing = [body.name for body in scene.bodies.values() if body.mass is None]
-    if missing and (len(missing) < len(scene.bodies) or scene.loads or scene.springs):
+    if missing and (len(missing) < len(scene.bodies) or any(scene.elements)):
         why = "other bodies have one" if len(missing) < len(scene.bodies) else "there are loads"
         yield f"bodies.{missing[0]}.mass: missing, and {why}; give every body a mass (0 is allowed) or none"
 
@@ -147,27 +151,23 @@ def _of_joints(scene: Scene) -> Iterator[str]:
         yield f"bodies: {kind}: {b} bodies, {p} pins and {s} slides leave {count}; expected 1, for the drive"
 
 
-def _of_loads_and_springs(scene: Scene) -> Iterator[str]:
-    for number, load in enumerate(scene.loads):
-        yield from _of_attack(scene, f"loads.{number}.body", f"loads.{number}.at", load.body, load.at, scene.bodies)
-    for number, spring in enumerate(scene.springs):
-        place = f"springs.{number}.between"
-        for body, point in (spring.first, spring.second):
-            yield from _of_attack(scene, place, place, body, point, (GROUND, *scene.bodies))
-        if spring.first[0] == spring.second[0]:
-            yield f"{place}: expected points of two bodies, found both on {spring.first[0]}"
-        if spring.first[1] == spring.second[1]:
-            yield f"{place}: {spring.first[1]} is the same point of both bodies"
+def _of_elements(scene: Scene) -> Iterator[str]:
+    for place, element in scene.elements:
+        if isinstance(element, Spring | TorsionSpring):
+            yield from element.problems(scene, place)
+        else:
+            yield from problems_of_attack(scene, f"{place}.body", f"{place}.at", element.body, element.at)
+            yield from _of_table(scene, place, getattr(element, "table", None))
 
 
-def _of_attack(
-    scene: Scene, place: str, place_at: str, body: str, point: str, bodies: Collection[str]
-) -> Iterator[str]:
-    if body not in bodies:
-        yield f"{place}: no body '{body}'{nearest(body, bodies)}"
-    points = scene.ground if body == GROUND else scene.bodies[body].points
-    if point not in points:
-        yield f"{place_at}: '{body}' has no point '{point}'{nearest(point, points)}"
+def _of_table(scene: Scene, place: str, table: Table | None) -> Iterator[str]:
+    """Whether a periodic table comes back to where it began."""
+    if table is not None and table.periodic:
+        first, *_, last = table.values
+        if not abs(last - first) <= SEAM * max(map(abs, table.values)):
+            unit, size = scene.all_units["force" if table.forces else "moment"]
+            off = f"{first / size:.6g} {unit}, found {last / size:.6g} {unit}"
+            yield f"{place}.table: periodic: expected the last value to be the first, {off}"
 
 
 def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
@@ -183,7 +183,10 @@ def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
     known = {*scene.sketch.points, *scene.ground}
     for group in dict.fromkeys(scene.aligned[name] for name in scene.turning):
         shown = any(len(known.intersection(scene.bodies[name].points)) > 1 for name in group)
-        if scene.drive.body not in group and not shown:
+        shown |= len(known.intersection(*[[p for name in group for p in scene.bodies[name].points]])) > 1 and any(
+            scene.slides[name].on in group for name in group if name in scene.slides
+        )
+        if not ({scene.drive.body, scene.drive_on} & group and scene.driven_slide is None) and not shown:
             turned = f"nothing shows how {' and '.join(sorted(group))} are turned"
             yield f"sketch: {turned}; expected the positions of two points of one of them"
     key = "slider" if output_slides else "point"

@@ -7,9 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..bodies import LINE, Body, heights
+from ..elements.loads import push
+from ..elements.tables import COLUMN
 from ..fields import walk
-from ..loads import push
-from ..scene import ConstantSpeed, ForceTable, PressForce, Scene
+from ..scene import ConstantSpeed, ForceTable, Load, PressForce, Scene, TableForce
+
+DIMENSION = {"positions": "position", "times": "time", "displacements": "length"}  # by column
 
 
 class Demand(NamedTuple):
@@ -73,10 +76,24 @@ def _together(scene: Scene) -> Iterator[Demand]:
         if isinstance(load, PressForce) and (slide := scene.bodies[load.body].slide):
             text = f"{place}.force: expected a part along the guide, which the slider closes against, found {{:g}}"
             yield Demand(text, (part := push(load.force, slide)) != 0, (part,))
-        elif isinstance(load, ForceTable):
-            for row, (before, after) in enumerate(pairwise(load.displacements), start=1):
-                text = f"{place}.table.{row}.0: expected increasing displacements, found {{:.4g}} {length}"
-                yield Demand(text, before < after, (after / m,))
+        elif isinstance(load, TableForce):
+            text = f"{place}.along: expected a direction of a size from 1e-15 to 1e15, found {{:g}}"
+            drawn = np.hypot(*load.along)
+            yield Demand(text, np.logical_and(drawn >= 1e-15, drawn <= 1e15), (drawn,))
+        if columns := _columns(load):
+            name, values = columns
+            unit, size = scene.all_units[DIMENSION[name]]
+            for row, (before, after) in enumerate(pairwise(values), start=1):
+                text = f"{place}.table.{row}.0: expected increasing {name}, found {{:.4g}} {unit}"
+                yield Demand(text, before < after, (after / size,))
+
+
+def _columns(load: Load) -> tuple[str, tuple[Any, ...]] | None:
+    """What the table of a load is over, by the name of its column, and that column."""
+    if isinstance(load, ForceTable):
+        return "displacements", load.displacements
+    table = getattr(load, "table", None)
+    return table and (COLUMN[table.over], table.arguments)
 
 
 def _of_drive(scene: Scene) -> Iterator[Demand]:

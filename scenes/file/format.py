@@ -8,9 +8,11 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, Vali
 from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
+from ..elements.load_table import LoadTable
+from ..elements.springs import SpringTable
+from ..elements.torsion_springs import TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
 from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
-from ..loads import LoadTable, SpringTable
 
 # To Python, True is 1.
 Format = Annotated[Literal[1], BeforeValidator(lambda value: str(value) if isinstance(value, bool) else value)]
@@ -23,6 +25,7 @@ class Units(FileTable):
     mass: str = Field("kg", description="Of masses, and with the length's square of inertias.")
     force: str = Field("N", description="Of loads, and over the length of stiffnesses.")
     angle: str = Field("rad", description='Of angles of the drive and the sketch, as "deg".')
+    moment: str | None = Field(None, description='Of moments; the force times metre, as "kN*m", where absent.')
     speed: str | None = Field(
         None, description='Of a crank as "rpm", or rad/s where absent; of a driven slider as "mm/s", or m/s.'
     )
@@ -90,8 +93,13 @@ class SceneFile(FileTable):
         description="The moving bodies, by name. A pin's force acts from the body named first here on the other one.",
     )
     drive: DriveTable = Field(description="The driven body, and how it moves.")
-    loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces on bodies.")
-    springs: list[SpringTable] = Field([], max_length=limits.LOADS, description="Linear springs between two points.")
+    loads: list[LoadTable] = Field([], max_length=limits.LOADS, description="Forces and moments on bodies.")
+    springs: list[SpringTable] = Field(
+        [], max_length=limits.LOADS, description="Linear springs and dampers between two points."
+    )
+    torsion_springs: list[TorsionSpringTable] = Field(
+        [], max_length=limits.LOADS, description="Springs and dampers that twist, at a pin."
+    )
     variations: list[VariationTable] = Field(
         [], max_length=limits.VARIATIONS, description="What the workshop may deviate, for `--monte-carlo`."
     )
@@ -115,7 +123,7 @@ def validated(file: type[File], tables: object) -> File:
 def _explained(error: ValidationError, file: type[FileTable]) -> str:
     """A line on the first of the errors in a file; the rest is counted, since one slip often causes several."""
     first, *rest = sorted(error.errors(include_url=False), key=lambda e: e["type"] != "extra_forbidden")
-    location = [part for part in first["loc"] if part != "[key]"]
+    location = [part for part in first["loc"] if part not in ("[key]", "vector", "number")]
     given, limits_of = first["input"], first.get("ctx", {})
     entries = "points, each as 'body.point'" if "between" in location else "numbers"
     match first["type"]:

@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import Any
 
 from ..arguments import check_changes, refuse
+from ..bodies import SlideTable
 from ..errors import InputError, at_place, nearest, one_line
 from ..fields import NAME, put, walk
 from ..limits import NAME as LONGEST_NAME
@@ -90,7 +91,7 @@ def _scene(table: SceneFile, file: str) -> Scene:
     if table.drive.body not in table.bodies:
         raise InputError(f"drive.body: no body '{table.drive.body}'{nearest(table.drive.body, table.bodies)}")
     guide = table.bodies[table.drive.body].slides
-    slides = guide is not None and guide.on == GROUND
+    slides = guide is not None
     units = si_units(table.units, table.drive.body, slides=slides)
     bodies = {name: body.body(name) for name, body in table.bodies.items()}
     held = {engine: _tolerances(f"tolerances.{engine}", of, slides=slides) for engine, of in table.tolerances.items()}
@@ -102,14 +103,18 @@ def _scene(table: SceneFile, file: str) -> Scene:
         ground=MappingProxyType(table.ground.points),
         bodies=MappingProxyType(bodies),
         drive=table.drive.drive(),
-        loads=tuple(load.load(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
-        springs=tuple(spring.spring() for spring in table.springs),
+        loads=tuple(load.element(f"loads.{number}", bodies) for number, load in enumerate(table.loads)),
+        springs=tuple(spring.element(f"springs.{number}") for number, spring in enumerate(table.springs)),
         gravity=table.gravity,
         sketch=Sketch(_sketched_drive(table, slides=slides), MappingProxyType(table.sketch.model_extra or {})),
         output=table.output.slider or table.output.point or "",
         tolerances=MappingProxyType(held),
         units=MappingProxyType(units),
         variations=tuple(Variation(v.path, v.plus_minus, v.distribution) for v in table.variations),
+        torsion_springs=tuple(
+            spring.element(f"torsion_springs.{number}") for number, spring in enumerate(table.torsion_springs)
+        ),
+        drive_on=_driven_on(table, guide),
     )
     sizes = {dimension: size for dimension, (_, size) in as_written.all_units.items()}
     in_si = {number.at: number.value * sizes[number.quantity.dimension] for number in walk(as_written)}
@@ -118,9 +123,17 @@ def _scene(table: SceneFile, file: str) -> Scene:
     return scene
 
 
+def _driven_on(table: SceneFile, guide: SlideTable | None) -> str:
+    """What the drive moves its body against."""
+    on = table.drive.on
+    if guide is not None and on not in (None, guide.on):
+        raise InputError(f"drive.on: expected '{guide.on}', on which '{table.drive.body}' slides, found '{on}'")
+    return guide.on if guide is not None else on or GROUND
+
+
 def _sketched_drive(table: SceneFile, *, slides: bool) -> float:
     right, wrong = ("displacement", "angle") if slides else ("angle", "displacement")
-    driven = f"drive.body, '{table.drive.body}', {'slides' if slides else 'does not slide'} on the ground"
+    driven = f"drive.body, '{table.drive.body}', {'slides' if slides else 'does not slide'}"
     if getattr(table.sketch, wrong) is not None:
         raise InputError(f"sketch.{wrong}: expected '{right}', since {driven}; or another body there")
     if slides and table.sketch.displacement is None:

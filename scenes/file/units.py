@@ -19,8 +19,9 @@ _USUAL = {  # how many of the SI unit, the first, which a file has where it name
     "angle": {"rad": 1.0, "deg": pi / 180},
 }
 _TURNING = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": pi / 30}
+_TWISTING = {"N*m": 1.0, "kN*m": 1e3, "N*mm": 1e-3, "lbf*ft": 4.4482216152605 * 0.3048}
 _SLIDING = {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1 / 60, "in/s": 0.0254}
-_ALL = (*_USUAL.values(), _TURNING, _SLIDING)
+_ALL = (*_USUAL.values(), _TURNING, _SLIDING, _TWISTING)
 _FACTORS = {(unit, next(iter(usual))): size for usual in _ALL for unit, size in usual.items()}
 _POWER = r"(?:°|[^\W\d]\w{0,31})(?: ?(?:\*\*|\^) ?-?\d{1,2}(?:\.\d{1,2})?)?"
 _PRODUCT = re.compile(rf"{_POWER}(?: ?[*/] ?{_POWER}){{0,7}}")
@@ -36,10 +37,14 @@ def si_units(units: Units, driven: str, *, slides: bool) -> dict[str, tuple[str,
         unit = getattr(units, name) or si
         if name == "speed" and unit not in usual and _PRODUCT.fullmatch(unit) and _factor(unit, other) > 0:
             kind, is_driven = ("crank", "slides") if slides else ("slider", "does not slide")
-            why = f"'{driven}' {is_driven} on the ground, and units.speed, '{unit}', is of a {kind}"
+            why = f"'{driven}' {is_driven}, and units.speed, '{unit}', is of a {kind}"
             instead = f"expected a {kind} here, or units.speed as one of {', '.join(sorted(usual))}"
             raise InputError(f"drive.body: {why}; {instead}")
         factors[name] = unit, factor(unit, si, name, f"units.{name}", usual)
+    force, newton = factors["force"]
+    factors["moment"] = f"{force}*m", newton
+    if units.moment is not None:
+        factors["moment"] = units.moment, factor(units.moment, "N*m", "moment", "units.moment", _TWISTING)
     return factors
 
 

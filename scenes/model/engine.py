@@ -16,6 +16,7 @@ from time import perf_counter, process_time
 from types import SimpleNamespace
 from typing import Annotated, Any, Protocol, TypeVar, cast
 
+from ..elements import PLAIN_KINDS
 from ..scene import Scene
 from .motion import Motion, Request, Sampling
 
@@ -115,6 +116,7 @@ class Engine(Module[S], Protocol[S]):
     WORK_PRECISION: tuple[S, ...]  # from cheap to accurate, for the picture of speed against error in every report
     LONG_WORK_PRECISION: tuple[S, ...]  # slower ones, that only `--full` takes besides
     ABLATIONS: tuple[S, ...]  # the default with more than a scene needs, for `--full`: what modelling it costs
+    KINDS: frozenset[str]  # of loads, springs and drives that it knows, besides cranks and sliders on the ground
 
     @property
     def at_steps(self) -> Callable[..., S] | None:
@@ -143,8 +145,15 @@ def completed(module: Any, version: str) -> Engine[Any]:
     if not (isinstance(default, Settings) and hasattr(module, "build")):
         raise TypeError("expected a module with DEFAULT, of scenes.Settings, and build(scene, settings, request)")
     optional = dict.fromkeys(("FAST", "EXACT"), default) | dict.fromkeys(("at_steps", "iterations_needed"))
+    optional |= {"KINDS": PLAIN_KINDS}
     optional |= {"WORK_PRECISION": (default,), "LONG_WORK_PRECISION": (), "ABLATIONS": (), "version": lambda: version}
     return cast("Engine[Any]", SimpleNamespace(**(optional | vars(module))))
+
+
+def refuse_unknown(engine: Engine[Any], scene: Scene) -> None:
+    """Raise Failure, `unsupported`, for a scene with a kind of load, spring or drive that the engine does not know."""
+    if unknown := scene.kinds - engine.KINDS:
+        raise Failure(Status.unsupported, f"it knows no {', '.join(sorted(unknown))}, which the scene has")
 
 
 class ProcessorBudget:

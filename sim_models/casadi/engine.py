@@ -10,11 +10,13 @@ from functools import partial
 from importlib import metadata
 
 from scenes import Request, Scene
+from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
 from ..coordinates.settings import NEWTON, PoseSettings, ladder
 
 _runge_kutta = partial(ladder, "Runge-Kutta", 4)
+KINDS = PLAIN_KINDS
 FAST = DEFAULT = EXACT = NEWTON
 WORK_PRECISION = (*_runge_kutta(72, 144, 360, 720), DEFAULT)
 LONG_WORK_PRECISION = _runge_kutta(1440, 2880)

@@ -18,9 +18,8 @@ import numpy as np
 from casadi import SX, Function, jacobian, jtimes, vertcat
 
 from scenes import Scene
-from scenes.loads import Force, ForceTable, Load, Spring
 from scenes.model.motion import force_channels, kinematic_channels
-from scenes.scene import GROUND
+from scenes.scene import GROUND, Force, ForceTable, Load, PlainLoad, Spring
 
 from ..coordinates.bodies import framed_body, linkage_size
 
@@ -122,6 +121,7 @@ class SymbolicLinkage:
         """Return the force of a load, N."""
         if isinstance(load, Force):
             return vertcat(*load.force)
+        assert isinstance(load, PlainLoad)
         x = self.slid(load.body)
         if isinstance(load, ForceTable):
             within = casadi.fmin(casadi.fmax(x, load.displacements[0]), load.displacements[-1])

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.loads import Force, ForceTable, Load, Spring
 from scenes.model.motion import Samples
+from scenes.scene import Force, ForceTable, Load, PlainLoad, Spring
 
 from .bodies import End
 
@@ -35,6 +35,7 @@ def applied(
 def _force(scene: Scene, load: Load, end: float, slid: Callable[[str], tuple[Any, Any]]) -> Any:
     if isinstance(load, Force):
         return complex(*load.force)
+    assert isinstance(load, PlainLoad)
     displacement, velocity = slid(load.body)
     if isinstance(load, ForceTable):
         return complex(*scene.slides[load.body].along) * load.along(displacement)

@@ -10,7 +10,7 @@ from math import copysign, log2, sqrt
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body, ForceTable
+from scenes.scene import Body, ForceTable, PlainLoad
 
 LIGHTER = 2.0**30  # times are the bodies of a kinematic scene than their unit of force suggests
 
@@ -59,6 +59,7 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
     for load in scene.loads:
+        assert isinstance(load, PlainLoad)
         forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
     forces += [spring.stiffness * size for spring in scene.springs]
     largest = max(forces) * (1.0 if scene.has_masses else LIGHTER)

@@ -37,7 +37,7 @@ def add_loads(system: ExudynSystem, switches: PressSwitches) -> None:
             add(at, loadVector=[*(f / unit for f in load.force), 0])
         elif isinstance(load, ForceTable):
             add(at, loadVectorUserFunction=_tabulated(system, load))
-        else:
+        elif isinstance(load, PressForce):
             add(at, loadVectorUserFunction=_switched(system, load, switches[load]))
     for spring in scene.springs:
         ends, stiffness = [system.at(*spring.first), system.at(*spring.second)], spring.stiffness / unit

@@ -11,6 +11,7 @@ from dataclasses import replace
 from importlib import metadata
 
 from scenes import Request, Scene
+from scenes.elements import PLAIN_KINDS
 from scenes.model.engine import Simulation
 
 from .settings import MujocoSettings
@@ -23,6 +24,7 @@ def _hard(*steps: int) -> tuple[MujocoSettings, ...]:
 
 
 NOTE = "MuJoCo's defaults for constraints, 0.02 s and a tenth soft: joints open by as much as that lets them"
+KINDS = PLAIN_KINDS
 FAST = DEFAULT = replace(_hard(1440)[0], promise=1e-2)
 EXACT = replace(_hard(7200)[0], promise=1e-3)
 WORK_PRECISION: tuple[MujocoSettings, ...] = (

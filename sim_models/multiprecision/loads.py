@@ -7,7 +7,7 @@ from typing import TypeAlias
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.loads import Force, ForceTable, PressForce, Spring
+from scenes.scene import Force, ForceTable, PressForce, Spring
 
 from .constraints import LinkageEquations
 from .rows import EquationRows, PlaneVector
@@ -29,7 +29,7 @@ def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float
             linkage.add_point(work, 0, (arb(load.force[0]), arb(load.force[1])), load.body, load.at)
         elif isinstance(load, PressForce):
             others.append(_press(linkage, load, ends[load]))
-        else:
+        elif isinstance(load, ForceTable):
             others.append(_table(linkage, load))
     if scene.gravity is not None:
         for i in linkage.index.values():

@@ -11,7 +11,7 @@ import numpy as np
 from flint import arb, arb_mat
 
 from scenes import Scene
-from scenes.loads import PressForce
+from scenes.elements.loads import PressForce
 from scenes.scene import GROUND
 
 from .constraints import LinkageEquations

@@ -17,7 +17,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Force, ForceTable, PressForce
+from scenes.scene import GROUND, Force, ForceTable, PlainLoad, PressForce
 
 from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes
 from .masses import fictitious_masses
@@ -38,6 +38,7 @@ def forces(
     """Yield every force; of press forces, `active` has whether they act."""
     presses, index = iter(active), linkage.index
     for load in linkage.scene.loads:
+        assert isinstance(load, PlainLoad)
         i = index[load.body]
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):

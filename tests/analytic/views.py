@@ -7,7 +7,7 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, Slide, Vector
+from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, PlainLoad, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 
@@ -62,6 +62,7 @@ class Change:
         return replace(drive, speed=self.mirror * drive.speed, start=self.angle(drive.start), end=end)
 
     def load(self, load: Load) -> Load:
+        assert isinstance(load, PlainLoad)
         return load if isinstance(load, ForceTable) else replace(load, force=xy(self.vector(*load.force)))
 
     def body(self, scene: Scene, body: Body) -> Body:

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from scenes.loads import PressForce
+from scenes.elements.loads import PressForce
 from tests.faults.mutants import Mutant, applied, mutants
 
 PRESS = PressForce("slider", "P5", (0.0, 1.0), last=1.0, closing=-1)
-ACTS = mutants("scenes.loads", ("PressForce.acts",))
+ACTS = mutants("scenes.elements.loads", ("PressForce.acts",))
 
 
 def acts() -> list[bool]:
@@ -22,7 +22,13 @@ def test_a_wrong_line_changes_what_is_called_and_nothing_stays_of_it(mutant: Mut
 
 
 def test_every_kind_of_wrong_line() -> None:
-    modules = ("scenes.loads", "scenes.drive", "compare.judge.checks", "compare.judge.errors", "compare.engines.runner")
+    modules = (
+        "scenes.elements.loads",
+        "scenes.drive",
+        "compare.judge.checks",
+        "compare.judge.errors",
+        "compare.engines.runner",
+    )
     kinds = {one.kind for module in modules for one in mutants(module)}
     assert kinds == {
         "operator",

@@ -38,7 +38,7 @@ CORE = (
     *("core.group_equations", "core.newton_group", "channels"),
 )
 SHARED = {
-    "scenes.loads": (),
+    "scenes.elements.loads": (),
     "scenes.drive": ("ConstantSpeed.after", "ConstantSpeed.at", "MotionLaw.after", "MotionLaw.at", "MotionLaw._trend"),
 }
 COMPARISON = {

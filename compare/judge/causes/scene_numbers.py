@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.motion import Samples
-from scenes.scene import Force, ForceTable
+from scenes.scene import Force, ForceTable, PlainLoad
 
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.reference import Reference
@@ -107,6 +107,8 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
             yield linear(cause, ({f"{row}.1": force for row, force in rows.items()},))
             shifted = Cause(Kind.load, load.at, "the table of the load at {place} is shifted by {signed_length}")
             yield Numbers(shifted, ({f"{row}.0": 1.0 for row in rows},))
+            continue
+        if not isinstance(load, PlainLoad):
             continue
         own = complex(*load.force)
         ways = _turned(f"{at}.force", own)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import Force, PressForce
+from scenes.scene import Force, PlainLoad, PressForce
 
 from ...mechanics.motion_vectors import quintic
 from ...mechanics.scales import chord
@@ -60,6 +60,8 @@ class Stroke:
         for load in (load for load in self.scene.loads if load.body == name):
             if isinstance(load, PressForce):
                 return load.closing
+            if not isinstance(load, PlainLoad):
+                continue
             push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
             if push != 0:
                 return -1 if push > 0 else 1

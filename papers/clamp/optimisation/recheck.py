@@ -10,7 +10,7 @@ from compare.judge.floor import establish
 from compare.judge.measure import Measurement, measure
 from compare.mechanics.mechanics import SHOWN_GROUPS
 from scenes import Sampling, Scene, load
-from scenes.loads import Force
+from scenes.elements.loads import Force
 
 from ..formulas import RATED, Design, at, crosshead, opened, platen
 from ..printed import SCENES

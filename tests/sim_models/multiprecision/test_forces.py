@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scenes import Failure, Scene, Status
-from scenes.loads import PressForce
+from scenes.elements.loads import PressForce
 from scenes.model.motion import channels
 from scenes.scene import MotionLaw
 

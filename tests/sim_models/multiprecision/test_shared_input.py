@@ -12,7 +12,7 @@ import analytic
 import scenes
 from compare.judge.floor import establish
 from scenes import Sampling, Scene
-from scenes.loads import ForceTable, PressForce
+from scenes.elements.loads import ForceTable, PressForce
 from scenes.scene import ConstantSpeed, MotionLaw
 from tests import agreement, scene_files
 
