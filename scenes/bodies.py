@@ -3,7 +3,8 @@
 Where no centre of mass and inertia are given, a body is taken for the uniform one that some of its points span.
 One point is a point mass, two are the ends of a bar, three the corners of a triangular plate; points on one line,
 however many, are on a bar between the outermost two. Which of these a body is follows here from its numbers as drawn;
-centre and inertia each model works out by itself.
+centre and inertia each model works out by itself. Those of a body as drawn, by its outline, or its width as a bar, are
+input of the scene; see `outline`.
 
 The inertia of a plate does not tend to that of a bar as the plate gets flatter: with a third corner in the middle it is
 half of it. So there is a limit between the two, a height of 1e-3 of the longest side. General tolerances of places (ISO
@@ -12,18 +13,19 @@ lever's tolerances are bars as well; nobody cuts a plate so flat, and doubles le
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property, partial
 from math import hypot, inf, isfinite
 from types import MappingProxyType
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, Strict
 
 from .errors import InputError
-from .fields import Direction, FileTable, Inertia, Known, Length, Mass, Name, Place, PointPair
-from .limits import POINTS
+from .fields import Density, Direction, FileTable, Inertia, Known, Length, Mass, Name, Place, PointPair
+from .limits import CORNERS, POINTS
+from .outline import of_bar, of_plate
 
 Places: TypeAlias = Mapping[str, tuple[Any, Any]]  # m; numbers, or arrays of one shape
 Lengths: TypeAlias = Mapping[frozenset[str], Any]  # m, of pairs of points; likewise
@@ -143,6 +145,36 @@ class Body:
             bases |= {point: (*bases[point], earlier) for point in later}
         return bases
 
+    @property
+    def weighed(self) -> "Body":
+        """The same body with numbers of its own for mass, centre of mass and inertia, however it was drawn."""
+        return Body(**{own.name: getattr(self, own.name) for own in fields(Body)})
+
+
+@dataclass(frozen=True)
+class DrawnBody(Body):
+    """A body by its outline, in either sense, or a bar that ends at its two corners; also with other numbers put."""
+
+    mass: float = field(init=False)
+    com: tuple[float, float] = field(init=False)
+    inertia: float = field(init=False)
+    outline: tuple[Place, ...]  # m, body frame; of a bar none
+    width: Length | None  # m, of a bar
+    thickness: Length  # m
+    density: Density  # kg/m^3
+
+    def __post_init__(self) -> None:
+        """Weigh it."""
+        density = self.density * self.thickness
+        if self.width is None:
+            weight = of_plate(self.outline, density)
+        else:
+            first, second = self.corners
+            at = self.local or {first: (0, 0), second: (_length(None, self.lengths, first, second), 0)}
+            weight = of_bar(at[first], at[second], self.width, density)
+        for name, value in zip(("mass", "com", "inertia"), weight, strict=True):
+            object.__setattr__(self, name, value)
+
 
 class SlideTable(FileTable):
     """A straight guide, along which the body's first point moves; the body does not turn against what it slides on."""
@@ -168,6 +200,14 @@ class BodyTable(FileTable):
         description="Its centre of mass, own frame; not of a point, a uniform bar (points on one line too) or plate.",
     )
     inertia: Inertia | None = Field(None, description="Its moment of inertia about the centre of mass.")
+    outline: Annotated[tuple[Place, ...], Strict(False), Field(min_length=3, max_length=CORNERS)] | None = Field(
+        None, description="As drawn, instead of `mass`, `com` and `inertia`: its corners [x, y] in its own frame."
+    )
+    width: Length | None = Field(
+        None, description="Instead of `outline`, of two points or `points` on one line: a bar that ends at these."
+    )
+    thickness: Length | None = Field(None, description="With `outline` or `width`.")
+    density: Density | None = Field(None, description="With `outline` or `width`: in kg/m^3, whatever the units.")
     slides: SlideTable | None = Field(None, description="The guide on which it slides, if any.")
 
     def body(self, name: str) -> Body:
@@ -186,4 +226,14 @@ class BodyTable(FileTable):
             local, lengths = on_line, None  # which no triangles give: it is a matter of the last places
         given = local and MappingProxyType(local), lengths and MappingProxyType(lengths), corners(names, local, lengths)
         slide = None if self.slides is None else Slide(self.slides.on, self.slides.through, self.slides.along)
-        return Body(name, names, *given, self.mass, self.com, self.inertia, slide)
+        keys = ("outline", "width", "thickness", "density", "mass", "com", "inertia")
+        found = [key for key in keys if getattr(self, key) is not None]
+        if not {*found} & {*keys[:4]}:
+            return Body(name, names, *given, self.mass, self.com, self.inertia, slide)
+        if found[1:] != ["thickness", "density"]:
+            expected = "expected 'thickness' and 'density' with one of 'outline' and 'width', instead of 'mass'"
+            raise InputError(f"bodies.{name}: {expected}, found {', '.join(map(repr, found))}")
+        if self.width is not None and (len(given[-1]) != 2 or (lengths and len(names) > 2)):
+            raise InputError(f"bodies.{name}.width: expected a body of two points, or of 'points' on one line")
+        material: Any = self.thickness, self.density
+        return DrawnBody(name, names, *given, slide, self.outline or (), self.width, *material)

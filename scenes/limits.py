@@ -11,6 +11,7 @@ SOURCE = 2000  # characters: a paragraph of a page
 
 BODIES = 100  # the models' time goes with their square or cube: 21 take a minute, 51 two and a half
 POINTS = 1000  # of all bodies and the ground, a pin's once for each: a run of 300 takes seven times as long as of 10
+CORNERS = 200  # of an outline: each of its sides is held against all others, in 10 ms
 LOADS = 200  # and as many springs, each evaluated at every step: a run of two hundred springs takes three times as long
 ROWS = 10_000  # of a force table, and of a motion law: a run takes three times as long as with one row
 TURNS = 10  # of a crank in a cycle: scales and ends of strokes are found at 3,600 instants of it, 360 a turn

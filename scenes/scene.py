@@ -1,20 +1,21 @@
 """The scene: everything the models share about a mechanism, in SI, and nothing they could share by mistake.
 
 A scene holds what was written in its file: lengths, points, masses, joints by shared point names. It has no pose, no
-branch solver and no derived lengths or inertias; each model works those out by its own means, because a mistake shared
-by two models is one the comparison cannot see.
+branch solver and no derived lengths; each model works those out by its own means, because a mistake shared by two
+models is one the comparison cannot see. What a body as drawn weighs has a second rule in the 50-digit model.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, remainder, sqrt, tau
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from .bodies import GROUND as GROUND
 from .bodies import Body as Body
+from .bodies import DrawnBody as DrawnBody
 from .bodies import Slide as Slide
 from .drive import ConstantSpeed as ConstantSpeed
 from .drive import Drive as Drive
@@ -47,6 +48,7 @@ def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Map
         "position": units["length" if slides else "angle"],
         "inertia": (f"{mass}*{length}^2", kg * m**2),
         "stiffness": (f"{force}/{length}", newton / m),
+        "density": ("kg/m^3", 1.0),
         "damping": (f"{force}*s/{length}", newton / m),
         "torsion_stiffness": (f"{moment}/{angle}", newton_metre / radian),
         "torsion_damping": (f"{moment}*s/{angle}", newton_metre / radian),
@@ -97,7 +99,7 @@ class Scene:
     source: str
     file: str  # where it was read from, for messages
     ground: Mapping[str, Place] = field(metadata={"path": "ground.points"})  # m
-    bodies: Mapping[str, Body]  # the moving bodies, in file order
+    bodies: Mapping[str, Annotated[Body, DrawnBody]]  # the moving bodies, in file order
     drive: Drive
     loads: tuple[Load, ...]
     springs: tuple[Spring, ...]

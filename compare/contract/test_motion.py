@@ -78,7 +78,7 @@ def test_only_what_is_asked_for(name: str, solved: Scene) -> None:
 
 def test_a_scene_without_masses_has_no_forces(name: str, solved: Scene) -> None:
     """A kinematic scene is solved as any other, or refused for a reason."""
-    bodies = {body.name: replace(body, mass=None) for body in solved.bodies.values()}
+    bodies = {body.name: replace(body.weighed, mass=None) for body in solved.bodies.values()}
     kinematic = replace(solved, bodies=bodies, loads=(), springs=())
     ended = run(name, kinematic, SAMPLING)
     assert ended.status in (Status.ok, Status.unsupported), f"{ended.status.name}: {ended.reason}"

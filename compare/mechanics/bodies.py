@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes import Scene
-from scenes.scene import GROUND, Body
+from scenes.scene import GROUND, Body, DrawnBody
 
 
 class Weights(NamedTuple):
@@ -25,8 +25,13 @@ def weights(scene: Scene, body: Body) -> Weights:
     return Weights(body.mass or 0.0, com, inertia(body))
 
 
-def rule(body: Body) -> str:
-    """What a body was taken for: `uniform bar from A to C`."""
+def rule(scene: Scene, body: Body) -> str:
+    """What a body was taken for: `uniform bar from A to C`, `bar from A to C, 40 mm wide, 8 mm thick, 7850 kg/m^3`."""
+    if isinstance(body, DrawnBody):
+        shape = f"outline of {len(body.outline)} corners"
+        if body.width is not None:
+            shape = f"bar from {' to '.join(body.corners)}, {scene.length(body.width)} wide"
+        return f"{shape}, {scene.length(body.thickness)} thick, {body.density:g} kg/m^3"
     if body.com is not None:
         return "as given"
     match body.corners:

@@ -10,9 +10,11 @@ from ..bodies import LINE, Body, heights
 from ..elements.loads import push
 from ..elements.tables import COLUMN
 from ..fields import walk
-from ..scene import ConstantSpeed, ForceTable, Load, PressForce, Scene, TableForce
+from ..outline import meetings, places
+from ..scene import ConstantSpeed, DrawnBody, ForceTable, Load, PressForce, Scene, TableForce
 
 DIMENSION = {"positions": "position", "times": "time", "displacements": "length"}  # by column
+FLAT = 1e-9  # of the square of an outline's size: the area of one whose corners are on one line, but for rounding
 
 
 class Demand(NamedTuple):
@@ -64,7 +66,10 @@ def _together(scene: Scene) -> Iterator[Demand]:
             text = "the triangle cannot close, expected its longest side to be shorter than the other two together"
             sides = f"found {{:.6g}} {length} against {{:.6g}} {length}"
             yield Demand(f"{place}.lengths: {text}, {sides}", c < a + b, (c / m, (a + b) / m))
-        uniform = body.mass is not None and body.com is None and len(body.points) > 2
+        bar = isinstance(body, DrawnBody) and not body.outline
+        if isinstance(body, DrawnBody):
+            yield from _of_drawn(body)
+        uniform = body.mass is not None and (body.com is None or bar) and len(body.points) > 2
         for height in heights(body.corners, body.points, body.local, body.lengths) if uniform else ():
             if np.ndim(height):  # of many machines: whether their points are on one line, as those of the drawing
                 where = f"points that are {'' if len(body.corners) == 2 else 'not '}on one line, as drawn"
@@ -94,6 +99,20 @@ def _columns(load: Load) -> tuple[str, tuple[Any, ...]] | None:
         return "displacements", load.displacements
     table = getattr(load, "table", None)
     return table and (COLUMN[table.over], table.arguments)
+
+
+def _of_drawn(body: DrawnBody) -> Iterator[Demand]:
+    place = f"bodies.{body.name}"
+    if body.outline:
+        at = places(body.outline)
+        least = FLAT * (abs(at - at[0]) ** 2).max(axis=0) * body.thickness * body.density
+        yield Demand(f"{place}.outline: expected an area, found corners on one line", body.mass > least, ())
+        for one, other, where in meetings(at):
+            expected = "expected sides that meet only at the corner between them, the last one back to the first"
+            sides = f"{one} to {one + 1} and {other} to {(other + 1) % len(at)}"
+            yield Demand(f"{place}.outline: {expected}, found {sides} that meet", ~where, ())
+    text = f"{place}: expected numbers that give a mass from 1e-15 kg to 1e15 kg, found {{:g}} kg"
+    yield Demand(text, np.logical_and(body.mass >= 1e-15, body.mass <= 1e15), (body.mass,))
 
 
 def _of_drive(scene: Scene) -> Iterator[Demand]:

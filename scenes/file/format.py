@@ -1,6 +1,6 @@
 """The files as they are written, `format = 1`: keys, types, ranges. Numbers are in the units of the scene file."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict, ValidationError
@@ -109,6 +109,12 @@ class SceneFile(FileTable):
     results: dict[Name, dict[str, Any]] = Field({}, description="By name how to read a result, for `--result`.")
 
 
+BEYOND = {  # by keys that files may be thought to have
+    "gear cam belt chain": "no such joint here, bodies are joined by pins and straight slides",
+    "clearance backlash": "no clearance here, joints are without play",
+    "friction": "no friction here, joints move freely",
+    "drive.torque drive.force": "a drive is not pushed, expected its motion, by which this is found",
+}
 File = TypeVar("File", bound=FileTable)
 
 
@@ -127,6 +133,8 @@ def _explained(error: ValidationError, file: type[FileTable]) -> str:
     given, limits_of = first["input"], first.get("ctx", {})
     entries = "points, each as 'body.point'" if "between" in location else "numbers"
     match first["type"]:
+        case "extra_forbidden" if why := _beyond(location):
+            text = f"{why}; see docs/limits.md"
         case "extra_forbidden":
             text = f"unknown key{nearest(str(location[-1]), _keys_at(file, location[:-1]))}"
         case "float_type" if location[:-1] == ["sketch"] and isinstance(given, list):
@@ -151,6 +159,12 @@ def _explained(error: ValidationError, file: type[FileTable]) -> str:
             shown = one_line(repr(given), 40) if as_written else f"'{one_line(str(given), 40)}'"
             text = f"{first['msg'].replace('Input should be', 'expected')}, found {shown}"
     return f"{path_in_file(location)}: {text}" + (f" (and {len(rest)} more)" if rest else "")
+
+
+def _beyond(location: Sequence[int | str]) -> str | None:
+    """What a key that is not known asks for beyond these models, and what they have instead."""
+    names = {str(location[-1]).removesuffix("s"), ".".join(map(str, location))}
+    return next((why for keys, why in BEYOND.items() if not names.isdisjoint(keys.split())), None)
 
 
 def _keys_at(model: type[BaseModel], location: list[int | str]) -> Iterator[str]:

@@ -1,11 +1,12 @@
 """The geometry and inertia of one body, in balls of arbitrary precision, whose radii bound the rounding."""
 
-from itertools import combinations
+from collections.abc import Sequence
+from itertools import combinations, pairwise
 
 from flint import arb
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body
+from scenes.scene import Body, DrawnBody
 
 from .rows import PlaneVector
 
@@ -53,6 +54,38 @@ def _sketched_side(scene: Scene, body: Body, first: str, second: str, point: str
         reason = f"the sketch shows {first}, {second}, {point} of '{body.name}' on one line, on no side"
         raise Failure(Status.cannot_assemble, reason)
     return 1 if sine > 0 else -1
+
+
+def weight(body: Body, local: dict[str, PlaneVector]) -> tuple[arb, PlaneVector, arb]:
+    """Return mass, centre of mass and inertia about it; the mass is 1 kg in a kinematic scene."""
+    if isinstance(body, DrawnBody):
+        around = [(arb(x), arb(y)) for x, y in body.outline]
+        if body.width is not None:
+            (x, y), (u, v) = (local[point] for point in body.corners)
+            aside = body.width / (2 * _square(u - x, v - y).sqrt())
+            dx, dy = (y - v) * aside, (u - x) * aside
+            around = [(x + dx, y + dy), (x - dx, y - dy), (u - dx, v - dy), (u + dx, v + dy)]
+        return _of_triangles(around, arb(body.density) * body.thickness)
+    mass = 1.0 if body.mass is None else body.mass
+    return arb(mass), centre_of_mass(body, local), inertia(body, mass, local)
+
+
+def _of_triangles(around: Sequence[PlaneVector], density: arb) -> tuple[arb, PlaneVector, arb]:
+    """Return the weight of what corners enclose, kg/m^2 of it, as triangles from the first corner, some negative."""
+    (x, y), *others = around
+    parts = []
+    for (s, t), (u, v) in pairwise(others):
+        sides = _square(s - x, t - y) + _square(u - s, v - t) + _square(x - u, y - v)
+        parts.append((((s - x) * (v - y) - (u - x) * (t - y)) / 2, ((x + s + u) / 3, (y + t + v) / 3), sides / 36))
+    area = sum((part for part, _, _ in parts), arb(0))
+    X, Y = (sum((part * centre[axis] for part, centre, _ in parts), arb(0)) / area for axis in (0, 1))
+    own = sum((part * (about + _square(u - X, v - Y)) for part, (u, v), about in parts), arb(0))
+    return density * abs(area), (X, Y), density * abs(own)
+
+
+def _square(x: arb, y: arb) -> arb:
+    """Return x^2 + y^2; a power of a ball that holds zero is none."""
+    return x * x + y * y
 
 
 def centre_of_mass(body: Body, local: dict[str, PlaneVector]) -> PlaneVector:

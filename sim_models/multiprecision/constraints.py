@@ -12,7 +12,7 @@ from scenes import Scene
 from scenes.model.constraints import groups
 from scenes.scene import GROUND, Body, Slide
 
-from .bodies import centre_of_mass, inertia, local_points
+from .bodies import local_points, weight
 from .drive import law_of
 from .rows import EquationRows, PlaneVector, axis_vector
 
@@ -36,11 +36,10 @@ class LinkageEquations:
         for name in self.index:
             body = scene.bodies[name]
             local = local_points(scene, body)
-            com = centre_of_mass(body, local)
+            mass, com, inertia = weight(body, local)
             self.arms[name] = {point: (x - com[0], y - com[1]) for point, (x, y) in local.items()}
             self._origins[name] = -com[0], -com[1]
-            mass = 1.0 if body.mass is None else body.mass
-            self.mass += arb(mass), arb(mass), inertia(body, mass, local)
+            self.mass += mass, mass, inertia
         self.constraints = self._constraints()
         pattern = self.constraints.pattern
         self.groups = groups(pattern)

@@ -84,6 +84,30 @@ plus_minus = 0.05 => plus_minus = 0 :: variations.0.plus_minus | greater than 0
 distribution = "uniform" => distribution = "gauss"
     :: variations.9.distribution: expected 'normal' or 'uniform', found 'gauss'
 torque = 1e-6 => torqe = 1e-6 :: tolerances.exudyn.torqe | 'torque'""",
+    "outlined": r"""
+width = 40 => width = 0 :: bodies.crank.width | greater than 0
+width = 40 => width = -40 :: bodies.crank.width | -40
+width = 40 => mass = 1 :: bodies.crank: expected 'thickness' and 'density' with one of | 'thickness', 'density', 'mass'
+width = 40 => width = 40\nmass = 1 :: bodies.crank | instead of 'mass', found 'width', 'thickness', 'density', 'mass'
+width = 40 => width = 40\noutline = [[0, 0], [1, 0], [0, 1]] :: bodies.crank | one of 'outline' and 'width'
+density = 7850 => :: bodies.crank: expected 'thickness' and 'density' | found 'width', 'thickness'
+density = 7850 => density = 1e-300 :: bodies.crank.density: expected a size from 1e-15 to 1e+15 kg/m^3
+density = 7850 => density = 1e-14 :: bodies.crank: expected numbers that give a mass from 1e-15 kg to 1e15 kg
+{ "A-B" = 100 } => { "A-B" = 100, "A-X" = 60, "B-X" = 60 } :: bodies.crank.width: expected a body of two points
+outline = [[-20, -20], [300, -20], [300, 20], => outline = [[-20, -20], [300, 20], [300, -20],
+    :: bodies.coupler.outline: expected sides that meet only at the corner between them | found 0 to 1 and 2 to 3 that
+[120, 20], [-20, 20]] => [120, 20], [-20, 20], [-20, -20]]
+    :: bodies.coupler.outline | the last one back to the first, found 0 to 1 and 7 to 8 that meet
+[25, 270], [60, 100], => [-25, 90], [-25, 95], :: bodies.rocker.outline | that meet
+outline = [[-25, -90], [-25, 270], [25, 270], [60, 100], [25, -90]] => outline = [[0.1, 0.3], [0.2, 0.6], [0.3, 0.9]]
+    :: bodies.rocker.outline: expected an area, found corners on one line
+outline = [[-25, -90], [-25, 270], => outline = [[-25], [-25, 270], :: bodies.rocker.outline.0 | two numbers
+[[-25, -90], [-25, 270], [25, 270], [60, 100], [25, -90]] => [[0, 0], [1, 0]] :: bodies.rocker.outline | 3 or more
+[sketch] => [[gears]]\nbetween = ["crank", "rocker"]\n[sketch] :: gears: no such joint here | docs/limits.md
+[sketch] => [cam]\nbody = "rocker"\n[sketch] :: cam: no such joint here | pins and straight slides
+[sketch] => [belts]\n[sketch] :: belts: no such joint here | docs/limits.md
+width = 40 => width = 40\nclearance = 0.1 :: bodies.crank.clearance: no clearance here | docs/limits.md
+speed = 120 => torque = 5 :: drive.torque: a drive is not pushed | its motion | docs/limits.md""",
     "shaper": r"""
 "rocker", thr => "roker", thr :: bodies.block.slides.on | 'rocker'
 "rocker", thr => "block", thr :: bodies.block.slides.on | block on block

@@ -9,9 +9,10 @@ from typing import Any, TypeAlias
 import pytest
 from scipy.integrate import dblquad, quad
 
+import compare
 from compare.mechanics.bodies import first_point, rule, weights
 from scenes import Scene
-from scenes.scene import Body
+from scenes.scene import Body, DrawnBody
 from tests import scene_files
 
 MASS = 3.0
@@ -80,11 +81,10 @@ def by(module: str, name: str, scene: Scene, body: Body) -> Properties:
 
 def by_multiprecision(scene: Scene, body: Body) -> Properties:
     pytest.importorskip("flint")
-    from sim_models.multiprecision.bodies import centre_of_mass, inertia, local_points
+    from sim_models.multiprecision.bodies import local_points, weight
 
-    local = local_points(scene, body)
-    x, y = centre_of_mass(body, local)
-    return complex(float(x), float(y)), float(inertia(body, body.mass or 0.0, local))
+    _, (x, y), inertia = weight(body, local_points(scene, body))
+    return complex(float(x), float(y)), float(inertia)
 
 
 def by_judge(scene: Scene, body: Body) -> Properties:
@@ -113,13 +113,35 @@ def test_a_uniform_body_has_the_integrals_over_its_shape(
     assert abs(inertia - about) <= 1e-14  # kg m^2: roundings, of 0.1
 
 
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("name", ["crank", "coupler", "rocker"])
+def test_a_body_as_drawn_weighs_the_same_in_every_model(name: str, model: Callable[[Scene, Body], Properties]) -> None:
+    """By the sums along the outline, and by the 50 digits' triangles, of which those of an L are negative too."""
+    scene = scene_files.load("outlined")
+    body = scene.bodies[name]
+    assert isinstance(body, DrawnBody)
+    com, inertia = model(scene, body)
+    assert abs(com - complex(*body.com)) <= 1e-15  # m: roundings, of 0.1 m
+    assert inertia == pytest.approx(body.inertia, rel=1e-14)
+
+
+def test_engines_agree_on_bodies_as_drawn() -> None:
+    result = compare.check(scene_files.load("outlined"), ("exudyn", "pymunk", "multiprecision"), samples=24)
+    assert result.ok, result.verdicts
+    assert result.masses["taken as"].to_list() == [
+        "bar from A to B, 40 mm wide, 12 mm thick, 7850 kg/m^3",
+        "outline of 8 corners, 8 mm thick, 2700 kg/m^3",
+        "outline of 5 corners, 10 mm thick, 7850 kg/m^3",
+    ]
+
+
 @pytest.mark.parametrize("shape", [shape for shape in SHAPES if shape.split()[0] in ("point", "uniform")])
 def test_the_rule_is_named(shape: str) -> None:
     scene, _ = scene_of(shape)
-    assert rule(scene.bodies["lever"]) == shape
+    assert rule(scene, scene.bodies["lever"]) == shape
 
 
 def test_what_is_given_is_named_so() -> None:
     scene = scene_files.load("lever", {"bodies.lever.com": [500, 1], "bodies.lever.inertia": 7.0})
-    assert rule(scene.bodies["lever"]) == "as given"
+    assert rule(scene, scene.bodies["lever"]) == "as given"
     assert by_judge(scene, scene.bodies["lever"]) == (0.5 + 0.001j, 7e-6)

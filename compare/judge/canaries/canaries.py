@@ -100,7 +100,8 @@ def _another_mass(copy: Thinned) -> bool:
     """Whether the forces of a body's further mass are noticed, an excess in the channel that it moves most."""
     scene, forces = copy.scene, force_channels(copy.scene)
     heaviest = max(scene.bodies.values(), key=lambda body: (body.name != scene.drive.body, body.mass or 0.0)).name
-    heavier = put(scene, {("bodies", heaviest, "mass"): (scene.bodies[heaviest].mass or 0.0) + 1.0})
+    weighed = put(scene, {("bodies", heaviest): scene.bodies[heaviest].weighed})
+    heavier = put(weighed, {("bodies", heaviest, "mass"): (scene.bodies[heaviest].mass or 0.0) + 1.0})
     position, time = copy.motion[scene.drive_channel], copy.motion["time"]
     right, wrong = (registry.reference(of, frozenset(forces))(position, time) for of in (scene, heavier))
     amounts = copy.amounts()

@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.motion import Samples
-from scenes.scene import Force, ForceTable, PlainLoad
+from scenes.scene import DrawnBody, Force, ForceTable, PlainLoad
 
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.reference import Reference
@@ -45,7 +45,7 @@ def standing_alone(scene: Scene) -> Scene:
         if body.mass is not None:
             own = weights(scene, body)
             com = own.com + first_point(body)
-            bodies[name] = replace(body, com=(com.real, com.imag), inertia=own.inertia)
+            bodies[name] = replace(body.weighed, com=(com.real, com.imag), inertia=own.inertia)
     return replace(scene, bodies=bodies, gravity=scene.gravity or (0.0, 0.0))
 
 
@@ -68,6 +68,8 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
         inertia, mass = scene.bodies[name].inertia, {f"bodies.{name}.mass": own[name].mass}
         if inertia is None:  # which goes with the mass
             yield Numbers(Cause(Kind.mass, name, a_mass), (mass,), linear=True)
+        elif isinstance(body := scene.bodies[name], DrawnBody):
+            yield Numbers(Cause(Kind.mass, name, a_mass), ({f"bodies.{name}.density": body.density},), linear=True)
         if inertia is not None or name in turning:
             yield alone(Cause(Kind.mass, name, a_mass), (mass,))
         if name in turning:

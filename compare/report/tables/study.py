@@ -119,7 +119,7 @@ def masses(study: Study, units: Mapping[str, tuple[str, float]] | None = None) -
         own = weights(scene, body)
         com = (own.com + first_point(body)) / m
         placed = {f"mass [{mass}]": own.mass / kg, f"com x [{length}]": com.real, f"com y [{length}]": com.imag}
-        turned = {f"inertia [{mass}*{length}^2]": own.inertia / (kg * m**2), "taken as": rule(body)}
+        turned = {f"inertia [{mass}*{length}^2]": own.inertia / (kg * m**2), "taken as": rule(scene, body)}
         rows.append({"body": name, **placed, **turned})
     return rows
 
