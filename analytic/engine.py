@@ -33,7 +33,7 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-KINDS = PLAIN_KINDS
+KINDS = PLAIN_KINDS | {"cylinders that drive", "drives between moving bodies"}
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
     DEFAULT,

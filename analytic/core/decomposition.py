@@ -20,7 +20,7 @@ from scenes.scene import GROUND
 from .continuation import Track
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
-from .group_equations import Group, PinJoint, SlideJoint
+from .group_equations import DriveJoint, Group, PinJoint, SlideJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding
@@ -79,7 +79,7 @@ Dyad: TypeAlias = InnerPin | InnerSlide
 class Linkage:
     """A linkage in solving order: the driver, then one Assur group after the other."""
 
-    driver: Leg
+    driver: Leg | None  # none where the drive is between moving bodies: a group holds it
     groups: tuple[Dyad | Group, ...]
     bodies: Mapping[str, RigidBody]
     carries: Mapping[str, tuple[str, ...]]  # by body: the moving points that are placed with it, each once
@@ -92,8 +92,10 @@ def decompose(scene: Scene) -> Linkage:
     bodies = {name: rigid_body(scene, body) for name, body in scene_of(scene).bodies.items()}
     placed = _Placed(scene, bodies)
     driven = scene.drive.body
-    driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))
-    placed.add(driven)
+    driver = None
+    if scene.drive_on == GROUND:
+        driver = next(leg for leg in placed.outer(driven) if isinstance(leg, Pinned) == (scene.driven_slide is None))
+        placed.add(driven)
     groups: list[Dyad | Group] = []
     while left := [name for name in scene.bodies if name not in placed.carries]:
         group = next(_dyads(placed, left), None) or _fewest(placed, left)
@@ -110,7 +112,8 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     kinds = [*map(kind, decompose(scene).groups)]  # first: it refuses what is no scene
-    groups = ", ".join(["crank" if scene.driven_slide is None else "driven slider", *kinds])
+    driver = "crank" if scene.driven_slide is None else "driven slider"
+    groups = ", ".join([*([driver] if scene.drive_on == GROUND else []), *kinds])
     return f"closed form: {groups}" if in_closed_form(scene) else groups
 
 
@@ -178,7 +181,8 @@ class _Placed:
 def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
     scene = placed.scene
-    legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1}
+    driven = {scene.drive.body, scene.drive_on}
+    legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1 and name not in driven}
     for P, owners in scene.owners.items():
         for first, second in combinations(owners, 2):
             if P not in placed.points and first in legs and second in legs:
@@ -229,14 +233,19 @@ def _sign(value: Number, why_not: str) -> Number:
 def _fewest(placed: _Placed, left: list[str]) -> Group:
     """Return the fewest of the bodies left that hang on what is placed without a freedom of their own.
 
-    By Gruebler's count: three a body, less two for each pin and each slide. All that is left has none.
+    By Gruebler's count: three a body, less two for each pin and each slide, and one for a drive. All left has none.
     """
     subsets = (bodies for size in range(1, len(left) + 1) for bodies in combinations(left, size))
     groups = (larger_group(placed, bodies) for bodies in subsets)
-    group = next(group for group in groups if 3 * len(group.bodies) <= 2 * len(group.pins + group.slides))
-    if 3 * len(group.bodies) < 2 * len(group.pins + group.slides):
+    group = next(group for group in groups if _held(group) >= 0)
+    if _held(group) > 0:
         raise Failure(Status.unsupported, f"more joints than freedoms hold {', '.join(group.bodies)}")
     return group
+
+
+def _held(group: Group) -> int:
+    """How many freedoms more the joints of bodies take than these have."""
+    return 2 * len(group.pins + group.slides) + (group.drive is not None) - 3 * len(group.bodies)
 
 
 def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
@@ -255,4 +264,8 @@ def larger_group(placed: _Placed, bodies: tuple[str, ...]) -> Group:
     slides = [SlideJoint(name, slide.on) for name, slide in placed.scene.slides.items()]
     here = {GROUND, *placed.carries, *bodies}
     own = tuple(one for one in slides if {one.slider, one.on} <= here and {one.slider, one.on} & {*bodies})
-    return Group(bodies, tuple(pins), own, next((pin.point for pin in pins if pin.on is not None), bodies[0]))
+    name = next((pin.point for pin in pins if pin.on is not None), bodies[0])
+    body, base = placed.scene.drive.body, placed.scene.drive_on
+    driven = base != GROUND and {body, base} <= here and not {body, base}.isdisjoint(bodies)
+    drive = DriveJoint(body, base, placed.scene.driven_slide is not None) if driven else None
+    return Group(bodies, tuple(pins), own, name, drive)

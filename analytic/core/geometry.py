@@ -113,18 +113,47 @@ def sketched(scene: Scene) -> dict[str, Vector]:
 def sketched_attitude(scene: Scene, body: str, bodies: Mapping[str, RigidBody]) -> Vector:
     """Return exp(i angle) of a body in the sketch, by the points of it, or of a body aligned with it, that are shown.
 
-    Of the turns that lay a body's points on the sketched ones, the one with the least squares.
+    Of the turns that lay a body's points on the sketched ones, the one with the least squares. Where no body shows two,
+    a cylinder and its rod are turned by one of each, and two bodies with the drive between them by each other.
     """
     aligned = scene.aligned[body]
     if GROUND in aligned:
         return 1 + 0j
-    if scene.drive.body in aligned:
+    if scene.drive_on == GROUND and scene.drive.body in aligned:
         return cmath.exp(1j * scene.sketch.drive)
     at = sketched(scene)
-    shown = ([point for point in bodies[name].local if point in at] for name in (body, *sorted(aligned)))
-    points = next(points for points in shown if len(points) > 1)  # there is one: `scenes.file.consistency` sees to it
-    owner = bodies[next(name for name in (body, *sorted(aligned)) if set(points) <= set(bodies[name].local))].local
-    own, drawn = (sum(place[point] for point in points) / len(points) for place in (owner, at))
-    turn = sum((owner[point] - own).conjugate() * (at[point] - drawn) for point in points)
-    known = abs(turn) > 0
-    return chosen(known, turn, 1 + 0j) / chosen(known, abs(turn), 1.0)
+    names = (body, *sorted(aligned))
+    shown = {name: [point for point in bodies[name].local if point in at] for name in names}
+    owner = next((name for name in names if len(shown[name]) > 1), None)
+    if owner is not None:
+        local, points = bodies[owner].local, shown[owner]
+        own, drawn = (sum(place[point] for point in points) / len(points) for place in (local, at))
+        return _unit(sum((local[point] - own).conjugate() * (at[point] - drawn) for point in points))
+    for name in (name for name in names if name in scene.slides):
+        on = scene.slides[name].on
+        if shown[name] and shown[on]:
+            a, b = shown[on][0], shown[name][0]
+            return _unit((at[b] - at[a]) * _way(scene, bodies, (on, a), (name, b), abs(at[b] - at[a])).conjugate())
+    turned = cmath.exp(1j * scene.sketch.drive)
+    if scene.drive.body in aligned:
+        return sketched_attitude(scene, scene.drive_on, bodies) * turned
+    return sketched_attitude(scene, scene.drive.body, bodies) * turned.conjugate()
+
+
+def _way(
+    scene: Scene, bodies: Mapping[str, RigidBody], start: tuple[str, str], end: tuple[str, str], apart: Number
+) -> Vector:
+    """The way in the carrier's frame, m, from a point of it to one of its slider that is so far apart in the sketch."""
+    (on, a), (name, b) = start, end
+    slide = scene.slides[name]
+    along = as_complex(slide.along)
+    way = as_complex(slide.through) + bodies[name].local[b] - bodies[name].first - bodies[on].local[a]
+    if scene.drive.body == name:
+        return way + along * scene.sketch.drive
+    across = cross(along, way)
+    return along * as_complex((root((apart - across) * (apart + across)), across))  # the rod is pushed out
+
+
+def _unit(vector: Vector) -> Vector:
+    known = abs(vector) > 0
+    return chosen(known, vector, 1 + 0j) / chosen(known, abs(vector), 1.0)

@@ -44,6 +44,15 @@ class SlideJoint:
 
 
 @dataclass(frozen=True)
+class DriveJoint:
+    """What a drive between moving bodies holds: how far `body` has come on the guide of `on`, or turned against it."""
+
+    body: str
+    on: str
+    slides: bool
+
+
+@dataclass(frozen=True)
 class Group:
     """Bodies that only together have no freedom left, of class III or higher; P is the first pin among them."""
 
@@ -51,11 +60,14 @@ class Group:
     pins: tuple[PinJoint, ...]
     slides: tuple[SlideJoint, ...]
     P: str
+    drive: DriveJoint | None = None
 
     @property
     def hangs_on(self) -> tuple[str, ...]:
-        """The placed bodies, the ground among them, and points that the group's joints are at."""
-        bodies = (name for slide in self.slides for name in (slide.slider, slide.on) if name not in self.bodies)
+        """The placed bodies, the ground among them, and points that the group's joints are at; and the drive."""
+        drive = self.drive and ("drive", self.drive.body, self.drive.on)
+        joined = (*(name for slide in self.slides for name in (slide.slider, slide.on)), *(drive or ()))
+        bodies = (name for name in joined if name not in self.bodies)
         return (*dict.fromkeys(bodies), *dict.fromkeys(f".{pin.point}" for pin in self.pins if pin.on is None))
 
 
@@ -99,6 +111,8 @@ class GroupEquations:
     on: NDArray[np.intp]  # (s,), the frame that the guide is in
     along: Complex  # (s,), unit, in that frame
     size: float  # m, the longest arm
+    G: Samples  # (d, frames), of a drive: the same marks, and -1 of a frame whose x, or angle, is the drive's position
+    driven: int | None  # the slide that the drive moves; None where it turns its body
 
     def pose(self, q: Samples, placed: FramePoses) -> FramePoses:
         """Return all frames, those of the group at the coordinates q, shape (..., m)."""
@@ -114,44 +128,59 @@ class GroupEquations:
         rows = [gap.real, gap.imag]
         if len(self.T):
             w, D = self._guides(pose)
-            turned = np.remainder(_joined(self.T, pose.angle) + np.pi, 2 * np.pi) - np.pi
-            rows += [(w.conj() * D).imag, turned]
+            rows += [(w.conj() * D).imag, within_a_turn(_joined(self.T, pose.angle))]
+        if len(self.G) and self.driven is not None:
+            rows += [_joined(self.G, pose.z.real) + (w.conj() * D).real[..., [self.driven]]]
+        elif len(self.G):
+            rows += [within_a_turn(_joined(self.G, pose.angle))]
         return np.concatenate(rows, axis=-1)
 
     def jacobian(self, pose: FramePoses) -> Samples:
         """Return dC by the coordinates of all frames, shape (..., m, 3 frames)."""
         (p, frames), s = self.S.shape, len(self.T)
-        jacobian = np.zeros((*pose.z.shape[:-1], 2 * (p + s), frames, 3))
+        jacobian = np.zeros((*pose.z.shape[:-1], 2 * (p + s) + len(self.G), frames, 3))
         x, y = jacobian[..., :p, :, :], jacobian[..., p : 2 * p, :, :]
         turning = 1j * self.R * pose.u[..., None, :]
         x[..., 0], y[..., 1] = self.S, self.S
         x[..., 2], y[..., 2] = turning.real, turning.imag
         if s:
-            offset, turned = jacobian[..., 2 * p : 2 * p + s, :, :], jacobian[..., 2 * p + s :, :, :]
+            offset, turned = jacobian[..., 2 * p : 2 * p + s, :, :], jacobian[..., 2 * p + s : 2 * (p + s), :, :]
             w, D = self._guides(pose)
             gradients = self.T, 1j * self.T, 1j * self.E * pose.u[..., None, :]
             for column, gradient in enumerate(gradients):
                 offset[..., column] = (w.conj()[..., None] * gradient).imag
             offset[..., np.arange(s), self.on, 2] -= (w.conj() * D).real  # the guide turns under the slider
             turned[..., 2] = self.T
+        if len(self.G) and self.driven is not None:
+            i = self.driven
+            for column, gradient in enumerate(gradients):
+                jacobian[..., -1, :, column] = (w.conj()[..., [i]] * gradient[..., i, :]).real
+            jacobian[..., -1, self.on[i], 2] += (w.conj() * D).imag[..., i]
+            jacobian[..., -1, :, 0] += self.G[0]
+        elif len(self.G):
+            jacobian[..., -1, :, 2] = self.G[0]
         return jacobian.reshape(*jacobian.shape[:-2], 3 * frames)
 
     def quadratic(self, pose: FramePoses, v: Complex, omega: Samples) -> Samples:
         """The part of C'' besides J q'' of all frames, closed, shape (..., m).
 
         A guide's offset w x D turns into Im(conj(w) (D'' - 2 i w' D' - w'^2 D)); closed, D is along w and the last
-        term has no imaginary part.
+        term has no imaginary part. A drive's displacement w . D has the real part of the same.
         """
         inward = -(omega**2) * pose.u
         pins = _joined(self.R, inward)
         rows = [pins.real, pins.imag]
         if len(self.T):
-            w, _ = self._guides(pose)
+            w, D = self._guides(pose)
             turning = omega[..., self.on]
             dD = _joined(self.T, v) + _joined(self.E, (1j * omega * pose.u))
             ddD = _joined(self.E, inward)
             offset = (w.conj() * (ddD - 2j * turning * dD)).imag
             rows += [offset, np.zeros(offset.shape)]
+        if len(self.G) and self.driven is not None:
+            rows += [(w.conj() * (ddD - 2j * turning * dD - turning**2 * D)).real[..., [self.driven]]]
+        elif len(self.G):
+            rows += [np.zeros((*pose.z.shape[:-1], 1))]
         return np.concatenate(rows, axis=-1)
 
     def length(self, correction: Samples) -> Samples:
@@ -187,7 +216,19 @@ def equations_of(scene: Scene, bodies: Mapping[str, RigidBody], group: Group) ->
         E[number, index[joint.on]] = -arm(joint.on, as_complex(slide.through))
         along[number] = as_complex(slide.along)
     on = np.array([index[joint.on] for joint in group.slides], np.intp)
-    return GroupEquations(len(group.bodies), S, R, T, E, on, along, size_of(group, bodies))
+    G, driven = np.zeros((0 if group.drive is None else 1, len(index))), None
+    if group.drive is not None:
+        G[0, index["drive"]] = -1
+        if group.drive.slides:
+            driven = [slide.slider for slide in group.slides].index(group.drive.body)
+        else:
+            G[0, index[group.drive.body]], G[0, index[group.drive.on]] = 1, -1
+    return GroupEquations(len(group.bodies), S, R, T, E, on, along, size_of(group, bodies), G, driven)
+
+
+def within_a_turn(angle: Samples) -> Samples:
+    """Angles less the whole turns that leave them next to zero, rad."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
 def size_of(group: Group, bodies: Mapping[str, RigidBody]) -> Number:

@@ -13,7 +13,7 @@ from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
 from .continuation import Track, follow
-from .decomposition import Guided, InnerPin, InnerSlide, Linkage, Pinned, kind
+from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
 from .group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
 from .newton_group import rates
@@ -53,7 +53,8 @@ class Pass(Placing):
 
     def solve(self) -> "Pass":
         """Place everything."""
-        self.driver()
+        if self.linkage.driver is not None:
+            self.driver(self.linkage.driver)
         forms = self.rrr, self.rrp, self.prp, self.rpr, self.rpp
         dyads: Mapping[str, Callable[..., None]] = dict(zip(("RRR", "RRP", "PRP", "RPR", "RPP"), forms, strict=True))
         for group in self.linkage.groups:
@@ -63,9 +64,9 @@ class Pass(Placing):
                 dyads[kind(group)](group, *group.legs)
         return self
 
-    def driver(self) -> None:
+    def driver(self, driver: Leg) -> None:
         """Place the driven body."""
-        driver, driven = self.linkage.driver, self.driven
+        driven = self.driven
         spin = driven.rate.astype(self.real), driven.acceleration.astype(self.real)
         if isinstance(driver, Pinned):
             self.place(driver.body, driver.A, np.exp(1j * driven.position), spin if self.rates else None)
@@ -202,6 +203,10 @@ class Pass(Placing):
                 angle[column] = np.angle(k.u[name])
                 if self.rates:
                     omega[column], alpha[column] = k.omega[name], k.alpha[name]
+            elif name == "drive":
+                driven = self.driven
+                z[column], v[column], a[column] = (x + self.still for x in driven[:3])
+                angle[column], omega[column], alpha[column] = driven[:3]
             elif name != GROUND:
                 point = name.removeprefix(".")
                 z[column], v[column], a[column] = k.z[point], k.v.get(point, self.still), k.a.get(point, self.still)

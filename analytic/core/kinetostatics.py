@@ -70,7 +70,8 @@ class Balance:
                 self.inner_slide(group)
             else:
                 self.larger(group)
-        self.driver()
+        if self.linkage.driver is not None:
+            self.driver(self.linkage.driver)
         return self.reactions
 
     def has(self, wanted: AbstractSet[str]) -> bool:
@@ -151,11 +152,22 @@ class Balance:
         loads = coordinates(*stacked(J.shape[:-2], *zip(*applied, strict=True)))
         forces = np.moveaxis(solved(np.swapaxes(J, -1, -2), -loads), -1, 0)
         p, s = len(group.pins), len(group.slides)
-        x, y, guide_force, guide_moment = np.split(forces, [p, 2 * p, 2 * p + s])
-        self.spread(group, x + 1j * y, guide_force, guide_moment)
+        x, y, guide_force, guide_moment, effort = np.split(forces, [p, 2 * p, 2 * p + s, 2 * (p + s)])
+        self.spread(group, x + 1j * y, guide_force, guide_moment, effort)
 
-    def spread(self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any) -> None:
-        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider."""
+    def spread(
+        self, group: Group, on_pinned: Iterable[Vectors], guide_force: Any, guide_moment: Any, effort: Any
+    ) -> None:
+        """Let a group's joints pass on what they do: each pin on the body pinned, each guide on the slider, a drive."""
+        drive = group.drive
+        if drive is not None:
+            self.reactions.effort = effort[0]
+            if not drive.slides:
+                for body, sign in ((drive.body, 1), (drive.on, -1)):
+                    if body not in group.bodies:
+                        self.slid_on.setdefault(body, []).append(
+                            ActingForce(samples(0j), self.k.z[self.scene.bodies[body].points[0]], sign * effort[0])
+                        )
         for pin, on_body in zip(group.pins, on_pinned, strict=True):
             self.hold(pin.body, pin.point, on_body)
             if pin.on is not None:
@@ -164,15 +176,17 @@ class Balance:
             self.reactions.guide[slide.slider] = N, M
             slider = self.scene.bodies[slide.slider]
             assert slider.slide is not None
-            reaction = N * (1j * self.k.u[slide.on] * as_complex(slider.slide.along))
+            along = self.k.u[slide.on] * as_complex(slider.slide.along)
+            reaction = N * (1j * along)
+            if drive is not None and drive.slides and drive.body == slide.slider:
+                reaction = reaction + effort[0] * along
             at = self.k.z[slider.points[0]]
             for placed, sign in ((slide.on, -1), (slide.slider, 1)):
                 if placed not in group.bodies:
                     self.slid_on.setdefault(placed, []).append(ActingForce(sign * reaction, at, sign * M))
 
-    def driver(self) -> None:
+    def driver(self, leg: Leg) -> None:
         """Balance the driven body, and find the effort of the drive."""
-        leg = self.linkage.driver
         force, moment = self.applied(leg.body, self.foot(leg))
         self.reactions.effort = -self.on_freedom(leg, force, moment)
         if isinstance(leg, Pinned):

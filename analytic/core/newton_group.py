@@ -84,7 +84,10 @@ def least_singular_value(equations: GroupEquations, J: Samples) -> Samples:
     singular pose it falls as the root of the drive's way to there.
     """
     p, s = len(equations.S), len(equations.T)
-    rows = np.where(np.arange(2 * (p + s)) < 2 * p + s, 1.0, equations.size)
+    turns = np.arange(J.shape[-2]) >= 2 * p + s
+    if equations.driven is not None:
+        turns[-1] = False
+    rows = np.where(turns, equations.size, 1.0)
     columns = np.where(np.arange(3 * equations.bodies) % 3 == 2, 1.0, equations.size)
     arms = J * rows[:, None] * columns
     least = np.full(arms.shape[:-2], np.nan)

@@ -166,15 +166,21 @@ class RecordedPass(Pass):
         for pin in group.pins:
             other = self.k.z[pin.point] if pin.on is None else at(pin.on, bodies[pin.on].local[pin.point])
             gaps.append(traced(self.make, at(pin.body, bodies[pin.body].local[pin.point]) - other))
-        offsets, turns = [], []
+        offsets, turns, driven = [], [], []
         for joint in group.slides:
             slide = self.scene.slides[joint.slider]
             u_on = frames[joint.on][1]
             away = frames[joint.slider][0] - at(joint.on, as_complex(slide.through))
             offsets.append(((u_on * as_complex(slide.along)).conjugate() * away).imag)
             turns.append((u_on.conjugate() * frames[joint.slider][1]).imag)  # the angle between them, which is zero
-        make = self.make
-        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in (*offsets, *turns)]
+            if group.drive is not None and group.drive.body == joint.slider:
+                along = ((u_on * as_complex(slide.along)).conjugate() * away).real
+                driven = [along - self.driven.position]
+        if group.drive is not None and not group.drive.slides:
+            (_, u), (_, u_on) = frames[group.drive.body], frames[group.drive.on]
+            driven = [((u_on * np.exp(1j * self.driven.position)).conjugate() * u).imag]
+        make, others = self.make, (*offsets, *turns, *driven)
+        return [gap.x for gap in gaps] + [gap.y for gap in gaps] + [traced(make, x).x for x in others]
 
     def frames(self, group: Group, q: Sequence[Expression]) -> dict[str, tuple[Any, Any]]:
         """Return the first points, m, and the attitudes of the group's bodies and of those that it hangs on."""
@@ -211,4 +217,4 @@ class RecordedBalance(Balance):
         p, s = len(group.pins), len(group.slides)
         pins = [Traced(make, x, y) for x, y in zip(forces[:p], forces[p : 2 * p], strict=True)]
         guides = [Traced(make, x) for x in forces[2 * p :]]
-        self.spread(group, pins, guides[:s], guides[s:])  # type: ignore[arg-type]
+        self.spread(group, pins, guides[:s], guides[s : 2 * s], guides[2 * s :])  # type: ignore[arg-type]

@@ -170,6 +170,15 @@ def _of_table(scene: Scene, place: str, table: Table | None) -> Iterator[str]:
             yield f"{place}.table: periodic: expected the last value to be the first, {off}"
 
 
+def _shown(scene: Scene, bodies: Collection[str], known: Collection[str]) -> bool:
+    """Whether known points show how bodies are turned: two of one, or one of a slider and one of what it slides on."""
+    count = {name: len({*known} & {*scene.bodies[name].points}) for name in bodies}
+    slid = (name for name in bodies if name in scene.slides)
+    return any(each > 1 for each in count.values()) or any(
+        count[name] and count[scene.slides[name].on] for name in slid
+    )
+
+
 def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
     moving = dict.fromkeys(scene.moving_points)
     for point in scene.sketch.points:
@@ -181,12 +190,10 @@ def _of_sketch_and_output(scene: Scene, output_slides: bool) -> Iterator[str]:
         if point in needed and point not in scene.sketch.points:
             yield f"sketch.{point}: missing; its rough position picks the assembly branch"
     known = {*scene.sketch.points, *scene.ground}
+    turned_by_drive = () if scene.driven_slide is not None else (scene.drive_on, scene.drive.body)
     for group in dict.fromkeys(scene.aligned[name] for name in scene.turning):
-        shown = any(len(known.intersection(scene.bodies[name].points)) > 1 for name in group)
-        shown |= len(known.intersection(*[[p for name in group for p in scene.bodies[name].points]])) > 1 and any(
-            scene.slides[name].on in group for name in group if name in scene.slides
-        )
-        if not ({scene.drive.body, scene.drive_on} & group and scene.driven_slide is None) and not shown:
+        known_turns = group.union(*(scene.aligned[name] for name in turned_by_drive if group & {*turned_by_drive}))
+        if GROUND not in known_turns and not _shown(scene, known_turns, known):
             turned = f"nothing shows how {' and '.join(sorted(group))} are turned"
             yield f"sketch: {turned}; expected the positions of two points of one of them"
     key = "slider" if output_slides else "point"
