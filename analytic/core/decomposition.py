@@ -28,10 +28,14 @@ FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by roun
 
 @dataclass(frozen=True)
 class Pinned:
-    """A leg that turns about the placed point A."""
+    """A leg that turns about the placed point A: one body, or two with the drive between them, that change its length.
+
+    Of two, `via` is the one with A, and `body` the other one, which has the inner pin.
+    """
 
     body: str
     A: str
+    via: str | None = None
 
 
 @dataclass(frozen=True)
@@ -112,8 +116,8 @@ def route(scene: Scene) -> str:
         Failure: `unsupported` when the sketch leaves a dyad's branch open, or when some bodies are held twice over.
     """
     kinds = [*map(kind, decompose(scene).groups)]  # first: it refuses what is no scene
-    driver = "crank" if scene.driven_slide is None else "driven slider"
-    groups = ", ".join([*([driver] if scene.drive_on == GROUND else []), *kinds])
+    drivers = ("crank", "driven slider") if scene.drive_on == GROUND else ("driven elbow", "driven cylinder")
+    groups = ", ".join([drivers[scene.driven_slide is not None], *kinds])
     return f"closed form: {groups}" if in_closed_form(scene) else groups
 
 
@@ -139,7 +143,8 @@ def members(group: Dyad | Group) -> tuple[str, ...]:
     """Return the bodies in the order in which they are placed; the inner pin goes with the first, a slider if any."""
     if isinstance(group, Group):
         return group.bodies
-    return tuple(leg.body for leg in sorted(group.legs, key=lambda leg: isinstance(leg, Pinned)))
+    legs = sorted(group.legs, key=lambda leg: isinstance(leg, Pinned))
+    return tuple(body for leg in legs for body in (isinstance(leg, Pinned) and leg.via, leg.body) if body)
 
 
 class _Placed:
@@ -181,8 +186,12 @@ class _Placed:
 def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     """Yield the dyads among the bodies left that hang on what is placed by one outer joint each."""
     scene = placed.scene
-    driven = {scene.drive.body, scene.drive_on}
+    driven = scene.drive_on, scene.drive.body
     legs = {name: outer[0] for name in left if len(outer := placed.outer(name)) == 1 and name not in driven}
+    for via, body in (driven, driven[::-1]) if {*driven} <= {*left} else ():
+        match placed.outer(via), placed.outer(body):
+            case [Pinned(_, A)], []:
+                legs[body] = Pinned(body, A, via)
     for P, owners in scene.owners.items():
         for first, second in combinations(owners, 2):
             if P not in placed.points and first in legs and second in legs:
@@ -190,7 +199,7 @@ def _dyads(placed: _Placed, left: list[str]) -> Iterator[Dyad]:
     for pair in combinations(legs, 2):
         for first, second in (pair, pair[::-1]):
             inner, pinned = placed.guided(first, second), legs[second]
-            if inner is not None and isinstance(pinned, Pinned):
+            if inner is not None and isinstance(pinned, Pinned) and not {first, second} & {*driven}:
                 yield _inner_slide(placed, legs[first], pinned, inner)
 
 

@@ -16,9 +16,10 @@ from .continuation import Track, follow
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
 from .group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
+from .moving_legs import MovingLegs
 from .newton_group import rates
 from .numbers import samples
-from .placing import Closure, Kinematics, Placing, RRRPosition
+from .placing import Closure, Kinematics, RRRPosition
 
 
 def kinematics(
@@ -48,7 +49,7 @@ def placed(scene: Scene, before: Linkage, group: Group, position: Samples) -> Pl
     return Pass(scene, before, unit).solve().hung(group)
 
 
-class Pass(Placing):
+class Pass(MovingLegs):
     """One pass from the driver to the last group."""
 
     def solve(self) -> "Pass":
@@ -80,8 +81,7 @@ class Pass(Placing):
     def rrr(self, dyad: InnerPin, one: Pinned, two: Pinned) -> None:
         """Place two bars; P follows from the three sides of their triangle."""
         A, B, P, k = one.A, two.A, dyad.P, self.k
-        bar_1 = self.linkage.bodies[one.body].arm(A, P)
-        bar_2 = self.linkage.bodies[two.body].arm(B, P)
+        bar_1, bar_2 = self.bar(one, P), self.bar(two, P)
         r1, r2 = abs(bar_1), abs(bar_2)
         d = k.z[B] - k.z[A]
         distance = np.abs(d)
@@ -92,17 +92,17 @@ class Pass(Placing):
 
         spin_1 = spin_2 = None
         if self.rates:
-            w1, w2 = closing(k.v[B] - k.v[A], *closure)
-            centripetal = (k.a[B] - w2**2 * q) - (k.a[A] - w1**2 * p)
+            w1, w2 = closing(self.foot_v(two, q) - self.foot_v(one, p), *closure)
+            centripetal = (self.foot_a(two, q, w2) - w2**2 * q) - (self.foot_a(one, p, w1) - w1**2 * p)
             alpha_1, alpha_2 = closing(centripetal, *closure)
             spin_1, spin_2 = (w1, alpha_1), (w2, alpha_2)
-        self.place(one.body, A, p * (1 / bar_1), spin_1)
-        self.place(two.body, B, q * (1 / bar_2), spin_2)
+        self.place_bar(one, P, p, p * (1 / bar_1), spin_1)
+        self.place_bar(two, P, q, q * (1 / bar_2), spin_2)
 
     def rrp(self, dyad: InnerPin, bar: Pinned, slider: Guided) -> None:
         """Solve in guide axes: P = C + s t on the slider, A + p on the bar; only s and the bar's angle are unknown."""
         A, P, k = bar.A, dyad.P, self.k
-        arm = self.linkage.bodies[bar.body].arm(A, P)
+        arm = self.bar(bar, P)
         C, t = self.guide_through(slider, P), self.k.direction(slider)
         e = (C[0] - k.z[A]) * t.conjugate()
         k.reach[P] = slide_reach(abs(arm), e.imag)
@@ -116,13 +116,13 @@ class Pass(Placing):
         base = self.carried(slider.on, C, s * t)
         k.z[P] = samples(base[0])
         if self.rates:
-            omega, ds = closing(base[1] - k.v[A], *closure)
+            omega, ds = closing(base[1] - self.foot_v(bar, p), *closure)
             a = base[2] + self.coriolis(slider.on, ds * t)
-            alpha, dds = closing(a - (k.a[A] - omega**2 * p), *closure)
+            alpha, dds = closing(a - (self.foot_a(bar, p, omega) - omega**2 * p), *closure)
             k.v[P], k.a[P] = samples(base[1] + ds * t), samples(a + dds * t)
             spin = omega, alpha
         self.place_on_guide(slider, P)
-        self.place(bar.body, A, as_vectors(p_t, p_n) * (t / arm), spin)
+        self.place_bar(bar, P, p, as_vectors(p_t, p_n) * (t / arm), spin)
 
     def prp(self, dyad: InnerPin, one: Guided, two: Guided) -> None:
         """Place two sliders, whose guides cross at P."""

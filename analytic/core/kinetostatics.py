@@ -57,6 +57,7 @@ class Balance:
     stroke_ends: StrokeEnds
     k: Kinematics
     reactions: Reactions = field(default_factory=Reactions)
+    far: dict[str, tuple[Vectors, Samples]] = field(default_factory=dict)  # of legs with the drive in them, at P
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
 
     def solve(self, wanted: AbstractSet[str] | None) -> Reactions:
@@ -84,14 +85,16 @@ class Balance:
         """Balance a dyad with an inner pin."""
         one, two = dyad.legs
         closure = self.k.closure[dyad.P]
-        applied = [self.applied(leg.body, self.foot(leg)) for leg in dyad.legs]
+        applied = [self.on_leg(leg, dyad.P) for leg in dyad.legs]
         Q1, Q2 = (self.on_freedom(leg, *load) for leg, load in zip(dyad.legs, applied, strict=True))
         R = inner_force(Q1, Q2, *closure)
         self.hold(one.body, dyad.P, R)
         self.hold(two.body, dyad.P, -R)
         for leg, (force, moment), on_leg in zip(dyad.legs, applied, (R, -R), strict=True):
             if isinstance(leg, Pinned):
-                self.reactions.pin[leg.A, leg.body] = -(force + on_leg)
+                self.reactions.pin[leg.A, leg.via or leg.body] = -(force + on_leg)
+                if leg.via is not None:
+                    self.between(leg, dyad.P, on_leg)
             else:
                 arm = self.k.z[dyad.P] - self.k.z[self.foot(leg)]
                 self.outer_guide(leg, force + on_leg, moment + cross(arm, on_leg))
@@ -123,6 +126,31 @@ class Balance:
     def foot(self, leg: Leg) -> str:
         """Return the point about which a leg's moments are taken."""
         return leg.A if isinstance(leg, Pinned) else self.scene.bodies[leg.body].points[0]
+
+    def on_leg(self, leg: Leg, P: str) -> tuple[Vectors, Samples]:
+        """Return the force on a leg, and its moment about the foot, of all but the joints of its own group."""
+        if not (isinstance(leg, Pinned) and leg.via):
+            return self.applied(leg.body, self.foot(leg))
+        force, moment = self.far[leg.body] = self.applied(leg.body, P)
+        near, about_foot = self.applied(leg.via, leg.A)
+        return near + force, about_foot + moment + cross(self.k.z[P] - self.k.z[leg.A], force)
+
+    def between(self, leg: Pinned, P: str, at_pin: Vectors) -> None:
+        """Balance what a leg with the drive in it has beyond that, given the force at its inner pin."""
+        scene, k = self.scene, self.k
+        force, moment = self.far[leg.body]
+        force = force + at_pin
+        body, sign = scene.drive.body, 1 if leg.body == scene.drive.body else -1
+        if (slide := scene.driven_slide) is not None:
+            t = k.u[slide.on] * as_complex(slide.along)
+            about_first = moment + cross(k.z[P] - k.z[scene.bodies[body].points[0]], force)
+            self.reactions.guide[body] = -sign * cross(t, force), -sign * about_first
+            self.reactions.effort = -sign * dot(t, force)
+            return
+        pin = next(point for point in scene.bodies[body].points if point in scene.bodies[scene.drive_on].points)
+        for name, on_body in ((leg.body, -force), (leg.via or "", force)):
+            self.hold(name, pin, on_body)
+        self.reactions.effort = -sign * (moment + cross(k.z[P] - k.z[pin], force))
 
     def on_freedom(self, leg: Leg, force: Vectors, moment: Samples) -> Samples:
         """Return the generalised force on a leg's own freedom: to turn, or to move along the guide."""

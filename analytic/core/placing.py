@@ -10,7 +10,7 @@ from scenes import Scene
 from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
-from .decomposition import Guided, Linkage
+from .decomposition import Guided, Leg, Linkage
 from .dyads import Vectors, closing, dot, rrr_position, turned
 from .geometry import as_complex, guide_of
 from .group_equations import FramePoses, GroupEquations
@@ -73,6 +73,7 @@ class Placing:
         self.scene, self.linkage, self.driven, self.rates, self.rrr_position = scene, linkage, driven, rates, rrr
         self.real, self.complex = driven.position.dtype, np.result_type(driven.position.dtype, np.complex64)
         self.still: Vectors = np.zeros((), self.complex)
+        self.changing: dict[Leg, tuple[Vector, Vector]] = {}  # legs with the drive in them: see `moving_legs`
         k = self.k = Kinematics()
         for point, xy in scene.ground.items():
             k.z[point], k.v[point], k.a[point] = self.constant(as_complex(xy)), self.still, self.still
