@@ -24,7 +24,7 @@ def left_out(clean: Clean) -> Iterator[Fault]:
     turning = [name for name in scene.turning if scene.bodies[name].mass and len(scene.bodies[name].points) > 1]
     crank = scene.drive.body
     if scene.bodies[crank].mass:
-        light = replace(scene.bodies[crank], mass=0.0, inertia=0.0, com=scene.bodies[crank].com or (0.0, 0.0))
+        light = replace(scene.bodies[crank].weighed, mass=0.0, inertia=0.0, com=scene.bodies[crank].com or (0.0, 0.0))
         spoilt_scene = replace(scene, bodies={**scene.bodies, crank: light})
         yield Fault("crank without mass", "the driven body without mass", 1, Kind.mass, crank, scene=spoilt_scene)
     off = swung = clean.motion

@@ -13,7 +13,7 @@ from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
 from scenes.fields import put
-from scenes.scene import Body, ConstantSpeed, Force, ForceTable, PressForce
+from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PressForce
 
 from .fault import Clean, Fault
 
@@ -22,9 +22,10 @@ SIZES = (0.5, 0.1, 0.01, 0.003)
 
 def masses(clean: Clean) -> Iterator[Fault]:
     """Yield other masses, moments of inertia and centres of mass."""
-    scene = clean.scene
-    if not scene.has_masses:
+    if not clean.scene.has_masses:
         return
+    yield from _as_drawn(clean)
+    scene = replace(clean.scene, bodies={name: body.weighed for name, body in clean.scene.bodies.items()})
     heavy = [name for name, body in scene.bodies.items() if body.mass]
 
     def fault(kind: str, magnitude: float, cause: Kind, name: str, **changes: Any) -> Fault:
@@ -67,6 +68,18 @@ def masses(clean: Clean) -> Iterator[Fault]:
             own = None if body.inertia is None else factor * body.inertia
             spoilt = _with_body(spoilt, name, replace(body, mass=factor * (body.mass or 0.0), inertia=own))
         yield Fault("inertia", kind, abs(factor - 1), Kind.mass, "all", scene=spoilt)
+
+
+def _as_drawn(clean: Clean) -> Iterator[Fault]:
+    """Yield other densities and widths, by which mass and moment of inertia differ together."""
+    drawn = {name: body for name, body in clean.scene.bodies.items() if isinstance(body, DrawnBody)}
+    for by in SIZES:
+        for name in clean.some([*drawn], f"density {by}"):
+            other = put(clean.scene, {("bodies", name, "density"): (1 + by) * drawn[name].density})
+            yield Fault("inertia", "density", by, Kind.mass, name, scene=other)
+        for name in clean.some([one for one, body in drawn.items() if body.width], f"width {by}"):
+            other = put(clean.scene, {("bodies", name, "width"): (1 + by) * (drawn[name].width or 0.0)})
+            yield Fault("inertia", "width", by, Kind.mass, name, scene=other)
 
 
 def _with_body(scene: Scene, name: str, body: Body) -> Scene:

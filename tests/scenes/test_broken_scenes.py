@@ -31,6 +31,7 @@ BROKEN_IN_PART = {
     "shaper": ("bodies.block", "drive", "loads"),
     "driven_toggle": ("bodies.plate", "bodies.crosshead", "drive", "loads", "springs", "sketch"),
     "turning_law": ("drive",),
+    "outlined": ("bodies.crank", "bodies.rocker"),
 }
 WHOLE = {name: tomllib.loads(scene_files.text(name)) for name in (*BROKEN_EVERYWHERE, *BROKEN_IN_PART)}
 LATER = ("toggle_press", "busy")  # the others have most of what these have, and take less

@@ -128,6 +128,8 @@ def _solved(
         return
     scene = both[any(group.alone for group in groups)]
     directions = [direction for group in groups for direction in group.directions]
+    if any(path not in scene.numbers for direction in directions for path in direction):
+        return  # of a body's drawing, where it stands by itself
     now = {path: scene.numbers[path].value for direction in directions for path in direction}
 
     def step(direction: Direction) -> float:

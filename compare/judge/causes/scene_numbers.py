@@ -68,8 +68,8 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
         inertia, mass = scene.bodies[name].inertia, {f"bodies.{name}.mass": own[name].mass}
         if inertia is None:  # which goes with the mass
             yield Numbers(Cause(Kind.mass, name, a_mass), (mass,), linear=True)
-        elif isinstance(body := scene.bodies[name], DrawnBody):
-            yield Numbers(Cause(Kind.mass, name, a_mass), ({f"bodies.{name}.density": body.density},), linear=True)
+        elif isinstance(scene.bodies[name], DrawnBody):
+            yield alone(Cause(Kind.mass, name, a_mass), (mass | {f"bodies.{name}.inertia": inertia},))
         if inertia is not None or name in turning:
             yield alone(Cause(Kind.mass, name, a_mass), (mass,))
         if name in turning:
