@@ -7,25 +7,20 @@ A driven crank has an angle, rad, a driven slider the displacement of its first 
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
-from typing import Annotated, Any, NamedTuple, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, Strict
 
 from . import limits
 from .errors import InputError
-from .fields import FileTable, Known, Position, Speed, Time
-
-Samples: TypeAlias = NDArray[np.float64]
-
-
-class Driven(NamedTuple):
-    """What the drive asks for, each of the shape of the instants: rad or m, and its derivatives by the time, s."""
-
-    position: Samples
-    rate: Samples
-    acceleration: Samples
+from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
+from .laws import Driven as Driven
+from .laws import HarmonicLaw as HarmonicLaw
+from .laws import Samples as Samples
+from .laws import Segment
+from .laws import SegmentedLaw as SegmentedLaw
 
 
 @dataclass(frozen=True)
@@ -153,8 +148,31 @@ class MotionLaw:
         return CubicSpline(times, positions)
 
 
-Drive: TypeAlias = ConstantSpeed | MotionLaw
+Drive: TypeAlias = ConstantSpeed | MotionLaw | SegmentedLaw | HarmonicLaw
 LawRow = Annotated[tuple[Time, Position], Strict(False)]
+HarmonicRow = Annotated[tuple[Position, Frequency, Angle], Strict(False)]
+LawName = Literal["harmonic", "cycloidal", "polynomial_345", "polynomial_4567", "modified_sine", "modified_trapezoid"]
+GOES_WITH = {  # by what moves the drive, the keys that may stand beside it
+    "speed": ("start", "end"),
+    "law": ("periodic",),
+    "segments": ("start", "periodic"),
+    "harmonics": ("start",),
+}
+
+
+class SegmentTable(FileTable):
+    """A part of a motion, from rest to rest."""
+
+    to: Position | None = Field(None, description="Where it ends; without it the drive dwells.")
+    within: Duration = Field(description="How long it takes, in s.")
+    law: LawName | None = Field(None, description="By what law it moves, as of Norton, Cam Design, and of VDI 2143.")
+
+    def segment(self, place: str) -> Segment:
+        """The segment, its numbers as they are; InputError where one of way and law is missing."""
+        if (self.to is None) != (self.law is None):
+            missing, given = ("to", "law") if self.to is None else ("law", "to")
+            raise InputError(f"{place}.{missing}: missing beside '{given}'; a dwell has neither")
+        return Segment(self.to, self.within, self.law)
 
 
 class DriveTable(FileTable):
@@ -172,18 +190,31 @@ class DriveTable(FileTable):
     law: Annotated[list[LawRow], Field(min_length=4, max_length=limits.ROWS)] | None = Field(
         None, description="Instead of a speed: [time in s, angle or displacement], for a cubic spline."
     )
-    periodic: bool | None = Field(None, description="Whether the law goes on for ever.")
+    segments: Annotated[list[SegmentTable], Field(min_length=1, max_length=limits.SEGMENTS)] | None = Field(
+        None, description="Instead of a speed: named laws and dwells in a row, from `start`."
+    )
+    harmonics: Annotated[list[HarmonicRow], Field(min_length=1, max_length=limits.SEGMENTS)] | None = Field(
+        None, description="Instead of a speed: [amplitude, frequency in 1/s, phase] of sines, whose sum `start` gets."
+    )
+    periodic: bool | None = Field(None, description="Whether the law, or the segments, go on for ever.")
 
     def drive(self) -> Drive:
         """The drive, its numbers as they are; InputError where the keys do not go together."""
-        if (self.law is None) == (self.speed is None):
-            raise InputError("drive: expected either 'speed' or 'law'")
+        given = [key for key in GOES_WITH if getattr(self, key) is not None]
+        if len(given) != 1:
+            found = " and ".join(f"'{key}'" for key in given) or "none"
+            raise InputError(f"drive: expected either 'speed', 'law', 'segments' or 'harmonics', found {found}")
+        for key in ("start", "end", "periodic"):
+            if getattr(self, key) is not None and key not in GOES_WITH[given[0]]:
+                instead = " or ".join(f"a '{kind}'" for kind, keys in GOES_WITH.items() if key in keys)
+                raise InputError(f"drive.{key}: expected none with a '{given[0]}', but with {instead}")
+        start, periodic = self.start or 0.0, bool(self.periodic)
         if self.speed is not None:
-            if self.periodic is not None:
-                raise InputError("drive.periodic: expected a 'law' with it")
-            return ConstantSpeed(self.body, self.speed, self.start or 0.0, self.end)
-        for key, given in (("start", self.start), ("end", self.end)):
-            if given is not None:
-                raise InputError(f"drive.{key}: expected none with a 'law'")
+            return ConstantSpeed(self.body, self.speed, start, self.end)
+        if self.segments is not None:
+            segments = (table.segment(f"drive.segments.{number}") for number, table in enumerate(self.segments))
+            return SegmentedLaw(self.body, start, tuple(segments), periodic)
+        if self.harmonics is not None:
+            return HarmonicLaw(self.body, start, *zip(*self.harmonics, strict=True))
         times, positions = zip(*self.law or (), strict=True)
-        return MotionLaw(self.body, times, positions, bool(self.periodic))
+        return MotionLaw(self.body, times, positions, periodic)

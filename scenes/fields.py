@@ -94,6 +94,9 @@ TorsionDamping = Annotated[float, Quantity("torsion_damping", 1e-15, negative=Fa
 Component = Annotated[float, Quantity("direction")]  # of a direction, whose length is of no matter
 Gravity = Annotated[float, Quantity("gravity")]
 Time = Annotated[float, Quantity("time", 1e-15)]
+Duration = Annotated[float, Quantity("time", 1e-15, negative=False, zero=False)]
+Frequency = Annotated[float, Quantity("frequency", 1e-15, negative=False, zero=False)]
+Angle = Annotated[float, Quantity("angle")]
 Position = Annotated[float, Quantity("position")]  # of the drive: an angle, or a displacement
 Speed = Annotated[float, Quantity("speed", 1e-15, zero=False)]  # of the drive too
 

@@ -19,7 +19,9 @@ from .bodies import DrawnBody as DrawnBody
 from .bodies import Slide as Slide
 from .drive import ConstantSpeed as ConstantSpeed
 from .drive import Drive as Drive
+from .drive import HarmonicLaw as HarmonicLaw
 from .drive import MotionLaw as MotionLaw
+from .drive import SegmentedLaw as SegmentedLaw
 from .elements.loads import Force as Force
 from .elements.loads import ForceTable as ForceTable
 from .elements.loads import GuideForce as GuideForce
@@ -53,6 +55,7 @@ def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Map
         "torsion_stiffness": (f"{moment}/{angle}", newton_metre / radian),
         "torsion_damping": (f"{moment}*s/{angle}", newton_metre / radian),
         "time": ("s", 1.0),
+        "frequency": ("1/s", 1.0),
         "gravity": ("m/s^2", 1.0),
         "direction": ("", 1.0),
     }
@@ -209,8 +212,8 @@ class Scene:
     @cached_property
     def numbers(self) -> Mapping[str, Number]:
         """By path in the file, the numbers that machines of one topology may differ by: not of laws or the sketch."""
-        fixed = {("drive", "times"), ("drive", "positions")}
-        return {number.path: number for number in walk(self) if number.at[0] != "sketch" and number.at[:2] not in fixed}
+        fixed = ("sketch",) if isinstance(self.drive, ConstantSpeed) else ("sketch", "drive")
+        return {number.path: number for number in walk(self) if number.at[0] not in fixed}
 
     def size(self, number: Number) -> float:
         """What the file's unit of a number is in SI; of a guide's direction, which has a length of its own there."""

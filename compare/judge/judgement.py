@@ -121,7 +121,8 @@ def notes(scene: Scene) -> Iterator[str]:
     law = scene.drive
     if isinstance(law, MotionLaw) and law.beyond > BEYOND:
         leaves = f"drives from {scene.between(law.extent)}, beyond its table's {scene.between(law.table)}"
-        yield f"the motion law's spline {leaves}: more rows where the motion changes keep it closer"
+        closer = "more rows where the motion changes keep it closer, 'segments' or 'harmonics' have no table to leave"
+        yield f"the motion law's spline {leaves}: {closer}"
     for name, body in scene.bodies.items():
         if body.mass and body.com is None and len(body.corners) == 3:
             for height in heights(body.corners, body.points, body.local, body.lengths):

@@ -132,6 +132,7 @@ def _explained(error: ValidationError, file: type[FileTable]) -> str:
     location = [part for part in first["loc"] if part not in ("[key]", "vector", "number")]
     given, limits_of = first["input"], first.get("ctx", {})
     entries = "points, each as 'body.point'" if "between" in location else "numbers"
+    count = "three" if "harmonics" in location else "two"
     match first["type"]:
         case "extra_forbidden" if why := _beyond(location):
             text = f"{why}; see docs/limits.md"
@@ -142,7 +143,7 @@ def _explained(error: ValidationError, file: type[FileTable]) -> str:
         case "missing" if not isinstance(location[-1], int):
             text = "missing; the file needs it"
         case "missing" | "too_long" if limits_of.get("max_length", 2) == 2:
-            text = f"expected two {entries}"
+            text = f"expected {count} {entries}"
         case "too_short":
             text = f"expected {limits_of['min_length']} or more entries, found {limits_of['actual_length']}"
         case "too_long" | "string_too_long" as kind:

@@ -7,7 +7,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from scenes.scene import ConstantSpeed, Drive
+from scenes import laws
+from scenes.scene import ConstantSpeed, Drive, MotionLaw
 
 Function: TypeAlias = Callable[[float], float]  # of Exudyn's clock, s
 
@@ -30,11 +31,28 @@ class Piece(NamedTuple):
         return position, self.speed + t * (self.acceleration + t * self.jerk / 2), self.acceleration + t * self.jerk
 
 
-def pieces(drive: Drive, end: float) -> list[Piece]:
-    """Cut a drive, from zero to an instant, s, into pieces: a law at the knots where its jerk jumps."""
+class Formula(NamedTuple):
+    """A drive from one instant to the next piece's by a formula, which is defined before and after too."""
+
+    begin: float  # s
+    law: laws.Piece
+
+    def at(self, time: float) -> tuple[float, float, float]:
+        """The position, rad or m, and its first two derivatives."""
+        position, rate, acceleration = map(float, self.law.at(time))
+        return position, rate, acceleration
+
+
+Part: TypeAlias = Piece | Formula
+
+
+def pieces(drive: Drive, end: float) -> Sequence[Part]:
+    """Cut a drive, from zero to an instant, s, into pieces: a table at the knots where its jerk jumps, or formulas."""
     if isinstance(drive, ConstantSpeed):
         return [Piece(0.0, drive.start, drive.speed, 0.0, 0.0)]
     cycles = ceil(end / drive.cycle - 1e-9) or 1
+    if not isinstance(drive, MotionLaw):
+        return [Formula(part.begin, part) for part in drive.through(cycles)]
     knots = np.array([*(k * drive.cycle + t for k in range(cycles) for t in drive.times[:-1]), cycles * drive.cycle])
     position, rate, acceleration = drive.at(knots)
     jerk = np.diff(acceleration) / np.diff(knots)
@@ -57,10 +75,10 @@ class ExudynDrive:
         self.zero = 0.0  # s, of the scene's time when Exudyn's clock, which cannot be negative, is zero
         self.position, self.rate = lambda _clock: self.held, lambda _clock: 1.0
 
-    def run(self, parts: Sequence[Piece], zero: float) -> None:
+    def run(self, parts: Sequence[Part], zero: float) -> None:
         """Begin at an instant, s; the first piece also holds before it begins, and the last one after it ends."""
         self.zero = zero
-        if len(parts) > 1:
+        if len(parts) > 1 or isinstance(parts[0], Formula):
             self.position, self.rate = (lambda clock, of=of: _at(parts, zero + clock)[of] for of in (0, 1))
             return
         start, speed, acceleration = parts[0].at(zero)  # Exudyn asks seven times a step
@@ -69,5 +87,5 @@ class ExudynDrive:
         self.rate = lambda t: speed + t * (2 * half + t * 3 * sixth)
 
 
-def _at(parts: Sequence[Piece], time: float) -> tuple[float, float, float]:
+def _at(parts: Sequence[Part], time: float) -> tuple[float, float, float]:
     return parts[max(bisect_right(parts, time, key=lambda part: part.begin), 1) - 1].at(time)

@@ -7,21 +7,15 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
-from flint import arb, arb_mat, fmpq
+from flint import arb, arb_mat
 
 from scenes import Request, Sampling
-from scenes.scene import ConstantSpeed, Drive, MotionLaw
+from scenes.scene import ConstantSpeed, Drive, HarmonicLaw, MotionLaw, SegmentedLaw
 
-
-class Command(NamedTuple):
-    """What the drive asks for at one instant: time, s; position, rad or m; and its derivatives by the time."""
-
-    time: arb
-    position: arb
-    rate: arb
-    acceleration: arb
+from .laws import Command as Command
+from .laws import SegmentsLaw, SinesLaw, ball
 
 
 class SteadyLaw:
@@ -35,7 +29,7 @@ class SteadyLaw:
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, whole or not."""
-        return self.passing(self._start + _ball(cycles) * self._advance)
+        return self.passing(self._start + ball(cycles) * self._advance)
 
     def passing(self, position: arb) -> Command:
         """Return the command as the drive passes a position, rad or m."""
@@ -49,7 +43,7 @@ class SplineLaw:
         self._times = [Fraction(time) for time in drive.times]
         self._positions = [arb(position) for position in drive.positions]
         self._periodic = drive.periodic
-        self._steps = [_ball(late - early) for early, late in pairwise(self._times)]
+        self._steps = [ball(late - early) for early, late in pairwise(self._times)]
         chords = [(z - y) / h for (y, z), h in zip(pairwise(self._positions), self._steps, strict=True)]
         self._bends = second_derivatives(self._steps, chords, periodic=drive.periodic)
         self.travel, self.pace = arb(max(drive.positions)) - min(drive.positions), max(map(abs, chords), key=float)
@@ -64,10 +58,10 @@ class SplineLaw:
         time = share * self._times[-1]
         i = min(bisect_right(self._times, time), len(self._steps)) - 1
         h, (y, z), (M, N) = self._steps[i], self._positions[i : i + 2], self._bends[i : i + 2]
-        b = _ball(time - self._times[i]) / h
+        b = ball(time - self._times[i]) / h
         a = 1 - b
         return Command(
-            _ball(cycles * self._times[-1]),
+            ball(cycles * self._times[-1]),
             a * y
             + b * z
             + ((a**3 - a) * M + (b**3 - b) * N) * h**2 / 6
@@ -77,12 +71,20 @@ class SplineLaw:
         )
 
 
-Law: TypeAlias = SteadyLaw | SplineLaw
+Law: TypeAlias = SteadyLaw | SplineLaw | SegmentsLaw | SinesLaw
 
 
 def law_of(drive: Drive) -> Law:
     """Return a scene's drive at the precision that the caller has set."""
-    return SteadyLaw(drive) if isinstance(drive, ConstantSpeed) else SplineLaw(drive)
+    match drive:
+        case ConstantSpeed():
+            return SteadyLaw(drive)
+        case MotionLaw():
+            return SplineLaw(drive)
+        case SegmentedLaw():
+            return SegmentsLaw(drive)
+        case HarmonicLaw():
+            return SinesLaw(drive)
 
 
 def commands(law: Law, request: Request) -> list[Command]:
@@ -134,7 +136,3 @@ def _not_a_knot(h: Sequence[arb], _chords: Sequence[arb], M: Sequence[arb]) -> t
     """Return the jumps of the third derivative at the second knot and the last but one, which are none."""
     third = [(late - early) / step for (early, late), step in zip(pairwise(M), h, strict=True)]
     return third[1] - third[0], third[-1] - third[-2]
-
-
-def _ball(exact: Fraction) -> arb:
-    return arb(fmpq(exact.numerator, exact.denominator))

@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from scenes import Scene
+from scenes.fields import Number, put, walk
 from scenes.model.motion import Samples, quantity
-from scenes.scene import ConstantSpeed, MotionLaw
+from scenes.scene import ConstantSpeed, Drive, HarmonicLaw
 
 from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
 from .cause import Cause, Kind, Part
@@ -109,22 +110,22 @@ def _drive(text: str, *amounts: float) -> Cause:
     return Cause(Kind.drive, "drive", text, amounts)
 
 
-def _offsets(evidence: Evidence, scene: Scene, law: MotionLaw) -> Iterator[Hypothesis]:
-    """Yield a drive that is off by a constant, and its channel not; and a law with another entry in its table."""
+def _offsets(evidence: Evidence, scene: Scene, law: Drive) -> Iterator[Hypothesis]:
+    """Yield a drive that is off by a constant, and its channel not; and a law with another one of its positions."""
     asked, hair = evidence.true[scene.drive_channel], [1e-5 * np.ptp(law.extent)]
     (by,), predicted = evidence.fitted(lambda x: evidence.solved(scene, asked + x[0]), hair, 3)
     yield Hypothesis(_drive(BY, float(by)), predicted, 1)
-    for number in range(len(law.positions)):
+    entries = [number for number in walk(law, "drive") if number.quantity.dimension == "position"]
+    ends = [entries[0], entries[-1]] if law.repeats and not isinstance(law, HarmonicLaw) else []
+    for entry in entries:
 
-        def predict(x: Samples, number: int = number) -> Channels:
-            moved = np.array(law.positions)
-            ends = {number, len(moved) - 1 - number} if law.periodic and number in (0, len(moved) - 1) else {number}
-            moved[[*ends]] += x[0]
-            other = replace(law, positions=tuple(moved.tolist()))
+        def predict(x: Samples, entry: Number = entry) -> Channels:
+            moved = {one.at: one.value + float(x[0]) for one in (ends if entry in ends else [entry])}
+            other: Drive = put(law, moved)
             return evidence.solved(replace(scene, drive=other), other.at(evidence.true["time"]).position)
 
         (by,), predicted = evidence.fitted(predict, hair)
-        cause = _drive("entry {count} of the drive's law is off by {displacement}", number + 1, float(by))
+        cause = Cause(Kind.drive, "drive", "{one} is off by {displacement}", (float(by),), (entry.path,))
         yield Hypothesis(cause, predicted, 1)
 
 

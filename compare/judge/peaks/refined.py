@@ -12,7 +12,7 @@ import numpy as np
 
 from scenes import Failure, Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import ForceTable, MotionLaw, PressForce
+from scenes.scene import ForceTable, MotionLaw, PressForce, SegmentedLaw
 
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
@@ -29,7 +29,8 @@ Switches: TypeAlias = Callable[[Motion, Samples], Samples]
 
 def jumps(scene: Scene) -> bool:
     """Whether forces may jump, or bend at any place, within a cycle, as by press forces and by motion laws."""
-    return isinstance(scene.drive, MotionLaw) or any(isinstance(load, PressForce) for load in scene.loads)
+    by_parts = isinstance(scene.drive, MotionLaw | SegmentedLaw)
+    return by_parts or any(isinstance(load, PressForce) for load in scene.loads)
 
 
 def beyond(scene: Scene, motion: Motion) -> list[Samples]:

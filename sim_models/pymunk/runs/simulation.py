@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
-from scenes.scene import MotionLaw
+from scenes.scene import ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray, blocks, planes, with_ground
@@ -71,7 +71,7 @@ class PymunkSimulation:
                 run.advance(budget)
             levels = zip(*(run.motions for run in self._runs), strict=True)
             motion = Motions(*(_richardson(values) for values in levels))
-            if isinstance(self._scene.drive, MotionLaw):
+            if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._sampling.times(self._scene), motion)
             self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
             self._channels = wanted_channels(self._linkage, wanted, motion, self._active(motion))
