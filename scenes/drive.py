@@ -7,19 +7,19 @@ A driven crank has an angle, rad, a driven slider the displacement of its first 
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, Strict
 
 from . import limits
-from .errors import InputError
+from .errors import InputError, nearest
 from .fields import Angle, Duration, FileTable, Frequency, Known, Position, Speed, Time
+from .laws import LAWS, Segment
 from .laws import Driven as Driven
 from .laws import HarmonicLaw as HarmonicLaw
 from .laws import Samples as Samples
-from .laws import Segment
 from .laws import SegmentedLaw as SegmentedLaw
 
 
@@ -151,13 +151,7 @@ class MotionLaw:
 Drive: TypeAlias = ConstantSpeed | MotionLaw | SegmentedLaw | HarmonicLaw
 LawRow = Annotated[tuple[Time, Position], Strict(False)]
 HarmonicRow = Annotated[tuple[Position, Frequency, Angle], Strict(False)]
-LawName = Literal["harmonic", "cycloidal", "polynomial_345", "polynomial_4567", "modified_sine", "modified_trapezoid"]
-GOES_WITH = {  # by what moves the drive, the keys that may stand beside it
-    "speed": ("start", "end"),
-    "law": ("periodic",),
-    "segments": ("start", "periodic"),
-    "harmonics": ("start",),
-}
+BESIDE = {"speed": ("start", "end"), "law": ("periodic",), "segments": ("start", "periodic"), "harmonics": ("start",)}
 
 
 class SegmentTable(FileTable):
@@ -165,13 +159,15 @@ class SegmentTable(FileTable):
 
     to: Position | None = Field(None, description="Where it ends; without it the drive dwells.")
     within: Duration = Field(description="How long it takes, in s.")
-    law: LawName | None = Field(None, description="By what law it moves, as of Norton, Cam Design, and of VDI 2143.")
+    law: Known | None = Field(None, description="By what law: harmonic, cycloidal, polynomial_345 and so on.")
 
     def segment(self, place: str) -> Segment:
         """The segment, its numbers as they are; InputError where one of way and law is missing."""
         if (self.to is None) != (self.law is None):
             missing, given = ("to", "law") if self.to is None else ("law", "to")
             raise InputError(f"{place}.{missing}: missing beside '{given}'; a dwell has neither")
+        if self.law is not None and self.law not in LAWS:
+            raise InputError(f"{place}.law: no law '{self.law}'{nearest(self.law, LAWS)}")
         return Segment(self.to, self.within, self.law)
 
 
@@ -200,13 +196,13 @@ class DriveTable(FileTable):
 
     def drive(self) -> Drive:
         """The drive, its numbers as they are; InputError where the keys do not go together."""
-        given = [key for key in GOES_WITH if getattr(self, key) is not None]
+        given = [key for key in BESIDE if getattr(self, key) is not None]
         if len(given) != 1:
             found = " and ".join(f"'{key}'" for key in given) or "none"
             raise InputError(f"drive: expected either 'speed', 'law', 'segments' or 'harmonics', found {found}")
         for key in ("start", "end", "periodic"):
-            if getattr(self, key) is not None and key not in GOES_WITH[given[0]]:
-                instead = " or ".join(f"a '{kind}'" for kind, keys in GOES_WITH.items() if key in keys)
+            if getattr(self, key) is not None and key not in BESIDE[given[0]]:
+                instead = " or ".join(f"a '{kind}'" for kind, keys in BESIDE.items() if key in keys)
                 raise InputError(f"drive.{key}: expected none with a '{given[0]}', but with {instead}")
         start, periodic = self.start or 0.0, bool(self.periodic)
         if self.speed is not None:

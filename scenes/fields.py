@@ -88,7 +88,6 @@ Stiffness = Annotated[float, Quantity("stiffness", 1e-15, negative=False)]
 Damping = Annotated[float, Quantity("damping", 1e-15, negative=False)]
 Newtons = Annotated[float, Quantity("force")]
 NewtonMetres = Annotated[float, Quantity("moment")]
-Angle = Annotated[float, Quantity("angle")]
 TorsionStiffness = Annotated[float, Quantity("torsion_stiffness", 1e-15, negative=False)]
 TorsionDamping = Annotated[float, Quantity("torsion_damping", 1e-15, negative=False)]
 Component = Annotated[float, Quantity("direction")]  # of a direction, whose length is of no matter

@@ -1,8 +1,4 @@
-"""Motion laws by formula: segments of named laws, from rest to rest, and sums of harmonics.
-
-The laws are those of Norton, Cam Design and Manufacturing Handbook, and of VDI 2143: each takes a unit of way in a unit
-of time. Between two instants each is a polynomial and a sine of the time, a `Piece`.
-"""
+"""Motion laws by formula: segments of named laws, from rest to rest, and sums of harmonics."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,11 +26,11 @@ class Driven(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A motion from an instant on, a polynomial and waves of the time; it goes on smoothly on both sides."""
+    """A motion from an instant on, a polynomial and sines of the time; it goes on smoothly on both sides."""
 
     begin: float  # s
     polynomial: Sequence[float]  # rad or m by s^0, s^1, ...
-    waves: Sequence[tuple[float, float, float]] = ()  # amplitude, rad or m; rate, rad/s; phase, rad
+    sines: Sequence[tuple[float, float, float]] = ()  # amplitude, rad or m; rate, rad/s; phase, rad
     lag: float = 0.0  # s, from its beginning to where its time is zero
 
     def at(self, time: ArrayLike) -> Driven:
@@ -43,53 +39,48 @@ class Piece(NamedTuple):
         position = rate = acceleration = 0.0 * t
         for c in reversed(self.polynomial):
             position, rate, acceleration = position * t + c, rate * t + position, acceleration * t + 2 * rate
-        for size, omega, phase in self.waves:
-            across, along = size * np.sin(omega * t + phase), omega * size * np.cos(omega * t + phase)
-            position, rate, acceleration = position + across, rate + along, acceleration - omega**2 * across
+        for size, omega, phase in self.sines:
+            y, dy = size * np.sin(omega * t + phase), omega * size * np.cos(omega * t + phase)
+            position, rate, acceleration = position + y, rate + dy, acceleration - omega**2 * y
         return Driven(position, rate, acceleration)
 
-    def scaled(self, begin: float, start: float, within: float, rise: float) -> "Piece":
-        """A part of a law of units of time and way as it is in a segment."""
-        polynomial = [rise * c / within**k for k, c in enumerate(self.polynomial)]
-        waves = [(rise * size, omega / within, phase) for size, omega, phase in self.waves]
-        return Piece(begin + within * self.begin, (start + polynomial[0], *polynomial[1:]), waves, within * self.lag)
-
-    def later(self, time: float, gain: float) -> "Piece":
-        """The same motion so much later, s, and further on, rad or m."""
-        start, *others = self.polynomial
-        return self._replace(begin=self.begin + time, polynomial=(start + gain, *others))
+    def moved(self, begin: float, start: float, within: float = 1.0, rise: float = 1.0) -> "Piece":
+        """The same from another instant and place on, and in other units of time, s, and way, rad or m."""
+        polynomial = [rise * c / within**k + start * (k == 0) for k, c in enumerate(self.polynomial)]
+        sines = [(rise * size, omega / within, phase) for size, omega, phase in self.sines]
+        return Piece(begin + within * self.begin, polynomial, sines, within * self.lag)
 
 
-def _law(*parts: tuple[float, float, float]) -> tuple[Piece, ...]:
+def _law(*parts: tuple[float, float, float]) -> Sequence[Piece]:
     """A law whose acceleration is C sin(w t + p) in parts of lengths h, given by (h, w, p), integrated twice.
 
-    From its rate v and its way s at its beginning each part takes, but for C, v + (cos p - cos(w t + p)) / w and
-    s + sin p / w^2 + (v + cos p / w) t - sin(w t + p) / w^2; where w is zero v + t sin p and s + v t + t^2 sin p / 2.
-    The way of one in the end gives C: pi^2 / 2 of the harmonic, 2 pi of the cycloidal, 4 pi^2 / (4 + pi) of the
-    modified sine and 8 pi / (2 + pi) of the modified trapezoid.
+    But for C, a part has from its first rate v and way s on the rate v + (cos p - cos(w t + p)) / w and the way
+    s + sin p / w^2 + (v + cos p / w) t - sin(w t + p) / w^2, or s + v t + t^2 sin p / 2 where w is zero. C makes the
+    way one in the end: pi^2 / 2 of the harmonic, 2 pi of the cycloidal, 4 pi^2 / (4 + pi) of the modified sine and
+    8 pi / (2 + pi) of the modified trapezoid.
     """
-    pieces, at, rate, way = list[Piece](), 0.0, 0.0, 0.0
+    pieces, at, way, rate = list[Piece](), 0.0, 0.0, 0.0
     for h, w, p in parts:
-        if w:
-            pieces.append(Piece(at, (way + sin(p) / w**2, rate + cos(p) / w), [(-1 / w**2, w, p)]))
-        else:
-            pieces.append(Piece(at, (way, rate, sin(p) / 2)))
+        own = ((way + sin(p) / w**2, rate + cos(p) / w), [(-1 / w**2, w, p)]) if w else ((way, rate, sin(p) / 2),)
+        pieces.append(Piece(at, *own))
         at += h
         way, rate, _ = map(float, pieces[-1].at(at))
-    return tuple(piece.scaled(0.0, 0.0, 1.0, 1 / way) for piece in pieces)
+    return [piece.moved(0.0, 0.0, rise=1 / way) for piece in pieces]
 
 
-# Of x = 1/2 + t, 10 x^3 - 15 x^4 + 6 x^5 and 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7 are polynomials that lose no digits.
-LAWS: Mapping[str, tuple[Piece, ...]] = {
+# Norton, Cam Design and Manufacturing Handbook, and VDI 2143: a unit of way in a unit of time x. The polynomials, which
+# are 10 x^3 - 15 x^4 + 6 x^5 and 35 x^4 - 84 x^5 + 70 x^6 - 20 x^7, lose no digits as those of t = x - 1/2.
+LAWS: Mapping[str, Sequence[Piece]] = {
     "harmonic": _law((1, pi, pi / 2)),
     "cycloidal": _law((1, 2 * pi, 0)),
-    "polynomial_345": (Piece(0.0, (1 / 2, 15 / 8, 0, -5, 0, 6), lag=1 / 2),),
-    "polynomial_4567": (Piece(0.0, (1 / 2, 35 / 16, 0, -35 / 4, 0, 21, 0, -20), lag=1 / 2),),
+    "polynomial_345": [Piece(0.0, (1 / 2, 15 / 8, 0, -5, 0, 6), lag=1 / 2)],
+    "polynomial_4567": [Piece(0.0, (1 / 2, 35 / 16, 0, -35 / 4, 0, 21, 0, -20), lag=1 / 2)],
     "modified_sine": _law((1 / 8, 4 * pi, 0), (3 / 4, 4 / 3 * pi, pi / 2), (1 / 8, 4 * pi, -pi / 2)),
     "modified_trapezoid": _law(
         (1 / 8, 4 * pi, 0), (1 / 4, 0, pi / 2), (1 / 4, 4 * pi, pi / 2), (1 / 4, 0, -pi / 2), (1 / 8, 4 * pi, -pi / 2)
     ),
 }
+DWELL = [Piece(0.0, (0.0,))]
 
 
 @dataclass(frozen=True)
@@ -145,19 +136,19 @@ class SegmentedLaw:
         return min(self.positions), max(self.positions)
 
     @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self) -> Sequence[Piece]:
         """The pieces of a cycle, in the order of the time."""
         ways = zip(self.segments, self.boundaries, pairwise(self.positions), strict=False)
-        return tuple(
-            piece.scaled(begin, here, segment.within, there - here)
+        return [
+            piece.moved(begin, here, segment.within, there - here)
             for segment, begin, (here, there) in ways
-            for piece in (LAWS[segment.law] if segment.law else (Piece(0.0, (0.0,)),))
-        )
+            for piece in (LAWS[segment.law] if segment.law else DWELL)
+        ]
 
     def through(self, cycles: int) -> Sequence[Piece]:
         """The pieces of so many cycles, and if it is periodic the first of the next one, to which their end belongs."""
         gain = self.positions[-1] - self.positions[0]
-        every = [piece.later(n * self.cycle, n * gain) for n in range(cycles + 1) for piece in self.pieces]
+        every = [piece.moved(n * self.cycle, n * gain) for n in range(cycles + 1) for piece in self.pieces]
         return every[: cycles * len(self.pieces) + self.periodic]
 
     def after(self, cycles: ArrayLike) -> Samples:
@@ -166,15 +157,15 @@ class SegmentedLaw:
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
-        time, cycle, hair = np.asarray(time, np.float64), self.cycle, SAME_INSTANT * self.cycle
-        periods = np.floor((time + hair) / cycle) if self.periodic else np.zeros(time.shape)
-        time = time - periods * cycle
-        pieces = Piece(0.0, self.positions[:1]), *self.pieces, Piece(cycle, self.positions[-1:])
-        begins = [*(piece.begin - hair for piece in self.pieces), np.inf if self.periodic else cycle + hair]
+        time, (here, *_, there), hair = np.asarray(time, np.float64), self.positions, SAME_INSTANT * self.cycle
+        periods = np.floor((time + hair) / self.cycle) if self.periodic else np.zeros(time.shape)
+        time = time - periods * self.cycle
+        pieces = Piece(0.0, (here,)), *self.pieces, Piece(0.0, (there,))
+        begins = [*(piece.begin - hair for piece in self.pieces), self.cycle + hair]
         own, driven = np.searchsorted(begins, time, side="right"), np.empty((3, *time.shape))
         for number in np.unique(own):
             driven[:, own == number] = pieces[number].at(time[own == number])
-        driven[0] += periods * (self.positions[-1] - self.positions[0])
+        driven[0] += periods * (there - here)
         return Driven(*driven)
 
 
@@ -186,34 +177,25 @@ class HarmonicLaw:
     middle: Position = field(metadata={"path": "start"})  # rad or m
     amplitudes: tuple[Position, ...] = field(metadata={"path": "harmonics.*.0"})  # rad or m
     frequencies: tuple[Frequency, ...] = field(metadata={"path": "harmonics.*.1"})  # 1/s
-    phases: tuple[Angle, ...] = field(metadata={"path": "harmonics.*.2"})  # rad, of a sine
+    phases: tuple[Angle, ...] = field(metadata={"path": "harmonics.*.2"})  # rad
     repeats = True
 
     @cached_property
-    def fundamental(self) -> Fraction:
-        """The frequency, 1/s, of which all are whole multiples, in the digits as they are written."""
-        written = [Fraction(str(frequency)) for frequency in self.frequencies]
-        return Fraction(gcd(*(f.numerator for f in written)), lcm(*(f.denominator for f in written)))
-
-    @cached_property
     def multiples(self) -> tuple[int, ...]:
-        """How often each is in a cycle."""
-        return tuple(int(Fraction(str(frequency)) / self.fundamental) for frequency in self.frequencies)
+        """How often each is in a cycle, by the digits of the frequencies as they are written."""
+        written = [Fraction(str(frequency)) for frequency in self.frequencies]
+        common = Fraction(gcd(*(f.numerator for f in written)), lcm(*(f.denominator for f in written)))
+        return tuple(int(f / common) for f in written)
 
     @property
     def cycle(self) -> float:
         """How long one cycle takes, s."""
-        return float(1 / self.fundamental)
+        return self.multiples[0] / self.frequencies[0]
 
-    @cached_property
-    def _piece(self) -> Piece:
-        """All of the motion in one."""
-        omega = (2 * pi * frequency for frequency in self.frequencies)
-        return Piece(0.0, (self.middle,), [*zip(self.amplitudes, omega, self.phases, strict=True)])
-
-    def through(self, cycles: int) -> Sequence[Piece]:  # noqa: ARG002 - it is one
-        """The pieces of so many cycles."""
-        return [self._piece]
+    def through(self, _cycles: int) -> Sequence[Piece]:
+        """The one piece of so many cycles."""
+        sines = zip(self.amplitudes, (2 * pi * f for f in self.frequencies), self.phases, strict=True)
+        return [Piece(0.0, (self.middle,), [*sines])]
 
     @property
     def start(self) -> float:
@@ -232,15 +214,12 @@ class HarmonicLaw:
         return float(positions.min()), float(positions.max())
 
     def _still(self, order: int) -> Samples:
-        """The instants of a cycle, s, among which are all where the derivative of an order is zero.
-
-        With z = exp(2 pi i t / cycle) it is the real part of a polynomial, which is that and its conjugate with 1 / z.
-        """
+        """Instants, s, with all of a cycle where the derivative of an order is zero: a polynomial of exp(i w t)."""
         c = np.zeros(max(self.multiples) + 1, complex)
         for size, n, phase in zip(self.amplitudes, self.multiples, self.phases, strict=True):
-            c[n] += size / 1j * np.exp(1j * phase) * (1j * n) ** order
-        roots = np.roots([*c[:0:-1], 0.0, *c[1:].conj()])
-        return np.asarray(np.angle(roots) / (2 * pi) * self.cycle)
+            c[n] += size * n**order * np.exp(1j * (phase + (order - 1) * pi / 2))
+        z = np.roots([*c[:0:-1], 0.0, *c[1:].conj()])
+        return np.append(0.0, np.angle(z) / (2 * pi) * self.cycle)  # of sines that cancel there are no roots
 
     def after(self, cycles: ArrayLike) -> Samples:
         """The positions, rad or m, after numbers of cycles, whole or not, of any shape."""
@@ -248,4 +227,4 @@ class HarmonicLaw:
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s."""
-        return self._piece.at(time)
+        return self.through(1)[0].at(time)

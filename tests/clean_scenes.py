@@ -18,7 +18,7 @@ import scenes
 from scenes import Scene
 from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, PlainLoad, PressForce
+from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, PlainLoad, PressForce
 
 from . import scene_files
 from .linkage_scenes import linkages
@@ -117,6 +117,7 @@ def _body(body: Body) -> dict[str, Any]:
 def _drive(drive: Drive) -> dict[str, Any]:
     if isinstance(drive, ConstantSpeed):
         return _without_none(vars(drive))
+    assert isinstance(drive, MotionLaw)
     return {"body": drive.body, "law": [*zip(drive.times, drive.positions, strict=True)], "periodic": drive.periodic}
 
 

@@ -15,7 +15,6 @@ from ..limits import POINTS, TURNS, WAVES
 from ..scene import (
     GROUND,
     Body,
-    Drive,
     HarmonicLaw,
     MotionLaw,
     Scene,
@@ -105,30 +104,34 @@ def _of_lengths(body: Body, lengths: Collection[frozenset[str]]) -> Iterator[str
 
 def _of_drive(scene: Scene) -> Iterator[str]:
     drive, slides, instead = scene.drive, scene.driven_slide is not None, ""
-    key = _key(drive)
+    key = {MotionLaw: "law", SegmentedLaw: "segments", HarmonicLaw: "harmonics"}.get(type(drive), "end")
     if isinstance(drive, MotionLaw):
-        yield from _of_table(drive)
+        yield from _of_times(drive)
+    if isinstance(drive, MotionLaw | SegmentedLaw):
+        yield from _of_positions(scene, drive, key)
     elif isinstance(drive, HarmonicLaw):
         yield from _of_harmonics(drive)
-    elif not isinstance(drive, SegmentedLaw):
+    else:
         instead = "; without 'end' a crank turns for ever"
         if drive.end is None and slides:
             yield "drive.end: missing; a slider that is driven has to stop somewhere"
         if drive.end == drive.start:
             yield f"drive.end: expected another position than 'start', {scene.position(drive.start)}"
-    if isinstance(drive, MotionLaw | SegmentedLaw):
-        yield from _of_positions(scene, drive)
     turns = (drive.extent[1] - drive.extent[0]) / (2 * pi)
     if not slides and not turns <= TURNS:
         yield f"drive.{key}: expected {TURNS} turns at most from end to end, found {turns:g}{instead}"
 
 
-def _key(drive: Drive) -> str:
-    """The key of the drive's table that says how far it goes."""
-    return {MotionLaw: "law", SegmentedLaw: "segments", HarmonicLaw: "harmonics"}.get(type(drive), "end")
+def _of_harmonics(law: HarmonicLaw) -> Iterator[str]:
+    most = max(law.multiples)
+    if not most <= WAVES:
+        place, own = f"drive.harmonics.{law.multiples.index(most)}.1", f"with {WAVES} of its own at most"
+        yield f"{place}: expected a common period of all, in the digits as written, {own}, found {most:.3g}"
+    if not law.extent[1] - law.extent[0] > 1e-9 * sum(map(abs, law.amplitudes)):
+        yield "drive.harmonics: expected a motion, found sines that cancel"
 
 
-def _of_table(law: MotionLaw) -> Iterator[str]:
+def _of_times(law: MotionLaw) -> Iterator[str]:
     if law.times[0] != 0:
         yield f"drive.law.0.0: expected the first time to be 0, found {law.times[0]:g} s"
     for number, (before, after) in enumerate(pairwise(law.times), start=1):
@@ -136,19 +139,8 @@ def _of_table(law: MotionLaw) -> Iterator[str]:
             yield f"drive.law.{number}.0: expected increasing times, found {after:g} s after {before:g} s"
 
 
-def _of_harmonics(law: HarmonicLaw) -> Iterator[str]:
-    if not max(law.multiples) <= WAVES:
-        number = law.multiples.index(max(law.multiples))
-        common = f"with all others, in the digits as written, of {WAVES} of its own at most"
-        yield f"drive.harmonics.{number}.1: expected a common period {common}, found {max(law.multiples):.3g}"
-    low, high = law.extent
-    if not high - low > 1e-9 * sum(map(abs, law.amplitudes)):
-        yield "drive.harmonics: expected a motion, found sines that cancel"
-
-
-def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw) -> Iterator[str]:
+def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw, key: str) -> Iterator[str]:
     """Whether the positions where a law's parts meet are a motion, and can be repeated where it is periodic."""
-    key = _key(law)
     if len(set(law.positions)) == 1:
         yield f"drive.{key}: expected a motion, found the same position at all times"
     gain = law.positions[-1] - law.positions[0]
@@ -160,7 +152,7 @@ def _of_positions(scene: Scene, law: MotionLaw | SegmentedLaw) -> Iterator[str]:
         yield f"drive.{key}: periodic: expected {first}; it is off by {scene.amount('position', off, 3)}"
     if isinstance(law, MotionLaw) and not law.beyond <= 1:
         leaves = f"it drives from {scene.between(law.extent)}, the table from {scene.between(law.table)}"
-        instead = "expected more rows where the motion changes, or in place of the table 'segments' or 'harmonics'"
+        instead = "expected more rows where the motion changes, or 'segments' or 'harmonics' in place of the table"
         yield f"drive.law: the spline leaves the table by more than its range: {leaves}; {instead}"
 
 

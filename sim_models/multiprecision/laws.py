@@ -1,28 +1,37 @@
-"""Motion laws by formula in arbitrary precision: a second implementation of `scenes.laws`.
+"""Motion laws by formula in arbitrary precision, a second implementation of `scenes.laws`.
 
-There the acceleration is integrated from end to end; here are the formulas that Norton, Cam Design, prints for laws of
-sine, constant and cosine acceleration, of the first half, whose mirror image is the other; of polynomials the integral.
+There an acceleration is integrated; here are printed formulas of the way, for a time that is a power series: rates and
+accelerations are further coefficients.
 """
 
 from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from itertools import accumulate
 from math import gcd, lcm
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from flint import arb, arb_poly, fmpq
+from flint import arb, arb_series, fmpq
 
 from scenes.laws import SAME_INSTANT, HarmonicLaw, SegmentedLaw
 
-# By name the shares b, c and d of sine, constant and cosine; or the power n of a rate that goes with (x - x^2)^n.
-SHARES: Mapping[str, tuple[Fraction, Fraction, Fraction]] = {
-    "harmonic": (Fraction(0), Fraction(0), Fraction(1)),
-    "cycloidal": (Fraction(1, 2), Fraction(0), Fraction(1, 2)),
-    "modified_sine": (Fraction(1, 4), Fraction(0), Fraction(3, 4)),
-    "modified_trapezoid": (Fraction(1, 4), Fraction(1, 2), Fraction(1, 4)),
+# The way of the first half, of which the other is the mirror image, at a share x of the time; each up to a share.
+# The polynomials, the modified sine and the modified trapezoid of Norton, Cam Design, with their numbers by pi = p.
+FIRST_HALVES: Mapping[str, Mapping[Fraction, Callable[[Any, Any], Any]]] = {
+    "harmonic": {Fraction(1, 2): lambda x, p: (1 - (p * x).cos()) / 2},
+    "cycloidal": {Fraction(1, 2): lambda x, p: x - (2 * p * x).sin() / (2 * p)},
+    "polynomial_345": {Fraction(1, 2): lambda x, _: 10 * x**3 - 15 * x**4 + 6 * x**5},
+    "polynomial_4567": {Fraction(1, 2): lambda x, _: 35 * x**4 - 84 * x**5 + 70 * x**6 - 20 * x**7},
+    "modified_sine": {
+        Fraction(1, 8): lambda x, p: (p * x - (4 * p * x).sin() / 4) / (4 + p),
+        Fraction(1, 2): lambda x, p: (2 + p * x - 9 * (p * (4 * x + 1) / 3).sin() / 4) / (4 + p),
+    },
+    "modified_trapezoid": {
+        Fraction(1, 8): lambda x, p: (2 * x - (4 * p * x).sin() / (2 * p)) / (2 + p),
+        Fraction(3, 8): lambda x, p: (4 * p * x**2 + (2 - p) * x + p / 16 - 1 / (2 * p)) / (2 + p),
+        Fraction(1, 2): lambda x, p: (2 * (1 + p) * x + (4 * p * x).sin() / (2 * p) - p / 2) / (2 + p),
+    },
 }
-POWERS: Mapping[str, int] = {"polynomial_345": 2, "polynomial_4567": 3}
 
 
 class Command(NamedTuple):
@@ -43,50 +52,28 @@ class SegmentsLaw:
         self._positions = [arb(drive.start)]
         for segment in drive.segments:
             self._positions.append(self._positions[-1] if segment.to is None else arb(segment.to))
-        ways = zip(self._positions[1:], self._positions, drive.segments, strict=False)
-        self.pace = max((abs(there - here) / segment.within for there, here, segment in ways), key=float)
+        rises = zip(self._positions[1:], self._positions, drive.segments, strict=False)
+        self.pace = max((abs(there - here) / segment.within for there, here, segment in rises), key=float)
         self.travel = max(self._positions, key=float) - min(self._positions, key=float)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles: on a boundary, or so near to one, the later segment's."""
         hair = Fraction(SAME_INSTANT)
         periods = (cycles + hair) // 1 if self._periodic else 0
-        time = (cycles - periods) * self._ends[-1]
-        i = min(bisect_right(self._ends, time + hair * self._ends[-1]), len(self._segments)) - 1
+        share = cycles - periods
+        i = min(bisect_right(self._ends, (share + hair) * self._ends[-1]), len(self._segments)) - 1
         segment, (here, there) = self._segments[i], self._positions[i : i + 2]
-        within = ball(Fraction(segment.within))
-        s, v, a = unit_law(segment.law, (time - self._ends[i]) / Fraction(segment.within))
-        rise, gain = there - here, periods * (self._positions[-1] - self._positions[0])
-        return Command(ball(cycles * self._ends[-1]), here + gain + rise * s, rise * v / within, rise * a / within**2)
+        x = (share * self._ends[-1] - self._ends[i]) / Fraction(segment.within)
+        start = here + periods * (self._positions[-1] - self._positions[0])
+        way = _way(segment.law, x, ball(1 / Fraction(segment.within))) if segment.law else _series(arb(0), arb(0))
+        return _command(cycles * self._ends[-1], start + (there - here) * way)
 
 
-def unit_law(law: str | None, x: Fraction) -> tuple[arb, arb, arb]:
-    """Return way, rate and acceleration of a law of unit way at a share of its time, which may be beyond its ends."""
-    if law is None:
-        return arb(0), arb(0), arb(0)
-    if law in POWERS:
-        rate = arb_poly([0, 1, -1]) ** POWERS[law]
-        way, at = rate.integral(), ball(x)
-        return way(at) / way(1), rate(at) / way(1), rate.derivative()(at) / way(1)
+def _way(law: str, x: Fraction, pace: arb) -> arb_series:
     if 2 * x > 1:
-        s, v, a = unit_law(law, 1 - x)
-        return 1 - s, v, -a
-    return _first_half(*SHARES[law], x)
-
-
-def _first_half(b: Fraction, c: Fraction, d: Fraction, x: Fraction) -> tuple[arb, arb, arb]:
-    """Return way, rate and acceleration where that is by shares sine, constant and cosine, up to half the time."""
-    p, X, B, c_, D = arb.pi(), ball(x), ball(b), ball(c), ball(d)
-    C = 4 * p**2 / ((p**2 - 8) * (B**2 - D**2) - 2 * p * (p - 2) * B + p**2)
-    K = B**2 * (arb(1) / 8 - 1 / p**2)
-    if b and 2 * x < b:
-        turn = p * X / B
-        return C * (B * X / p - (B / p) ** 2 * turn.sin()), C * B / p * (1 - turn.cos()), C * turn.sin()
-    if 2 * x < 1 - d:
-        return C * (X**2 / 2 + B * (1 / p - arb(1) / 2) * X + K), C * (X + B * (1 / p - arb(1) / 2)), C
-    turn, slope = p / D * (X - (1 - D) / 2), B / p + c_ / 2
-    way = slope * X + (D / p) ** 2 + K - (1 - D) ** 2 / 8 - (D / p) ** 2 * turn.cos()
-    return C * way, C * (slope + D / p * turn.sin()), C * turn.cos()
+        return 1 - _way(law, 1 - x, -pace)
+    formula = next(formula for end, formula in FIRST_HALVES[law].items() if x <= end)
+    return arb_series(formula(_series(ball(x), pace), arb.pi()))
 
 
 class SinesLaw:
@@ -102,13 +89,18 @@ class SinesLaw:
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, whole or not."""
-        time, position, rate, acceleration = cycles * self._period, self._middle, arb(0), arb(0)
-        for size, frequency, phase in self._sines:
-            omega = 2 * arb.pi() * ball(frequency)
-            turn = 2 * arb.pi() * ball(frequency * time % 1) + phase
-            position, rate = position + size * turn.sin(), rate + size * omega * turn.cos()
-            acceleration -= size * omega**2 * turn.sin()
-        return Command(ball(time), position, rate, acceleration)
+        time, position = cycles * self._period, _series(self._middle, arb(0))
+        for size, f, phase in self._sines:
+            position += size * (2 * arb.pi() * _series(ball(f * time % 1), ball(f)) + phase).sin()
+        return _command(time, position)
+
+
+def _series(value: arb, rate: arb) -> arb_series:
+    return arb_series([value, rate], prec=3)
+
+
+def _command(time: Fraction, position: arb_series) -> Command:
+    return Command(ball(time), position[0], position[1], 2 * position[2])
 
 
 def ball(exact: Fraction) -> arb:

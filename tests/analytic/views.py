@@ -7,7 +7,7 @@ import numpy as np
 from scenes import Motion, Scene
 from scenes.fields import put, walk
 from scenes.model.motion import channels, quantity
-from scenes.scene import GROUND, Body, Drive, ForceTable, Load, MotionLaw, PlainLoad, Slide, Vector
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, PlainLoad, Slide, Vector
 from tests.agreement import Channels
 from tests.linkages import xy
 
@@ -58,6 +58,7 @@ class Change:
     def drive(self, drive: Drive) -> Drive:
         if isinstance(drive, MotionLaw):
             return replace(drive, positions=tuple(map(self.angle, drive.positions)))
+        assert isinstance(drive, ConstantSpeed)
         end = None if drive.end is None else self.angle(drive.end)
         return replace(drive, speed=self.mirror * drive.speed, start=self.angle(drive.start), end=end)
 

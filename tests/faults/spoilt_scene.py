@@ -12,7 +12,7 @@ from compare.judge.causes.cause import Kind
 from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
-from scenes.fields import put
+from scenes.fields import put, walk
 from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PressForce
 
 from .fault import Clean, Fault
@@ -172,8 +172,9 @@ def drives(clean: Clean) -> Iterator[Fault]:
                 other = put(scene, {("drive", "start"): drive.start + by})  # at one speed the same as a lag
                 yield Fault("time", "another start of the drive", by, Kind.lag, "all", scene=other)
         else:
-            middle = len(drive.positions) // 2
-            yield fault("another entry of the law", by, "positions", middle, drive.positions[middle] + by)
+            entries = [number for number in walk(drive) if number.quantity.dimension == "position"]
+            middle = entries[len(entries) // 2]
+            yield fault("another entry of the law", by, *middle.at, middle.value + by)
 
 
 def loads(clean: Clean) -> Iterator[Fault]:

@@ -112,7 +112,7 @@ speed = 120 => torque = 5 :: drive.torque: a drive is not pushed | its motion | 
 "rocker", thr => "roker", thr :: bodies.block.slides.on | 'rocker'
 "rocker", thr => "block", thr :: bodies.block.slides.on | block on block
 on = "rocker" => onn = "rocker" :: bodies.block.slides.onn | 'on'
-speed = 60\n => :: drive | either 'speed' or 'law'
+speed = 60\n => :: drive | either 'speed', 'law'
 speed = 60 => speed = 60\nperiodic = true :: drive.periodic | 'law'
 "rpm" => "mm/s" :: drive.body: 'crank' does not slide, and units.speed, 'mm/s', is of a slider | rpm
 body = "crank" => body = "block" :: drive.body: 'block' slides | mm/s
@@ -141,9 +141,26 @@ point = "P" => slider = "P" :: output.slider | 'P' | the ground""",
 [0.5, 290] => [0.5] :: drive.law.2 | two numbers
 [[0, 200], [0.2, 215], [0.5, 290], [0.7, 320], [1.0, 250], [1.2, 235]] => [[0, 200], [0.2, 200], [0.5, 200], [0.7,
     200]] :: drive.law | same position
-law = => speed = 60\nlaw = :: drive | either 'speed' or 'law'
+law = => speed = 60\nlaw = :: drive | either 'speed', 'law'
 law = => start = 60\nlaw = :: drive.start | expected none with a 'law'
 law = => end = 60\nlaw = :: drive.end | expected none with a 'law'""",
+    "crank": r"""
+speed = 3.0 => segments = [{ to = 1, within = 2, law = "cycloid" }] :: drive.segments.0.law: no law | 'cycloidal'
+speed = 3.0 => segments = [{ to = 1, within = 2 }] :: drive.segments.0.law: missing beside 'to'
+speed = 3.0 => segments = [{ law = "harmonic", within = 2 }] :: drive.segments.0.to: missing beside 'law'
+speed = 3.0 => segments = [{ to = 1, within = 0, law = "harmonic" }] :: drive.segments.0.within | greater than 0
+speed = 3.0 => segments = [{ to = 1, law = "harmonic" }] :: drive.segments.0.within: missing
+speed = 3.0 => segments = [{ within = 2 }] :: drive.segments: expected a motion
+speed = 3.0 => segments = [] :: drive.segments | 1 or more
+speed = 3.0 => segments = [{ to = 1, within = 2, law = "harmonic" }], periodic = true :: drive.segments | off by 1 rad
+speed = 3.0 => segments = [{ to = 70, within = 2, law = "harmonic" }] :: drive.segments: expected 10 turns at most
+speed = 3.0 => segments = [{ to = 1, within = 2, law = "harmonic" }], end = 1 :: drive.end | 'segments' | a 'speed'
+speed = 3.0 => harmonics = [[1, 0.5, 0]], periodic = true :: drive.periodic | 'harmonics' | a 'law' or a 'segments'
+speed = 3.0 => speed = 3.0, harmonics = [[1, 0.5, 0]] :: drive | found 'speed' and 'harmonics'
+speed = 3.0 => harmonics = [[1, 0.5]] :: drive.harmonics.0 | three numbers
+speed = 3.0 => harmonics = [[1, -0.5, 0]] :: drive.harmonics.0.1 | greater than 0
+speed = 3.0 => harmonics = [[1, 0.3, 0], [1, 0.301, 0]] :: drive.harmonics.1.1 | a common period | 36 | 301
+speed = 3.0 => harmonics = [[1, 0.3, 0], [-1, 0.3, 0]] :: drive.harmonics: expected a motion""",
     "tangent": r"""
 end = 50 => end = -1e6 :: drive.end | 10 turns at most | 2778.14 | for ever
 end = 50 => end = 150 :: drive.end: expected a position below 'start', 130 deg, found 150 deg; or make speed positive

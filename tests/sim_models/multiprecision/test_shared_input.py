@@ -13,7 +13,8 @@ import scenes
 from compare.judge.floor import establish
 from scenes import Sampling, Scene
 from scenes.elements.loads import ForceTable, PressForce
-from scenes.scene import ConstantSpeed, MotionLaw
+from scenes.laws import LAWS
+from scenes.scene import ConstantSpeed, HarmonicLaw, MotionLaw, SegmentedLaw
 from tests import agreement, scene_files
 
 pytest.importorskip("flint")
@@ -23,10 +24,13 @@ FLOOR = 1e-12  # of the scenes below, see `agreement.FORCES`
 FAR = 1e-7  # every slip below changes what it computes by 1e-6 or more, and some channel by that
 
 LAW = [[0, 1], [0.3, 1.5], [0.5, 3], [0.9, 2.5], [1.2, 4]]
+SEGMENTS = [{"to": 1 + k % 2 * 0.7 + 0.1 * k, "within": 0.1 + 0.07 * k, "law": law} for k, law in enumerate(LAWS, 1)]
 SCENES: dict[str, tuple[str, scene_files.Changes]] = {
     "speed": ("crank", {}),
     "law": ("crank", {"drive": {"body": "crank", "law": LAW}}),
     "turning law": ("crank", {"drive": {"body": "crank", "law": [*LAW, [1.5, 1 + 2 * np.pi]], "periodic": True}}),
+    "segments": ("crank", {"drive": {"body": "crank", "start": 1, "segments": SEGMENTS}}),
+    "harmonics": ("crank", {"drive": {"body": "crank", "harmonics": [[1, 0.3, 0.2], [-0.4, 0.7, 1]]}}),
     "press": ("slider_crank", {"loads.0.last": 0.7, "drive.start": 0.1}),
     "table": ("slider_crank", {"loads": [{"body": "slider", "at": "B", "table": [[2.5, 0], [3, -10], [3.5, -50]]}]}),
 }
@@ -54,6 +58,14 @@ def apart(scene: Scene) -> float:
 @pytest.mark.parametrize("name", SCENES)
 def test_unbroken_the_oracle_and_the_core_agree(name: str) -> None:
     assert apart(scene(name)) <= FLOOR
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_both_take_rows_on_boundaries_for_the_same_segments(periodic: bool) -> None:
+    """Boundaries that no double is, and which sums of them miss: of harmonic laws, whose accelerations jump there."""
+    steps = [{"to": k % 2, "within": 0.1, "law": "harmonic"} for k in range(1, 13)]
+    found = scene_files.load("crank", {"drive": {"body": "crank", "segments": steps, "periodic": periodic}})
+    assert apart(found) <= FLOOR
 
 
 Wrong = Callable[..., Any]  # of what is right, and its arguments
@@ -85,6 +97,7 @@ def too_early(right: Wrong, load: PressForce, x: Any, v: Any, end: float) -> Any
     return right(replace(load, last=1.5 * load.last), x, v, end)
 
 
+BY_FORMULA = {"segments": SegmentedLaw, "harmonics": HarmonicLaw}
 SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     *(("speed", ConstantSpeed, "at", wrong) for wrong in (faster, late)),
     ("speed", ConstantSpeed, "after", lambda right, drive, cycles: right(drive, cycles) + 1e-6),
@@ -93,6 +106,8 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     ("turning law", MotionLaw, "after", lambda right, law, cycles: right(law, np.asarray(cycles) - 1e-6)),
     ("turning law", MotionLaw, "_trend", lambda _right, _law: 0.0),
     ("law", MotionLaw, "_spline", natural),
+    *((kind, of, "at", wrong) for kind, of in BY_FORMULA.items() for wrong in (faster, late)),
+    *((kind, of, "after", lambda right, law, cycles: right(law, cycles) + 1e-6) for kind, of in BY_FORMULA.items()),
     ("table", ForceTable, "along", held),
     *(("press", PressForce, "acts", wrong) for wrong in (on_both_strokes, too_early)),
 )
