@@ -12,10 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes.model.motion import Samples, force_channels
-from scenes.scene import GROUND
 
-from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, blocks, planes, solved, with_ground
-from .loads import Active, forces
+from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, blocks, solved
+from .loads import Active, applied, instants
 from .masses import held
 
 
@@ -54,9 +53,12 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
 
 
 def wanted_channels(
-    linkage: LinkageConstraints, wanted: AbstractSet[str], motion: Motions, active: Active
+    linkage: LinkageConstraints, wanted: AbstractSet[str], time: Samples, motion: Motions, active: Active
 ) -> dict[str, Samples]:
-    """The channels wanted, shape (n,), and where there are forces among them, all forces."""
+    """The channels wanted, shape (n,), and where there are forces among them, all forces.
+
+    `active`, shape (n, press forces), are those that acted.
+    """
     scene = linkage.scene
     samples = {scene.drive_channel: linkage.drive_position(motion.q)}
     for point in scene.moving_points:
@@ -70,20 +72,18 @@ def wanted_channels(
         for quantity, values in zip(("angle", "omega", "alpha"), motion, strict=True):
             if f"{name}.{quantity}" in wanted:
                 samples[f"{name}.{quantity}"] = values[:, linkage.index[name], 2]
-    return samples if wanted.isdisjoint(force_channels(scene)) else samples | reaction_channels(linkage, motion, active)
+    if wanted.isdisjoint(force_channels(scene)):
+        return samples
+    return samples | reaction_channels(linkage, motion, applied(linkage, instants(linkage, time, *motion[:2]), active))
 
 
-def reaction_channels(linkage: LinkageConstraints, motion: Motions, active: Active) -> dict[str, Samples]:
+def reaction_channels(linkage: LinkageConstraints, motion: Motions, forces: PoseArray) -> dict[str, Samples]:
     """All force channels, shape (n,) each: J^T lambda = M q'' - F, with the true masses.
 
-    `active`, shape (n, press forces), are those that acted. The driven body counts too.
+    `forces`, shape (n, bodies, 3), are those that act. The driven body counts too.
     """
     q, _, a = motion
-    lacking = np.zeros_like(q)
-    z, turn = (values.T for values in planes(with_ground(q)))
-    for name, r, force in forces(linkage, z, turn, active.T):
-        if name != GROUND:
-            lacking[:, linkage.index[name]] -= _wrench(r, force)
+    lacking = 0.0 - forces
     for name, member in linkage.members.items():
         i = linkage.index[name]
         r, _, _, acceleration = motion.of_point(i, member.com)
@@ -115,5 +115,4 @@ def joint_forces(
 
 def _wrench(r: PlaneVector, force: PlaneVector) -> PoseArray:
     """A force at the arm r as force and moment at the origin, shape (n, 3)."""
-    force = np.broadcast_to(force, np.shape(r))
     return np.stack([force.real, force.imag, (np.conj(r) * force).imag], axis=-1)

@@ -70,17 +70,19 @@ class LinkageConstraints:
         slide = self.slides[slider]
         return complex(*slide.through) - (0 if slide.on == GROUND else self.moved[slide.on].origin)
 
-    def displacement(self, slider: str, z: PlaneVector, turn: PlaneVector) -> Any:
-        """How far a body that slides on the ground is along its guide, m, by its z and its exp(i theta)."""
-        along = complex(*self.slides[slider].along)
-        return (along.conjugate() * (z + self.first_arm(slider) * turn - self.through(slider))).real
+    def displacement(self, slider: str, z: Any, turn: Any) -> Any:
+        """How far a body is along its guide, m, by z and exp(i theta) of the bodies and the ground by their number."""
+        slide, i = self.slides[slider], self.index[slider]
+        on = self.index[slide.on]
+        from_carrier = (z[i] + self.first_arm(slider) * turn[i] - z[on]) * turn[on].conjugate()
+        return (complex(*slide.along).conjugate() * (from_carrier - self.through(slider))).real
 
     def drive_position(self, q: PoseArray) -> Samples:
         """Where the driven body really is, shape (n,): rad of a crank, m of a slider."""
         if self.scene.driven_slide is None:
             return q[:, self.driven, 2]
-        z, turn = planes(q[:, self.driven])
-        return np.asarray(self.displacement(self.scene.drive.body, z, turn))
+        z, turn = planes(with_ground(q))
+        return np.asarray(self.displacement(self.scene.drive.body, z.T, turn.T))
 
     def gaps(self, q: PoseArray, position: Samples) -> Samples:
         """Return C(q), shape (n, 3 bodies), rows as in `scenes.model.motion.force_channels`; `position` is the drive's.

@@ -15,13 +15,13 @@ dt. The masses determine how many are enough.
 """
 
 from scenes import Request, Scene
-from scenes.elements import PLAIN_KINDS
+from scenes.elements import ALL_KINDS
 from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import AnySettings, PymunkSettings
 
-KINDS = PLAIN_KINDS
+KINDS = ALL_KINDS - {"cylinders that drive", "drives between moving bodies"}
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION, at_steps = named.WORK_PRECISION, named.LONG_WORK_PRECISION, named.at_steps
 

@@ -10,65 +10,154 @@ from cmath import exp
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any, TypeAlias
+from math import ceil, tau
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.scene import GROUND, Force, ForceTable, PlainLoad, PressForce
+from scenes.elements import PLAIN_KINDS
+from scenes.model.motion import Samples
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce, TorsionSpring
 
-from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes
+from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
 from .masses import fictitious_masses
 from .space import Bodies, pair
-from .start import SCENES, DrivePlace, begun, move, rates, way
+from .start import SCENES, DrivePlace, begun, move, rates, start, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there
+HALF_TURN = 1e-9  # of a turn: an angle so little beyond half a turn is half a turn, but for rounding
 
 Active: TypeAlias = NDArray[np.bool_]  # (n, press forces), whether each acts
 Planes: TypeAlias = Any  # one number or array for each body and the ground
-# A body or the ground, the arm from its origin, m, the force, N.
-BodyForce: TypeAlias = tuple[str, PlaneVector, PlaneVector]
+# A body or the ground, the force, N, and the moment about its origin, N m.
+BodyForce: TypeAlias = tuple[str, PlaneVector, Any]
 
 
-def forces(
-    linkage: LinkageConstraints, z: Planes, turn: Planes, active: Iterable[NDArray[np.bool_]]
-) -> Iterator[BodyForce]:
-    """Yield every force; of press forces, `active` has whether they act."""
+class Instant(NamedTuple):
+    """What forces depend on, at one instant or at n: numbers or arrays of shape (n,), of bodies by their number."""
+
+    time: Any  # s
+    position: Any  # of the drive, rad or m
+    z: Planes
+    turn: Planes
+    angle: Planes  # rad, over whole turns
+    velocity: Planes  # of the origins
+    omega: Planes
+
+
+def instants(linkage: LinkageConstraints, time: Samples, q: PoseArray, v: PoseArray) -> Instant:
+    """The n instants of poses q and rates v, shape (n, bodies, 3)."""
+    q, v = with_ground(q), with_ground(v)
+    (z, turn), (velocity, _) = planes(q), planes(v)
+    position = linkage.scene.drive.at(time).position
+    return Instant(time, position, z.T, turn.T, q[..., 2].T, velocity.T, v[..., 2].T)
+
+
+def forces(linkage: LinkageConstraints, at: Instant, active: Iterable[NDArray[np.bool_]]) -> Iterator[BodyForce]:
+    """Yield every force and moment; of press forces, `active` has whether they act."""
     presses, index = iter(active), linkage.index
+    z, turn = at.z, at.turn
     for load in linkage.scene.loads:
-        assert isinstance(load, PlainLoad)
         i = index[load.body]
+        if isinstance(load, Moment):
+            yield load.body, 0j, _sized(linkage, load, load.moment, at)
+            continue
         r = linkage.arm(load.body, load.at) * turn[i]
         if isinstance(load, ForceTable):
-            force = load.along(linkage.displacement(load.body, z[i], turn[i]))
-            yield load.body, r, force * complex(*linkage.slides[load.body].along)
+            size = load.along(linkage.displacement(load.body, z, turn))
+            force = size * complex(*linkage.slides[load.body].along)
         elif isinstance(load, PressForce):
-            yield load.body, r, next(presses) * complex(*load.force)
+            force = next(presses) * complex(*load.force)
+        elif isinstance(load, GuideForce):
+            slide = linkage.slides[load.body]
+            on = index[slide.on]
+            force = _sized(linkage, load, load.force, at) * complex(*slide.along) * turn[on]
+            yield slide.on, -force, _moment(z[i] + r - z[on], -force)
         else:
-            yield load.body, r, complex(*load.force)
+            frame = turn[i] if load.frame == "body" else 1
+            if isinstance(load, Force):
+                force = complex(*load.force) * frame
+            else:
+                force = _sized(linkage, load, None, at) * complex(*load.direction) * frame
+        yield load.body, force, _moment(r, force)
     for spring in linkage.scene.springs:
-        (first, p), (second, q) = spring.first, spring.second
-        r, s = linkage.arm(first, p) * turn[index[first]], linkage.arm(second, q) * turn[index[second]]
-        d = z[index[second]] + s - z[index[first]] - r
-        # At zero length there is no direction: the result is not finite, unless the free length is zero.
-        relaxed = spring.length * d / np.abs(d) if spring.length else 0
-        pull = spring.stiffness * (d - relaxed)
-        yield first, r, pull
-        yield second, s, -pull
+        yield from _of_spring(linkage, spring, at)
+    for number, twisted in enumerate(linkage.scene.torsion_springs):
+        first, second = index[twisted.first], index[twisted.second]
+        phi = at.angle[second] - at.angle[first] + whole_turns(linkage)[number]
+        moment = twisted.moment(phi, at.omega[second] - at.omega[first])
+        yield twisted.first, 0j, -moment
+        yield twisted.second, 0j, moment
 
 
-def active_presses(
-    linkage: LinkageConstraints, z: Planes, turn: Planes, velocity: Planes, ends: Sequence[float]
-) -> list[NDArray[np.bool_]]:
+def _of_spring(linkage: LinkageConstraints, spring: Spring, at: Instant) -> Iterator[BodyForce]:
+    """Yield the pulls of a spring or damper on its two bodies."""
+    (first, p), (second, q) = spring.first, spring.second
+    i, j = linkage.index[first], linkage.index[second]
+    r, s = linkage.arm(first, p) * at.turn[i], linkage.arm(second, q) * at.turn[j]
+    d = at.z[j] + s - at.z[i] - r
+    # At zero length there is no direction: the result is not finite, unless the free length is zero.
+    relaxed = spring.length * d / np.abs(d) if spring.length else 0
+    pull = spring.stiffness * (d - relaxed)
+    if spring.damping is not None:
+        apart = at.velocity[j] + 1j * at.omega[j] * s - at.velocity[i] - 1j * at.omega[i] * r
+        pull = pull + spring.damping * (d.conjugate() * apart).real * d / np.abs(d) ** 2
+    yield first, pull, _moment(r, pull)
+    yield second, -pull, _moment(s, -pull)
+
+
+def _sized(
+    linkage: LinkageConstraints, load: GuideForce | TableForce | Moment, constant: float | None, at: Instant
+) -> Any:
+    """The size of a load, N or N m, that is constant or by a table."""
+    if load.table is None:
+        return constant
+    if load.table.over == "displacement":
+        return load.table.at(linkage.displacement(load.body, at.z, at.turn))
+    return load.table.at(at.position if load.table.over == "drive" else at.time)
+
+
+def _moment(r: PlaneVector, force: PlaneVector) -> Any:
+    """The moment of a force at the arm r."""
+    return (r.conjugate() * force).imag
+
+
+def applied(linkage: LinkageConstraints, at: Instant, active: Active) -> PoseArray:
+    """Sum up what acts on the bodies at n instants, shape (n, bodies, 3); `active` has shape (n, press forces)."""
+    total = np.zeros((len(at.time), len(linkage.members), 3))
+    for name, force, moment in forces(linkage, at, active.T):
+        if name != GROUND:
+            for axis, part in enumerate((force.real, force.imag, moment)):
+                total[:, linkage.index[name], axis] += part
+    return total
+
+
+@lru_cache(SCENES)
+def whole_turns(linkage: LinkageConstraints) -> list[float]:
+    """What each torsion spring's angle has besides that of its bodies' coordinates, rad, by the pose at time zero.
+
+    There it lies within half a turn of zero, but the drive's own is as prescribed.
+    """
+    angle = with_ground(start(linkage))[0, :, 2]
+
+    def turns(spring: TorsionSpring) -> float:
+        phi = float(angle[linkage.index[spring.second]] - angle[linkage.index[spring.first]])
+        return 0.0 if spring.drives(linkage.scene) else -tau * ceil(phi / tau - 0.5 - HALF_TURN)
+
+    return [turns(spring) for spring in linkage.scene.torsion_springs]
+
+
+def active_presses(linkage: LinkageConstraints, at: Instant, ends: Sequence[float]) -> list[NDArray[np.bool_]]:
     """Tell of each press force whether it acts; `ends` are those of their closing strokes, m."""
     active = []
     presses = (load for load in linkage.scene.loads if isinstance(load, PressForce))
     for load, end in zip(presses, ends, strict=True):
         i, along = linkage.index[load.body], complex(*linkage.slides[load.body].along)
-        rate = (along.conjugate() * velocity[i]).real  # it does not turn
-        active.append(load.acts(linkage.displacement(load.body, z[i], turn[i]), rate, end))
+        rate = (along.conjugate() * at.velocity[i]).real  # it does not turn
+        active.append(load.acts(linkage.displacement(load.body, at.z, at.turn), rate, end))
     return active
 
 
@@ -85,41 +174,46 @@ class AppliedForces:
         moved = {name: body for name, body in bodies.items() if not linkage.moved[name].prescribed}
         loaded = {load.body for load in scene.loads}
         sprung = {name for spring in scene.springs for name, _ in (spring.first, spring.second)}
-        varying = sprung | {load.body for load in scene.loads if not isinstance(load, Force)}
+        sprung |= {name for spring in scene.torsion_springs for name in (spring.first, spring.second)}
+        by_guides = {load.body for load in scene.loads if load.kind not in PLAIN_KINDS} & scene.slides.keys()
+        sprung |= {scene.slides[name].on for name in by_guides}
+        varying = sprung | {load.body for load in scene.loads if load.kind != "forces"}
         self._varying = {name: body for name, body in moved.items() if name in varying}
         constant = {name: body for name, body in moved.items() if name in loaded - varying}
         self._constant = [(body, *_constant(linkage, name, body)) for name, body in constant.items()]
         involved = loaded | sprung if varying else set()
         self._involved = [(linkage.index[name], body) for name, body in bodies.items() if name in involved]
-        self._before = {i: complex(*body.velocity) for i, body in self._involved}
+        self._before = {i: (complex(*body.velocity), body.angular_velocity) for i, body in self._involved}
         self.active: list[NDArray[np.bool_]] = []
 
-    def apply(self) -> None:
-        """Set the forces of the next instant."""
+    def apply(self, time: float, position: float) -> None:
+        """Set the forces of the next instant, s, where the drive is at that position, rad or m."""
         dt = self._dt
         for body, force, moment in self._constant:
             body.force = force
             if moment:
                 body.torque = (moment * exp(-1j * (body.angle + dt * body.angular_velocity))).imag
         if self._involved:
-            self._apply_varying()
+            self._apply_varying(time, position)
 
-    def _apply_varying(self) -> None:
+    def _apply_varying(self, time: float, position: float) -> None:
         """Set those of bodies under forces that are not all constant, by rates extrapolated over half a step."""
         dt, ground = self._dt, self._linkage.index[GROUND]
-        z, turn, rate = {ground: 0j}, {ground: 1 + 0j}, {}
+        at = Instant(time, position, {ground: 0j}, {ground: 1 + 0j}, {ground: 0.0}, {ground: 0j}, {ground: 0.0})
         for i, body in self._involved:
-            velocity = complex(*body.velocity)
-            z[i] = complex(*body.position) + dt * velocity
-            turn[i] = exp(1j * (body.angle + dt * body.angular_velocity))
-            rate[i] = 1.5 * velocity - 0.5 * self._before[i]
-            self._before[i] = velocity
-        self.active = active_presses(self._linkage, z, turn, rate, self._stroke_ends)
+            velocity, omega = complex(*body.velocity), body.angular_velocity
+            at.z[i] = complex(*body.position) + dt * velocity
+            at.angle[i] = body.angle + dt * omega
+            at.turn[i] = exp(1j * at.angle[i])
+            before, omega_before = self._before[i]
+            at.velocity[i], at.omega[i] = 1.5 * velocity - 0.5 * before, 1.5 * omega - 0.5 * omega_before
+            self._before[i] = velocity, omega
+        self.active = active_presses(self._linkage, at, self._stroke_ends)
         total = dict.fromkeys(self._varying, (0j, 0.0))
-        for name, r, force in forces(self._linkage, z, turn, self.active):
+        for name, force, moment in forces(self._linkage, at, self.active):
             if name in total:
-                sum_, moment = total[name]
-                total[name] = sum_ + force, moment + (r.conjugate() * force).imag
+                sum_, so_far = total[name]
+                total[name] = sum_ + force, so_far + moment
         for name, (force, moment) in total.items():
             self._varying[name].force, self._varying[name].torque = pair(force), moment
 
@@ -151,8 +245,7 @@ def _furthest(linkage: LinkageConstraints, load: PressForce, path: Sequence[Driv
     i, along = linkage.index[load.body], linkage.slides[load.body].along
 
     def closing(q: PoseArray) -> float:
-        z, turn = planes(q[0, i])
-        return load.closing * float(linkage.displacement(load.body, z, turn))
+        return load.closing * float(linkage.displacement(load.body, *planes(with_ground(q)[0])))
 
     def opens(q: PoseArray, forward: float) -> bool:
         return load.closing * float(rates(linkage, q, forward)[0, i, :2] @ along) < 0

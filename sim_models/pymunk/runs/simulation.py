@@ -15,8 +15,8 @@ from scenes.model.motion import Samples
 from scenes.scene import ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
-from ..constraints import LinkageConstraints, PoseArray, blocks, planes, with_ground
-from ..loads import Active, active_presses, stroke_ends
+from ..constraints import LinkageConstraints, PoseArray, blocks
+from ..loads import Active, active_presses, applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
@@ -74,7 +74,9 @@ class PymunkSimulation:
             if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._sampling.times(self._scene), motion)
             self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
-            self._channels = wanted_channels(self._linkage, wanted, motion, self._active(motion))
+            self._channels = wanted_channels(
+                self._linkage, wanted, self._sampling.times(self._scene), motion, self._active(motion)
+            )
 
     def read(self) -> Motion:
         """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""
@@ -99,7 +101,7 @@ class PymunkSimulation:
             finite: NDArray[np.bool_] = np.all(np.isfinite([*samples.values()]), axis=0)
             commanded = samples[self._scene.drive_channel]
             _require(self._scene, finite, commanded, Status.nonfinite, "a result is not finite")
-            residuals += [self._confirmed(run) for run in runs if run.joints]
+            residuals += [self._confirmed(run) for run in runs if isinstance(run, Integration) and run.joints]
         except Failure as failure:
             raise Failure(*(obstacle(self._scene) or (failure.status, failure.reason))) from None
         assembled = assembles(linkage, self._q, self._sampling.commanded(self._scene))
@@ -108,17 +110,18 @@ class PymunkSimulation:
         names = dict.fromkeys(chain(*residuals))
         return {name: max(of_run[name] for of_run in residuals if name in of_run) for name in names}
 
-    def _confirmed(self, run: PymunkRun) -> dict[str, float]:
+    def _confirmed(self, run: Integration) -> dict[str, float]:
         """Find the residual of the forces that follow from a run's motion, against the engine's own."""
         motion = run.motions
-        reactions = reaction_channels(self._linkage, motion, run.active)
+        at = instants(self._linkage, self._sampling.times(self._scene), motion.q, run.rates)
+        reactions = reaction_channels(self._linkage, motion, applied(self._linkage, at, run.active))
         expected, own = joint_forces(self._linkage, motion, reactions, run.joints), run.impulses / run.steps.size
         return check_impulses(self._linkage, run.positions[:: run.steps.stride], expected, own)
 
     def _active(self, motion: Motions) -> Active:
         """Tell for the n samples which press forces act, shape (n, press forces)."""
-        (z, turn), (velocity, _) = planes(with_ground(motion.q)), planes(with_ground(motion.v))
-        active = active_presses(self._linkage, z.T, turn.T, velocity.T, self._stroke_ends)
+        at = instants(self._linkage, self._sampling.times(self._scene), motion.q, motion.v)
+        active = active_presses(self._linkage, at, self._stroke_ends)
         return np.array(active, dtype=np.bool_).reshape(len(active), len(motion.q)).T
 
 

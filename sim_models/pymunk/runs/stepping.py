@@ -67,7 +67,8 @@ class Integration:
         self.joints = model.joints if with_forces else {}
         bodies, by_properties = model.bodies.values(), settings.extra == "properties"
         self._recorder = PropertyRecorder(bodies) if by_properties else BatchRecorder(model.space, bodies)
-        self.record: PoseArray = np.empty((count + 2, len(bodies), 6))
+        self._record: PoseArray = np.empty((count + 3, len(bodies), 6))
+        self.record = self._record[1:]
         self.impulses = np.empty((count // stride + 1, len(self.joints)))
         presses = sum(isinstance(load, PressForce) for load in scene.loads)
         self.active: Active = np.zeros((count // stride + 1, presses), dtype=np.bool_)
@@ -89,7 +90,7 @@ class Integration:
             if k % steps.stride == 0:
                 budget.check(f"step {k} of {steps.count}")
             if forces:
-                forces.apply()
+                forces.apply(k * steps.size, float(self._driven[k + steps.pre_roll]))
             if follows_law:
                 self._drive(k)
             space.step(steps.size)
@@ -99,7 +100,7 @@ class Integration:
             if forces and k >= 0 and k % steps.stride == 0:
                 self.impulses[k // steps.stride] = [joint.impulse for joint in joints]
                 self.active[k // steps.stride] = forces.active
-        self.record[:] = recorder.rows()[steps.pre_roll - 1 :]
+        self._record[:] = recorder.rows()[steps.pre_roll - 2 :]
 
     @property
     def path(self) -> PoseArray:
@@ -112,6 +113,12 @@ class Integration:
         before, after = self.record[: -1 : self.steps.stride], self.record[1 :: self.steps.stride]
         a = (after[..., 3:] - before[..., 3:]) / self.steps.size
         return Motions(after[..., :3], after[..., 3:] - self.steps.size / 2 * a, a)
+
+    @property
+    def rates(self) -> PoseArray:
+        """The rates that the forces at the samples were by, shape (n, bodies, 3), from the two steps before."""
+        before, last = self._record[: -2 : self.steps.stride, :, 3:], self._record[1 : -1 : self.steps.stride, :, 3:]
+        return np.asarray(1.5 * last - 0.5 * before)
 
     def _drive(self, k: int) -> None:
         """Put the driven body where the law has it at t_k, with the rate that takes it to where that is at t_{k+1}.
@@ -141,7 +148,7 @@ class TextbookRun:
     """
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
-        if any(not isinstance(load, Force) for load in scene.loads) or scene.springs:
+        if scene.kinds - {"forces"}:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
         if not scene.slides.keys().isdisjoint(scene.turning):
             raise Failure(Status.unsupported, "the textbook set-up has guides on the ground only")
