@@ -10,11 +10,11 @@ from flint import arb, arb_mat
 
 from scenes import Scene
 from scenes.model.constraints import groups
-from scenes.scene import GROUND, Body, Slide
+from scenes.scene import GROUND, Slide
 
 from .bodies import local_points, weight
 from .drive import law_of
-from .rows import EquationRows, PlaneVector, axis_vector
+from .rows import EquationRows, PlaneVector, axis_vector, vector
 
 
 class LinkageEquations:
@@ -31,14 +31,14 @@ class LinkageEquations:
         self.law = law_of(scene.drive)
         self.index = {name: i for i, name in enumerate(scene.bodies)}
         self.arms: dict[str, dict[str, PlaneVector]] = {}  # from the centre of mass to the points, in the body's frame
-        self._origins: dict[str, PlaneVector] = {}  # and to the frame's origin
+        self.origins: dict[str, PlaneVector] = {}  # and to the frame's origin
         self.mass: list[arb] = []  # of every coordinate, kg or kg m^2
         for name in self.index:
             body = scene.bodies[name]
             local = local_points(scene, body)
             mass, com, inertia = weight(body, local)
             self.arms[name] = {point: (x - com[0], y - com[1]) for point, (x, y) in local.items()}
-            self._origins[name] = -com[0], -com[1]
+            self.origins[name] = -com[0], -com[1]
             self.mass += mass, mass, inertia
         self.constraints = self._constraints()
         pattern = self.constraints.pattern
@@ -48,7 +48,7 @@ class LinkageEquations:
         for k, point in enumerate(scene.moving_points):
             for axis in (0, 1):
                 self.add_point(self.points, 2 * k + axis, axis_vector(axis), scene.owners[point][0], point)
-        self.position = EquationRows(1, len(self.index))  # of the drive
+        self.position = EquationRows(1, len(self.index), int(scene.driven_slide is not None))  # of the drive
         self._add_drive(self.position, 0)
 
     def drive(self, value: float | arb) -> arb_mat:
@@ -71,10 +71,11 @@ class LinkageEquations:
             self.add_point(rows, row + axis, axis_vector(axis), *end)
             self.add_point(rows, row + axis, axis_vector(axis, -1), *start)
 
-    def displacement(self, body: str) -> EquationRows:
-        """Return one row: the displacement of a slider on the ground along its guide from `through`, m."""
-        rows = EquationRows(1, len(self.index))
-        self._add_displacement(rows, 0, body)
+    def displacement(self, body: str, point: str | None = None) -> EquationRows:
+        """Return one row: the displacement of a slider's first point, or of another, along its guide, m."""
+        slide = self.scene.slides[body]
+        rows = EquationRows(1, len(self.index), int(slide.on != GROUND))
+        self._add_projection(rows, 0, body, point or self.scene.bodies[body].points[0], vector(slide.along))
         return rows
 
     @cached_property
@@ -98,44 +99,48 @@ class LinkageEquations:
         for k, pin in enumerate(scene.pins):
             self.add_way(rows, 2 * k, (pin.first, pin.point), (pin.second, pin.point))
         for k, (name, slide) in enumerate(scene.slides.items(), start=len(scene.pins)):
-            self._add_slide(rows, 2 * k, scene.bodies[name], slide)
+            self._add_slide(rows, 2 * k, name, slide)
         self._add_drive(rows, count - 1)
         return rows
 
-    def _add_slide(self, rows: EquationRows, row: int, body: Body, slide: Slide) -> None:
-        """Add the offset of a slider's first point F along the guide's normal n, and its angle from the guide.
-
-        On a moving body with the frame z + e^{iθ}, the offset is n·(e^{-iθ} (F - z) - through). Since the frames are
-        parallel, e^{-iθ} (F - r_b) is the arm s + i s (θ_b - θ) to within the square of that difference, which the
-        other row keeps zero: what is left is linear but for the way from one centre of mass to the other.
-        """
-        slider, arm = self.index[body.name], self.arms[body.name][body.points[0]]
-        normal = -arb(slide.along[1]), arb(slide.along[0])
-        rows.k[row, 0] -= _dot(normal, (arb(slide.through[0]), arb(slide.through[1])))
-        rows.add_angle(row + 1, slider, arb(1))
-        if slide.on == GROUND:
-            rows.add_point(row, normal, slider, arm)
-            return
-        carrier = self.index[slide.on]
-        rows.k[row, 0] += _dot(normal, arm) - _dot(normal, self._origins[slide.on])
-        rows.add_guide(row, normal, carrier, slider)
-        lever = _dot(normal, (-arm[1], arm[0]))
-        rows.add_angle(row, slider, lever)
-        rows.add_angle(row, carrier, -lever)
-        rows.add_angle(row + 1, carrier, arb(-1))
+    def _add_slide(self, rows: EquationRows, row: int, name: str, slide: Slide) -> None:
+        """Add the offset of a slider's first point along the guide's normal, and its angle from the guide."""
+        x, y = vector(slide.along)
+        self._add_projection(rows, row, name, self.scene.bodies[name].points[0], (-y, x))
+        self._add_angle(rows, row + 1, name, slide.on)
 
     def _add_drive(self, rows: EquationRows, row: int) -> None:
         """Add the position of the drive: the crank's angle, or the driven slider's displacement."""
-        if self.scene.driven_slide is None:
-            rows.add_angle(row, self.index[self.scene.drive.body], arb(1))
+        name, slide = self.scene.drive.body, self.scene.driven_slide
+        if slide is None:
+            self._add_angle(rows, row, name, self.scene.drive_on)
         else:
-            self._add_displacement(rows, row, self.scene.drive.body)
+            self._add_projection(rows, row, name, self.scene.bodies[name].points[0], vector(slide.along))
 
-    def _add_displacement(self, rows: EquationRows, row: int, body: str) -> None:
-        slide = self.scene.slides[body]
-        along = arb(slide.along[0]), arb(slide.along[1])
-        self.add_point(rows, row, along, body, self.scene.bodies[body].points[0])
-        rows.k[row, 0] -= _dot(along, (arb(slide.through[0]), arb(slide.through[1])))
+    def _add_angle(self, rows: EquationRows, row: int, name: str, on: str) -> None:
+        """Add the angle of a body from another, or from the ground."""
+        rows.add_angle(row, self.index[name], arb(1))
+        if on != GROUND:
+            rows.add_angle(row, self.index[on], arb(-1))
+
+    def _add_projection(self, rows: EquationRows, row: int, name: str, point: str, direction: PlaneVector) -> None:
+        """Add the way from `through` of a guide to a point P of its slider, projected on a direction e of the guide.
+
+        On a moving body with the frame z + e^{iθ}, it is e·(e^{-iθ} (P - z) - through). Since the frames are
+        parallel, e^{-iθ} (P - r_b) is the arm s + i s (θ_b - θ) to within the square of that difference, which the
+        slide's other row keeps zero: what is left is linear but for the way from one centre of mass to the other.
+        """
+        slide, slider, arm = self.scene.slides[name], self.index[name], self.arms[name][point]
+        rows.k[row, 0] -= _dot(direction, vector(slide.through))
+        if slide.on == GROUND:
+            rows.add_point(row, direction, slider, arm)
+            return
+        carrier = self.index[slide.on]
+        rows.k[row, 0] += _dot(direction, arm) - _dot(direction, self.origins[slide.on])
+        rows.add_guide(row, direction, carrier, slider)
+        lever = _dot(direction, (-arm[1], arm[0]))
+        rows.add_angle(row, slider, lever)
+        rows.add_angle(row, carrier, -lever)
 
 
 def _dot(u: PlaneVector, v: PlaneVector) -> arb:

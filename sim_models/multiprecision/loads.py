@@ -1,45 +1,61 @@
 """The loads of a scene as generalised forces Q = J^T F: J of the work of a unit force, F the force, all in balls."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
+from math import ceil, floor, tau
 from typing import TypeAlias
 
 from flint import arb, arb_mat
 
 from scenes import Failure, Status
-from scenes.scene import Force, ForceTable, PressForce, Spring
+from scenes.scene import (
+    GROUND,
+    Force,
+    ForceTable,
+    GuideForce,
+    Load,
+    Moment,
+    PressForce,
+    Spring,
+    TableForce,
+    TorsionSpring,
+    Vector,
+)
 
 from .constraints import LinkageEquations
-from .rows import EquationRows, PlaneVector
+from .rows import EquationRows, PlaneVector, vector
 from .start import closing_sign
 
-GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat], arb_mat]  # of q and its rate, each of shape (3 bodies, 1)
+GeneralisedForce: TypeAlias = Callable[[arb_mat, arb_mat, arb], arb_mat]  # of q, its rate, both (3 bodies, 1); time, s
+UnitForce: TypeAlias = Callable[[arb_mat], arb_mat]  # Q of 1 N or 1 N m, of q
+Size: TypeAlias = Callable[[arb_mat, arb], arb]  # N or N m, of q and the time, s
 
 
-def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float]) -> GeneralisedForce:
-    """Return Q of all loads and the weight; `ends` are those of the press forces' strokes, m.
+def generalised_force(linkage: LinkageEquations, ends: Mapping[PressForce, float], start: arb_mat) -> GeneralisedForce:
+    """Return Q of all loads, springs and the weight; `ends` are those of the press forces' strokes, m.
 
-    Q raises a Failure where the ends of a spring meet, so that it has no direction.
+    `start` is the pose at time zero. Q raises a Failure where the ends of a spring meet, so that it has no direction.
     """
     scene = linkage.scene
     work = EquationRows(1, len(linkage.index))  # Σ F·p + Σ m g·r of all that is constant
     others = [_spring(linkage, spring) for spring in scene.springs]
+    others += [_torsion_spring(linkage, spring, start) for spring in scene.torsion_springs]
     for load in scene.loads:
-        if isinstance(load, Force):
-            linkage.add_point(work, 0, (arb(load.force[0]), arb(load.force[1])), load.body, load.at)
+        if isinstance(load, Force) and load.frame == "ground":
+            linkage.add_point(work, 0, vector(load.force), load.body, load.at)
         elif isinstance(load, PressForce):
             others.append(_press(linkage, load, ends[load]))
-        elif isinstance(load, ForceTable):
-            others.append(_table(linkage, load))
+        else:
+            others.append(_sized(_unit_force(linkage, load), _size(linkage, load)))
     if scene.gravity is not None:
         for i in linkage.index.values():
             m = linkage.mass[3 * i]
             work.add_point(0, (m * scene.gravity[0], m * scene.gravity[1]), i, (arb(0), arb(0)))
 
-    def total(q: arb_mat, velocity: arb_mat) -> arb_mat:
+    def total(q: arb_mat, velocity: arb_mat, time: arb) -> arb_mat:
         Q = work.jacobian(q).transpose()
         for force in others:
-            Q = Q + force(q, velocity)
+            Q = Q + force(q, velocity, time)
         return Q
 
     return total
@@ -50,42 +66,99 @@ def _press(linkage: LinkageEquations, load: PressForce, end: float) -> Generalis
 
     On the switch itself nothing is proven, and the force does not act.
     """
-    work = _work(linkage, load, (arb(load.force[0]), arb(load.force[1])))
+    unit = _of_point(linkage, load, vector(load.force))
     displacement, closing = linkage.displacement(load.body), closing_sign(linkage.scene, load)
 
-    def force(q: arb_mat, velocity: arb_mat) -> arb_mat:
-        J, left = work.jacobian(q), closing * (end - displacement.value(q)[0, 0])
-        acts = (J * velocity)[0, 0] < 0 and left <= load.last
-        return J.transpose() * arb(int(acts))
+    def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
+        Q, left = unit(q), closing * (end - displacement.value(q)[0, 0])
+        acts = (Q.transpose() * velocity)[0, 0] < 0 and left <= load.last
+        return Q * arb(int(acts))
 
     return force
 
 
-def _table(linkage: LinkageEquations, load: ForceTable) -> GeneralisedForce:
-    """Return a force along the guide, f(x) = f_0 + Σ Δ_i max(x - x_i, 0), Δ_i the change of slope at entry i."""
-    along = linkage.scene.slides[load.body].along
-    work = _work(linkage, load, (arb(along[0]), arb(along[1])))
-    displacement = linkage.displacement(load.body)
-    x, f = [arb(at) for at in load.displacements], [arb(force) for force in load.forces]
+def _sized(unit: UnitForce, size: Size) -> GeneralisedForce:
+    return lambda q, _velocity, time: unit(q) * size(q, time)
+
+
+def _unit_force(linkage: LinkageEquations, load: Load) -> UnitForce:
+    """Return what a load does for every N or N m of its size."""
+    match load:
+        case Force(frame="body", force=force):
+            return _turning(linkage, load, vector(force))
+        case TableForce(frame="body", along=along):
+            return _turning(linkage, load, _unit(along))
+        case TableForce(along=along):
+            return _of_point(linkage, load, _unit(along))
+        case Moment():
+            turn = arb_mat(3 * len(linkage.index), 1)
+            turn[3 * linkage.index[load.body] + 2, 0] = arb(1)
+            return lambda _q: turn
+        case _:  # what moves along the guide against what has it
+            work = linkage.displacement(load.body, load.at)
+            return lambda q: work.jacobian(q).transpose()
+
+
+def _of_point(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitForce:
+    """Return the work of a force F in the ground's frame, the derivative of F·p of its point."""
+    work = EquationRows(1, len(linkage.index))
+    linkage.add_point(work, 0, force, load.body, load.at)
+    return lambda q: work.jacobian(q).transpose()
+
+
+def _turning(linkage: LinkageEquations, load: Load, force: PlaneVector) -> UnitForce:
+    """Return a force F in its body's frame, at the arm s: e^{iθ} F, and the moment s × F, which does not change."""
+    i, (x, y), (u, v) = 3 * linkage.index[load.body], linkage.arms[load.body][load.at], force
+
+    def of(q: arb_mat) -> arb_mat:
+        Q, (sin, cos) = arb_mat(q.nrows(), 1), q[i + 2, 0].sin_cos()
+        Q[i, 0], Q[i + 1, 0], Q[i + 2, 0] = cos * u - sin * v, sin * u + cos * v, x * v - y * u
+        return Q
+
+    return of
+
+
+def _size(linkage: LinkageEquations, load: Load) -> Size:
+    """Return the size of a load, constant or by its table."""
+    if isinstance(load, ForceTable):
+        table, over, periodic = (load.displacements, load.forces), "displacement", False
+    elif isinstance(load, Force | PressForce) or load.table is None:
+        size = arb(load.moment if isinstance(load, Moment) else load.force if isinstance(load, GuideForce) else 1)
+        return lambda _q, _time: size
+    else:
+        table, over, periodic = (load.table.arguments, load.table.values), load.table.over, load.table.periodic
+    value = straight_lines(*table, periodic=periodic)
+    if over == "time":
+        return lambda _q, time: value(time)
+    argument = linkage.position if over == "drive" else linkage.displacement(load.body)
+    return lambda q, _time: value(argument.value(q)[0, 0])
+
+
+def straight_lines(arguments: Sequence[float], values: Sequence[float], *, periodic: bool) -> Callable[[arb], arb]:
+    """Return f(x) = f_0 + Σ Δ_i max(x - x_i, 0), Δ_i the change of slope at entry i: constant beyond, or periodic."""
+    x, f = [*map(arb, arguments)], [*map(arb, values)]
+    first, period = x[0], x[-1] - x[0]
+    if periodic:  # a line more to either side, since a ball may reach over the seam
+        x, f = [x[-2] - period, *x, x[1] + period], [f[-2], *f, f[1]]
     slopes = [arb(0), *((g - e) / (v - u) for (u, v), (e, g) in zip(pairwise(x), pairwise(f), strict=True)), arb(0)]
     kinks = [(at, after - before) for at, (before, after) in zip(x, pairwise(slopes), strict=True)]
 
-    def force(q: arb_mat, _velocity: arb_mat) -> arb_mat:
-        s = displacement.value(q)[0, 0]
-        size = f[0] + sum((change * (s - at).nonnegative_part() for at, change in kinks), arb(0))
-        return work.jacobian(q).transpose() * size
+    def value(argument: arb) -> arb:
+        if periodic:
+            argument -= period * floor(float((argument - first) / period))
+        return f[0] + sum((change * (argument - at).nonnegative_part() for at, change in kinks), arb(0))
 
-    return force
+    return value
 
 
 def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
-    """Return the pull of a spring along d from its first point to its second: -k (1 - l / |d|) d on the second."""
+    """Return the pull along d from its first point to its second: -(k (1 - l / |d|) + c d·d' / d^2) d on the second."""
     rows = EquationRows(2, len(linkage.index))
     linkage.add_way(rows, 0, spring.first, spring.second)
 
-    def force(q: arb_mat, _velocity: arb_mat) -> arb_mat:
-        d, pull = rows.value(q), arb(spring.stiffness)
-        if spring.length > 0:
+    def force(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
+        d, J, pull = rows.value(q), rows.jacobian(q), arb(spring.stiffness)
+        if spring.needs_direction:
             distance = (d[0, 0] ** 2 + d[1, 0] ** 2).sqrt()
             if not distance > 0:
                 first, second = ".".join(spring.first), ".".join(spring.second)
@@ -93,13 +166,34 @@ def _spring(linkage: LinkageEquations, spring: Spring) -> GeneralisedForce:
                 reason = f"the spring's ends {first} and {second} meet at {place}: it has no direction"
                 raise Failure(Status.nonfinite, reason)
             pull -= pull * spring.length / distance
-        return rows.jacobian(q).transpose() * d * -pull
+            pull += arb(spring.damping or 0) * (d.transpose() * J * velocity)[0, 0] / distance**2
+        return J.transpose() * d * -pull
 
     return force
 
 
-def _work(linkage: LinkageEquations, load: PressForce | ForceTable, force: PlaneVector) -> EquationRows:
-    """Return one row: F·p of a load's point."""
-    work = EquationRows(1, len(linkage.index))
-    linkage.add_point(work, 0, force, load.body, load.at)
-    return work
+def _torsion_spring(linkage: LinkageEquations, spring: TorsionSpring, start: arb_mat) -> GeneralisedForce:
+    """Return the moment -k (phi - angle) - c phi' on the second body, and its reaction on the first.
+
+    The angles of q go on over whole turns, as phi does. It begins with as many as leave it in (-π, π], but for the
+    drive's own angle.
+    """
+    row = EquationRows(1, len(linkage.index))
+    for body, sign in ((spring.first, -1), (spring.second, 1)):
+        if body != GROUND:
+            row.add_angle(0, linkage.index[body], arb(sign))
+    turns = 0 if spring.drives(linkage.scene) else ceil(float(row.value(start)[0, 0]) / tau - 0.5)
+    free = spring.angle + 2 * arb.pi() * turns
+
+    def moment(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:
+        rate = (row.C * velocity)[0, 0]
+        size = -spring.stiffness * (row.value(q)[0, 0] - free) - (spring.damping or 0) * rate
+        return row.C.transpose() * size
+
+    return moment
+
+
+def _unit(along: Vector) -> PlaneVector:
+    x, y = vector(along)
+    length = (x * x + y * y).sqrt()
+    return x / length, y / length

@@ -37,7 +37,7 @@ class GuideTerm(NamedTuple):
     column: int  # of B, the first of two
     carrier: int  # the body that turns n, and where the way begins
     slider: int
-    normal: PlaneVector  # n, in the carrier's frame
+    direction: PlaneVector  # n, in the carrier's frame
 
     def way(self, q: arb_mat) -> PlaneVector:
         """Return d = r_b - r_a of a pose, or its derivative of a rate."""
@@ -77,15 +77,16 @@ class EquationRows:
         self.V[row, body] += v
         self._arms[row, body] = self.U[row, body], self.V[row, body]
 
-    def add_guide(self, row: int, normal: PlaneVector, carrier: int, slider: int) -> None:
-        """Add the projection of the way from the carrier's to the slider's centre of mass on a normal of the carrier's.
+    def add_guide(self, row: int, direction: PlaneVector, carrier: int, slider: int) -> None:
+        """Add the way from the carrier's to the slider's centre of mass, projected on a direction of the carrier's.
 
-        A row holds one such term at most.
+        A row holds one such term at most; rows with the same way share its columns.
         """
-        column = self.U.ncols() + 2 * len(self._guides)
-        self._guides.append(GuideTerm(row, column, carrier, slider, normal))
+        ways = {(guide.carrier, guide.slider): guide.column for guide in self._guides}
+        column = ways.get((carrier, slider), self.U.ncols() + 2 * len(ways))
+        self._guides.append(GuideTerm(row, column, carrier, slider, direction))
         self._arms[row, carrier] = self.U[row, carrier], self.V[row, carrier]
-        for axis in (0, 1):
+        for axis in (0, 1) if (carrier, slider) not in ways else ():
             self.S[column + axis, 3 * slider + axis] = 1 / self._size
             self.S[column + axis, 3 * carrier + axis] = -1 / self._size
             self.moved_by.append([3 * slider + axis, 3 * carrier + axis])
@@ -109,7 +110,7 @@ class EquationRows:
             return B
         (U, V), (sin, cos) = self._levers(q), _sin_cos(q)
         for guide in self._guides:
-            (x, y), s, c = guide.normal, sin[guide.carrier], cos[guide.carrier]
+            (x, y), s, c = guide.direction, sin[guide.carrier], cos[guide.carrier]
             B[guide.row, guide.carrier] = -(U[guide.row, guide.carrier] * s + V[guide.row, guide.carrier] * c)
             B[guide.row, guide.column] = self._size * (x * c - y * s)
             B[guide.row, guide.column + 1] = self._size * (x * s + y * c)
@@ -140,7 +141,7 @@ class EquationRows:
             [s * w * w for s, w in zip(sin, omega, strict=True)]
         )
         for guide in self._guides:
-            u, v = _lever(guide.way(rate), guide.normal)
+            u, v = _lever(guide.way(rate), guide.direction)
             s, c = sin[guide.carrier], cos[guide.carrier]
             total[guide.row, 0] += 2 * omega[guide.carrier] * (u * s + v * c)
         return total
@@ -151,7 +152,7 @@ class EquationRows:
             return self.U, self.V
         U, V = arb_mat(self.U), arb_mat(self.V)
         for guide in self._guides:
-            u, v = _lever(guide.way(q), guide.normal)
+            u, v = _lever(guide.way(q), guide.direction)
             U[guide.row, guide.carrier] += u
             V[guide.row, guide.carrier] += v
         return U, V
@@ -160,6 +161,11 @@ class EquationRows:
 def angles(q: arb_mat) -> list[arb]:
     """Return the angle, or its derivative, of every body."""
     return [q[k, 0] for k in range(2, q.nrows(), 3)]
+
+
+def vector(xy: tuple[float, float]) -> PlaneVector:
+    """Return the scene's numbers as they are."""
+    return arb(xy[0]), arb(xy[1])
 
 
 def axis_vector(axis: int, sign: int = 1) -> PlaneVector:

@@ -33,16 +33,14 @@ class Solution(NamedTuple):
     multipliers: arb_mat  # N, N m, in the order of the force channels
 
 
-def solution_in(
-    linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, rate: arb, acceleration: arb
-) -> Solution:
+def solution_in(linkage: LinkageEquations, force: GeneralisedForce, q: arb_mat, command: Command) -> Solution:
     """J q' = e rate, J q'' = e acceleration + centripetal, J^T λ = M q'' - Q in a pose, e being the drive's row."""
     rows, groups = linkage.constraints, linkage.groups
     J = rows.jacobian(q)
-    velocity = solved(groups, J, linkage.drive(rate))
-    total = solved(groups, J, linkage.drive(acceleration) + rows.centripetal(q, velocity))
+    velocity = solved(groups, J, linkage.drive(command.rate))
+    total = solved(groups, J, linkage.drive(command.acceleration) + rows.centripetal(q, velocity))
     inertial = arb_mat([[m * a] for m, a in zip(linkage.mass, total.entries(), strict=True)])
-    multipliers = solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity))
+    multipliers = solved(linkage.transposed_groups, J.transpose(), inertial - force(q, velocity, command.time))
     return Solution(q, velocity, total, multipliers)
 
 
@@ -101,7 +99,8 @@ class MultiprecisionSimulation:
             continuation = Continuation(self._linkage, settings.digits, budget)
             self._start = start(self._linkage, continuation)
             budget.task = "the end of the closing stroke"
-            self._force = generalised_force(self._linkage, stroke_ends(self._linkage, continuation, self._start))
+            ends = stroke_ends(self._linkage, continuation, self._start)
+            self._force = generalised_force(self._linkage, ends, self._start)
 
     def solve(self) -> None:
         """Follow the pose through the samples and enclose each."""
@@ -117,7 +116,7 @@ class MultiprecisionSimulation:
                 goal = linkage.drive(float(command.position))  # the drive's channel is where the pose is
                 q = continuation.follow(q, goal)
                 pose = continuation.enclose(q, goal)
-                self._solutions.append(solution_in(linkage, self._force, pose, command.rate, command.acceleration))
+                self._solutions.append(solution_in(linkage, self._force, pose, command))
             self.residuals = proven_errors(linkage, self._solutions)
         self.counters = continuation.counters
         for proven, what in (("constraints", "motion"), ("newton-euler", "forces")):

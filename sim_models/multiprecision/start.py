@@ -4,8 +4,8 @@ A press force's stroke ends as far against the force as a cycle of the drive tak
 """
 
 from fractions import Fraction
-from itertools import pairwise
-from math import remainder, tau
+from itertools import pairwise, product
+from math import remainder, sqrt, tau
 
 import numpy as np
 from flint import arb, arb_mat
@@ -22,6 +22,7 @@ from .rows import solved
 # two of them.
 INSTANTS = 180
 HALVINGS = 24  # of the way between two of them: 1e-9 of a cycle, to 1e-17 of the stroke where the slider stands still
+SHORT = 1e-3  # of the linkage's size: a displacement where the sketch shows a slider's points too near
 FULL_TURN = tau - 1e-6  # rad, but for roundings
 
 
@@ -47,7 +48,8 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
     """Return the pose where the bodies fit the sketch best, shape (3 bodies, 1), with the drive at a position.
 
     The turn that carries points s onto points z with the least squares is arg Σ z conj(s), both about the means of
-    their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all.
+    their bodies; bodies that slides align are turned by one angle, whose sum runs over the points of all. The
+    driven one is turned from what the drive moves it against.
     """
     scene, known = linkage.scene, linkage.scene.drawn
     middle = complex(np.mean([*known.values()] or [0j]))
@@ -57,18 +59,40 @@ def sketched_pose(linkage: LinkageEquations, position: float) -> arb_mat:
         own[name] = np.array([complex(float(arms[p][0]), float(arms[p][1])) for p in shown] or [0j])
         at[name] = np.array([known[p] for p in shown] or [middle])
     turn = {name: np.vdot(own[name] - own[name].mean(), at[name] - at[name].mean()) for name in own}
+    total = {name: sum(turn[other] for other in turn if other in scene.aligned[name]) for name in turn}
+    for name, slide in scene.slides.items():
+        if slide.on != GROUND and total[name] == 0:
+            total |= dict.fromkeys(scene.aligned[name], turn_of_guide(linkage, name, position))
+    angle = {name: 0.0 if GROUND in scene.aligned[name] else float(np.angle(total[name])) for name in own}
+    if scene.driven_slide is None:
+        angle |= dict.fromkeys(scene.aligned[scene.drive.body], angle.get(scene.drive_on, 0.0) + position)
     q = arb_mat(3 * len(linkage.index), 1)
     for name, i in linkage.index.items():
-        aligned = scene.aligned[name]
-        if GROUND in aligned:
-            angle = 0.0
-        elif scene.drive.body in aligned:
-            angle = position
-        else:
-            angle = float(np.angle(sum(turn[other] for other in linkage.index if other in aligned)))
-        r = at[name].mean() - np.exp(1j * angle) * own[name].mean()
-        q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle)
+        r = at[name].mean() - np.exp(1j * angle[name]) * own[name].mean()
+        q[3 * i, 0], q[3 * i + 1, 0], q[3 * i + 2, 0] = arb(r.real), arb(r.imag), arb(angle[name])
     return q
+
+
+def turn_of_guide(linkage: LinkageEquations, slider: str, position: float) -> complex:
+    """Return the turn that a slider and its carrier show by a point of each: B - A by that in their own frame.
+
+    That is w + along s; the driven slider's displacement s is the drive's position, another's positive where w allows.
+    """
+    scene, slide, known = linkage.scene, linkage.scene.slides[slider], linkage.scene.drawn
+
+    def place(name: str, point: str) -> complex:
+        return complex(*(float(x - o) for x, o in zip(linkage.arms[name][point], linkage.origins[name], strict=True)))
+
+    first = scene.bodies[slider].points[0]
+    for A, B in product(scene.bodies[slide.on].points, scene.bodies[slider].points):
+        if A in known and B in known and A != B:
+            along, way = complex(*slide.along), known[B] - known[A]
+            w = complex(*slide.through) + place(slider, B) - place(slider, first) - place(slide.on, A)
+            ahead, aside = (w * along.conjugate()).real, (w * along.conjugate()).imag
+            s = sqrt(max(abs(way) ** 2 - aside**2, 0.0)) - ahead
+            s = position if slider == scene.drive.body else max(s, SHORT * linkage.size)
+            return way * (w + along * s).conjugate()
+    return 0j
 
 
 def stroke_ends(linkage: LinkageEquations, continuation: Continuation, q: arb_mat) -> dict[PressForce, float]:
