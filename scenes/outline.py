@@ -20,7 +20,7 @@ def of_plate(outline: Sequence[Corner], density: Any) -> Weight:
     """The weight of what an outline encloses, of a density in kg/m^2; nothing where that is no area."""
     x0, y0 = outline[0]
     area, moment_x, moment_y, polar = 0.0, 0.0, 0.0, 0.0  # twice, six, six and twelve times what they are
-    for (x, y), (u, v) in pairwise((x - x0, y - y0) for x, y in (*outline, outline[0])):
+    for (x, y), (u, v) in pairwise((x - x0, y - y0) for x, y in outline[1:]):  # of sides at the first corner c is zero
         c = x * v - u * y
         area = area + c
         moment_x, moment_y = moment_x + (x + u) * c, moment_y + (y + v) * c
