@@ -24,7 +24,7 @@ class LoadTable(FileTable):
     """A force on a point of a body, or a moment: constant, in the last part of the closing stroke, or by a table."""
 
     body: Known = Field(description="The body on which it acts.")
-    at: Known | None = Field(None, description="The point of the body at which a force acts.")
+    at: Known | None = Field(None, description="The point of the body at which it acts; of a moment where it is drawn.")
     force: (
         Annotated[Annotated[ForceVector, Tag("vector")] | Annotated[Newtons, Tag("number")], Discriminator(_shape)]
         | None
@@ -51,18 +51,18 @@ class LoadTable(FileTable):
         self._check_keys(place, key)
         if self.body not in bodies:
             return Moment(self.body, "", 0.0)  # which is refused by its name
-        slide = bodies[self.body].slide
-        on_guide = isinstance(self.force, float | int) or (self.table is not None and self.along is None)
-        on_guide = on_guide and (self.at is not None or (slide is not None and self.moment is None))
+        slide, at = bodies[self.body].slide, self.at or bodies[self.body].points[0]
+        number = isinstance(self.force, float | int)
+        on_guide = number or (key == "table" and self.along is None and not (self.at is None and slide is None))
         if slide is None and (on_guide or self.over == "displacement" or self.last is not None):
             why = "over" if self.over == "displacement" else "last" if self.last is not None else key
-            raise InputError(f"{place}.{why}: expected a body that slides{self._where}, found '{self.body}'")
-        at = self.at or bodies[self.body].points[0]
-        if on_guide and slide is not None:
+            ground = " on the ground" if self.last is not None else ""
+            raise InputError(f"{place}.{why}: expected a body that slides{ground}, found '{self.body}'")
+        if slide is not None and on_guide:
             return self._along_guide(place, at, grounded=slide.on == GROUND)
-        if self.table is not None and self.at is not None:
-            return TableForce(self.body, at, self.along or (0.0, 0.0), self._table(place, "forces"), self._frame)
-        if self.table is not None or self.moment is not None:
+        if self.along is not None:
+            return TableForce(self.body, at, self.along, self._table(place, "forces"), self._frame)
+        if key != "force":
             return Moment(self.body, at, self.moment, self._table(place, "moments") if self.table else None)
         force: Any = self.force
         if self.last is None:
@@ -76,7 +76,6 @@ class LoadTable(FileTable):
         vector = key == "force" and not isinstance(self.force, float | int)
         table_force = key == "table" and self.along is not None
         fits = {
-            "at": (key != "moment", "a force or a table"),
             "last": (vector, "a 'force' of [x, y]"),
             "over": (key == "table", "a 'table'"),
             "periodic": (key == "table" and self.over is not None, "a 'table' and 'over'"),
@@ -107,7 +106,3 @@ class LoadTable(FileTable):
     @property
     def _frame(self) -> Frame:
         return self.frame or "ground"
-
-    @property
-    def _where(self) -> str:
-        return " on the ground" if self.last is not None else ""

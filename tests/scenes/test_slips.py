@@ -197,6 +197,47 @@ stiffness = 1.5\n => :: springs.0.stiffness | missing
 "B-K" = 60, "D-K" = 90 => "K-Z" = 60 :: lengths | K | found none
 "D-K" = 90 => "D-K" = 90, "A-K" = 400 :: bodies.plate.lengths | 'A-K', 'B-K', 'D-K' | 'points'
 "D-K" = 90 => "D-K" = 190 :: bodies.plate.lengths | 190 mm""",
+    "elements": r"""
+moment = 5 => moment = "5" :: loads.4.moment | number
+moment = 5 => moment = 5\nforce = [1, 2]\nat = "B" :: loads.4 | either 'force', 'moment' or 'table'
+moment = 5 => moment = 5\nat = "A" :: loads.4.at | 'rocker' has no point 'A'
+moment = 5 => force = 5 :: loads.4.force | slides | 'rocker'
+moment = 5 => force = [5, 6] :: loads.4.at | missing
+moment = 5 => moment = 5\nover = "time" :: loads.4.over | a 'table'
+moment = 5 => moment = 5\nperiodic = true :: loads.4.periodic | 'over'
+force = [20, 30] => force = [20, "x"] :: loads.1.force.1 | number
+frame = "body" => frame = "bodies" :: loads.1.frame | 'ground' or 'body'
+along = [3, 4] => along = [0, 0] :: loads.2.along | direction
+over = "time" => over = "times" :: loads.2.over | 'drive', 'time' or 'displacement'
+over = "time" => over = "displacement" :: loads.2.over | slides | 'coupler'
+at = "T"\nalong = [3, 4] => along = [3, 4] :: loads.2.along | 'at'
+along = [3, 4]\n => :: loads.2.table | slides | 'coupler'
+[0.2, 50] => [0.6, 50] :: loads.2.table.2.0 | increasing times | 0.5 s
+[180, -2], [720, 1] => [180, -2], [180, 1] :: loads.3.table.2.0 | increasing positions | 180 deg
+[720, 1] => [720, 2] :: loads.3.table | the last value to be the first | 1 N*m, found 2 N*m
+over = "drive"\n => :: loads.3.periodic | 'over'
+over = "drive"\ntable = [[0, 1], [180, -2], [720, 1]]\nperiodic = true => table = [[0, 1], [180, -2]]
+    :: loads.3.over | 'drive', 'time' or 'displacement'
+damping = 0.02 => damping = -0.02 :: springs.0.damping | greater than or equal to 0
+stiffness = 0.4\nlength = 200\ndamping = 0.02 => length = 200 :: springs.0.stiffness | 'damping'
+length = 200\n => :: springs.0.length | missing
+at = "C" => at = "B" :: torsion_springs.0.at | 'ground' has no point 'B'
+between = ["ground", "rocker"] => between = ["ground", "rokcer"] :: torsion_springs.0.between | 'rocker'
+between = ["ground", "rocker"] => between = ["rocker", "rocker"] :: torsion_springs.0.between | two bodies
+between = ["ground", "rocker"] => between = ["rocker"] :: torsion_springs.0.between | two
+angle = 20\n => :: torsion_springs.0.angle | missing
+units = { => units = { moment = "N", :: units.moment | 'N' | N*m""",
+    "bucket": r"""
+body = "rod" => body = "rod"\non = "bucket" :: drive.on | 'cylinder' | 'bucket'
+speed = 200 => speed = 200\nend_ = 1 :: drive.end_ | 'end'
+"mm/s" => "rpm" :: drive.body: 'rod' slides | mm/s
+displacement = 640\n => :: sketch.displacement | missing
+B = [500, 300]\n => :: sketch.B | missing""",
+    "elbow": r"""
+on = "boom" => on = "ground" :: drive.body | 0 points on the ground
+on = "boom" => on = "bom" :: drive.on | 'boom'
+on = "boom" => on = "stick" :: drive.on | no other body
+on = "boom"\n => :: drive.body | 0 points on the ground""",
     "ladders/rod": r"""
 [steps] => [steps :: not valid TOML
 as_is = 300 => locking = 150 :: not valid TOML
