@@ -44,9 +44,11 @@ SI |= {"angle": ("rad", 1.0), "speed": ("rad/s", 1.0)}
 def units_of_all(units: Mapping[str, tuple[str, float]], *, slides: bool) -> Mapping[str, tuple[str, float]]:
     """The unit of each dimension, and what it is in SI, by those that a file names; a direction has none."""
     (length, m), (mass, kg), (force, newton) = (units[name] for name in ("length", "mass", "force"))
-    (moment, newton_metre), (angle, radian) = units["moment"], units["angle"]
+    angle, radian = units["angle"]
+    moment, newton_metre = units.get("moment", (f"{force}*m", newton))  # which reports of before do not have
     return {
         **units,
+        "moment": (moment, newton_metre),
         "position": units["length" if slides else "angle"],
         "inertia": (f"{mass}*{length}^2", kg * m**2),
         "stiffness": (f"{force}/{length}", newton / m),
