@@ -64,11 +64,26 @@ def _sketched_angle(scene: Scene, local: Mapping[str, Points], name: str) -> flo
     group, drawn = scene.aligned[name], {**scene.ground, **scene.sketch.points}
     if GROUND in group:
         return 0.0
-    if scene.drive.body in group:
-        return scene.sketch.drive
+    if scene.driven_slide is None and scene.drive.body in group:
+        on = scene.drive_on
+        return scene.sketch.drive + (0.0 if on == GROUND else _sketched_angle(scene, local, on))
     for points in (local[other] for other in (name, *sorted(group))):
         if len(shown := [point for point in points if point in drawn]) > 1:
             p, q = max(permutations(shown, 2), key=lambda ends: hypot(*(points[ends[1]] - points[ends[0]])))
-            seen, own = np.subtract(drawn[q], drawn[p]), points[q] - points[p]
-            return float(np.arctan2(seen[1], seen[0]) - np.arctan2(own[1], own[0]))
+            return _turned(np.subtract(drawn[q], drawn[p]), points[q] - points[p])
+    for slider in sorted(group & {*scene.slides}):
+        slide = scene.slides[slider]
+        shown = [next((point for point in local[of] if point in drawn), "") for of in (slide.on, slider)]
+        if all(shown):
+            seen = np.subtract(drawn[shown[1]], drawn[shown[0]])
+            own = local[slider][shown[1]] - local[slider][scene.bodies[slider].points[0]] - local[slide.on][shown[0]]
+            apart, along, s = np.array(slide.through) + own, np.array(slide.along), scene.sketch.drive
+            if slider != scene.drive.body:  # the longer of |apart + along s| = |seen|, or where that comes nearest
+                half = float(along @ apart)
+                s = max(sqrt(max(half**2 - apart @ apart + seen @ seen, 0.0)) - half, 1e-3 * hypot(*seen))
+            return _turned(seen, apart + along * s)
     raise AssertionError(f"nothing shows the angle of {name}")
+
+
+def _turned(seen: Floats, own: Floats) -> float:
+    return float(np.arctan2(seen[1], seen[0]) - np.arctan2(own[1], own[0]))

@@ -10,7 +10,7 @@ but for what the drive asks for, are exact with their derivatives. Reactions and
 and Euler's equations of all bodies, each about its centre of mass, as one linear system.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import hypot, inf, pi
@@ -20,23 +20,34 @@ from numpy.typing import ArrayLike
 
 from scenes import Scene
 from scenes.model.motion import channels
-from scenes.scene import GROUND, Force, ForceTable, Load, PlainLoad, PressForce
+from scenes.scene import GROUND, ConstantSpeed, PressForce
 
-from .absolute_bodies import TURNED, Floats, local_points, mass_properties, sketched
+from .absolute_bodies import TURNED, Floats, local_points, sketched
+from .absolute_forces import Instant, reactions, twists
 
 ITERATIONS = 100
 STEPS = 240  # over a turn, or over the drive's way: from one pose to the next
 
 
-def solve(scene: Scene, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> dict[str, Floats]:
-    """Return every channel of the scene but the time, shape (n,), at positions of the drive and its rates there."""
+def solve(
+    scene: Scene, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike | None = None
+) -> dict[str, Floats]:
+    """Return every channel of the scene but the time, shape (n,), at positions of the drive and its rates there.
+
+    The instants, s, are needed for tables over the time where the drive's speed changes.
+    """
     model = Absolute(scene)
-    asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, (position, rate, acceleration))), dtype=float)
-    found: list[dict[str, float]] = [{} for _ in asked.T]
-    q, at = model.assembled(), scene.sketch.drive
-    for row in np.argsort(asked[0], kind="stable"):
-        q, at = model.follow(q, at, asked[0, row]), asked[0, row]
-        found[row] = model.channels(q, *asked[:, row])
+    if time is None and isinstance(scene.drive, ConstantSpeed):
+        time = (np.asarray(position) - scene.drive.start) / scene.drive.speed
+    given = (position, rate, acceleration, np.nan if time is None else time)
+    asked = np.stack(np.broadcast_arrays(*map(np.atleast_1d, given)), dtype=float)
+    poses = model.poses(asked[0])
+    phi = twists(model, poses)
+    found = []
+    for here, *rates, at in asked.T.tolist():
+        twisted = {spring: of[here] for spring, of in phi.items()}
+        now = Instant(poses[here], *model.rates(poses[here], here, *rates), here, at, twisted)
+        found.append(model.channels(now))
     return {name: np.array([row[name] for row in found]) for name in channels(scene) if name != "time"}
 
 
@@ -62,9 +73,7 @@ class Absolute:
                 off = self.point(slider, body.points[0]) - self.place(on, body.slide.through)
                 forms.append((TURNED @ self.vector(on, body.slide.along)).T @ off)
                 forms.append((TURNED @ self.vector(on, (1.0, 0.0))).T @ self.vector(slider, (1.0, 0.0)))
-        stacked: Floats = np.array([*forms, np.zeros((self.size, self.size))])
-        symmetric: Floats = (stacked + stacked.transpose(0, 2, 1)) / 2
-        return symmetric
+        return _symmetric(np.array([*forms, np.zeros((self.size, self.size))]))
 
     @property
     def size(self) -> int:
@@ -93,22 +102,22 @@ class Absolute:
         return self.place(body, self.scene.ground[point] if body == GROUND else self.local[body][point])
 
     def drive(self, position: float) -> tuple[Floats, float]:
-        """Return the row and the value of the drive's equation, row . Q = value; its rates are the drive's own."""
-        name = self.scene.drive.body
+        """Return the form and the value of the drive's equation, Q' H Q = value; its rates are the drive's own."""
+        name, on = self.scene.drive.body, self.scene.drive_on
         if self.scene.driven_slide is not None:
             return self.displacement(name), position
-        square: Floats = np.array([-np.sin(position), np.cos(position)]) @ self.vector(name, (1.0, 0.0))
-        return square, 0.0  # the part of the x axis square to where it is to be
+        square = self.vector(on, (-np.sin(position), np.cos(position)))  # to where the x axis is to be
+        return _symmetric(square.T @ self.vector(name, (1.0, 0.0))), 0.0
 
     def residual(self, Q: Floats, position: float) -> Floats:
-        row, value = self.drive(position)
+        form, value = self.drive(position)
         open_by: Floats = np.einsum("i,kij,j->k", Q, self.forms, Q)
-        open_by[-1] = row @ Q - value
+        open_by[-1] = Q @ form @ Q - value
         return open_by
 
     def jacobian(self, Q: Floats, position: float) -> Floats:
         J: Floats = (2 * self.forms @ Q)[:, :-1]
-        J[-1] = self.drive(position)[0][:-1]
+        J[-1] = (2 * self.drive(position)[0] @ Q)[:-1]
         return J
 
     def assembled(self) -> Floats:
@@ -122,11 +131,27 @@ class Absolute:
                 return Q
         raise AssertionError("does not assemble near the sketch")
 
+    def poses(self, positions: Floats) -> dict[float, Floats]:
+        """Return Q by the position of the drive, at those asked for, at its start, and at some between for twists."""
+        at, found = self.scene.sketch.drive, dict[float, Floats]()
+        stops = np.append(positions, self.scene.drive.start)
+        if self.scene.torsion_springs:
+            stops = np.append(stops, np.arange(stops.min(), stops.max(), self.step))
+        Q = self.assembled()
+        for stop in np.unique(stops).tolist():
+            Q, at = self.follow(Q, at, stop), stop
+            found[stop] = Q
+        return found
+
+    @property
+    def step(self) -> float:
+        """The longest way of the drive from one pose to the next."""
+        least, most = self.scene.drive.extent
+        return 2 * pi / STEPS if self.scene.driven_slide is None else (most - least) / STEPS
+
     def follow(self, Q: Floats, start: float, end: float) -> Floats:
         """Return Q at another position of the drive, by short steps."""
-        least, most = self.scene.drive.extent
-        step = 2 * pi / STEPS if self.scene.driven_slide is None else (most - least) / STEPS
-        for position in np.linspace(start, end, 1 + int(np.ceil(abs(end - start) / step)))[1:]:
+        for position in np.linspace(start, end, 1 + int(np.ceil(abs(end - start) / self.step)))[1:]:
             h, (dQ, ddQ) = position - start, self.rates(Q, start, 1.0, 0.0)
             expected = Q + h * dQ + h**2 / 2 * ddQ
             move, Q, start = np.abs(expected - Q).max(), self.closed(expected, position), position
@@ -155,7 +180,7 @@ class Absolute:
         driven[-1] = rate
         dQ = np.append(np.linalg.solve(J, driven), 0.0)
         right = -2 * np.einsum("i,kij,j->k", dQ, self.forms, dQ)
-        right[-1] = acceleration
+        right[-1] = acceleration - 2 * dQ @ self.drive(position)[0] @ dQ
         return dQ, np.append(np.linalg.solve(J, right), 0.0)
 
     @cached_property
@@ -168,10 +193,10 @@ class Absolute:
         """Return how far points are from their frames' origins, m."""
         return max(hypot(*xy) for local in self.local.values() for xy in local.values()) or 1.0
 
-    def channels(self, Q: Floats, position: float, rate: float, acceleration: float) -> dict[str, float]:
-        """Return every channel but the time at one position of the drive."""
-        scene, motion = self.scene, (Q, *self.rates(Q, position, rate, acceleration))
-        found = {scene.drive_channel: position}
+    def channels(self, now: Instant) -> dict[str, float]:
+        """Return every channel but the time."""
+        scene, motion = self.scene, (now.Q, now.dQ, now.ddQ)
+        found = {scene.drive_channel: now.position}
         for point in scene.moving_points:
             matrix = self.point(scene.owners[point][0], point)
             for prefix, of in zip(("", "v", "a"), motion, strict=True):
@@ -179,7 +204,7 @@ class Absolute:
         for name in scene.turning:
             angle, omega, alpha = self.turning(name, *motion)
             found |= {f"{name}.angle": angle, f"{name}.omega": omega, f"{name}.alpha": alpha}
-        return found | (self.reactions(*motion) if scene.has_masses else {})
+        return found | (reactions(self, now) if scene.has_masses else {})
 
     def turning(self, name: str, Q: Floats, dQ: Floats, ddQ: Floats) -> tuple[float, float, float]:
         matrix = self.vector(name, (1.0, 0.0))
@@ -187,77 +212,17 @@ class Absolute:
         normal = TURNED @ u
         return float(np.arctan2(u[1], u[0])), float(normal @ du), float(normal @ ddu)
 
-    def reactions(self, Q: Floats, dQ: Floats, ddQ: Floats) -> dict[str, float]:
-        """Return what holds the bodies and drives them: three equations a body, force, force, moment about its com."""
-        scene, names = self.scene, list(self.scene.bodies)
-        unknown = [name for name in channels(scene) if name.endswith((".fx", ".fy", ".guide_force", ".guide_moment"))]
-        unknown.append("drive.torque" if scene.driven_slide is None else "drive.force")
-        A, b = np.zeros((3 * len(names), len(unknown))), np.zeros(3 * len(names))
-        com = {}
-        for number, body in enumerate(scene.bodies.values()):
-            mass, local, inertia = mass_properties(body, self.local[body.name])
-            matrix = self.place(body.name, local)
-            com[body.name] = matrix @ Q
-            b[3 * number : 3 * number + 2] = mass * (matrix @ ddQ)
-            b[3 * number + 2] = inertia * self.turning(body.name, Q, dQ, ddQ)[2]
-            if scene.gravity is not None:
-                b[3 * number : 3 * number + 2] -= mass * np.asarray(scene.gravity)
-
-        def wrench(body: str, force: Floats, at: Floats, moment: float = 0.0) -> Floats:
-            rows = np.zeros(3 * len(names))
-            if body != GROUND:
-                first, arm = 3 * names.index(body), at - com[body]
-                rows[first : first + 3] = *force, arm[0] * force[1] - arm[1] * force[0] + moment
-            return rows
-
-        for body_name, force, point in self.applied(Q, dQ):
-            b -= wrench(body_name, force, self.point(body_name, point) @ Q)
-        for pin in scene.pins:
-            at = self.point(pin.second, pin.point) @ Q
-            for axis, of in ((np.array([1.0, 0.0]), "fx"), (np.array([0.0, 1.0]), "fy")):
-                column = unknown.index(f"{pin.channel}.{of}")
-                A[:, column] = wrench(pin.second, axis, at) - wrench(pin.first, axis, at)
-        for name, body in scene.bodies.items():
-            if body.slide is not None:
-                at, on = self.point(name, body.points[0]) @ Q, body.slide.on
-                normal = TURNED @ (self.vector(on, body.slide.along) @ Q)
-                A[:, unknown.index(f"{name}.guide_force")] = wrench(name, normal, at) - wrench(on, normal, at)
-                couple = wrench(name, np.zeros(2), at, 1.0) - wrench(on, np.zeros(2), at, 1.0)
-                A[:, unknown.index(f"{name}.guide_moment")] = couple
-        driven = scene.bodies[scene.drive.body]
-        at = self.point(driven.name, driven.points[0]) @ Q
-        push, turn = (np.zeros(2), 1.0) if driven.slide is None else (np.asarray(driven.slide.along), 0.0)
-        A[:, -1] = wrench(driven.name, push, at, turn)
-        return dict(zip(unknown, np.linalg.solve(A, b).tolist(), strict=True))
-
-    def applied(self, Q: Floats, dQ: Floats) -> Iterator[tuple[str, Floats, str]]:
-        """Yield body, force and point of every load and spring."""
-        for load in self.scene.loads:
-            yield load.body, self.load(load, Q, dQ), load.at
-        for spring in self.scene.springs:
-            apart = (self.point(*spring.second) - self.point(*spring.first)) @ Q
-            free = spring.length / hypot(*apart) if spring.length else 0.0
-            pull = spring.stiffness * (1 - free) * apart
-            yield spring.first[0], pull, spring.first[1]
-            yield spring.second[0], -pull, spring.second[1]
-
-    def load(self, load: Load, Q: Floats, dQ: Floats) -> Floats:
-        if isinstance(load, Force):
-            return np.array(load.force)
-        assert isinstance(load, PlainLoad)
-        slide = self.scene.bodies[load.body].slide
-        assert slide is not None
-        row = self.displacement(load.body)
-        if isinstance(load, ForceTable):
-            return float(load.along(row @ Q)) * np.asarray(slide.along)
-        return float(load.acts(row @ Q, row @ dQ, self.stroke_ends[load])) * np.array(load.force)
-
     def displacement(self, name: str) -> Floats:
-        """Return the row that takes Q to the displacement of a body that slides on the ground."""
+        """Return the form of the displacement of a body that slides."""
         body = self.scene.bodies[name]
         assert body.slide is not None
-        off = self.point(name, body.points[0]) - self.place(GROUND, body.slide.through)
-        return np.asarray(np.asarray(body.slide.along) @ off)
+        off = self.point(name, body.points[0]) - self.place(body.slide.on, body.slide.through)
+        return _symmetric(self.vector(body.slide.on, body.slide.along).T @ off)
+
+    def displaced(self, name: str, Q: Floats, *rates: Floats) -> list[float]:
+        """Return a displacement, m, and its derivative, and the second one of a body that slides on the ground."""
+        form = self.displacement(name)
+        return [float(Q @ form @ Q), *(float(2 * Q @ form @ rate) for rate in rates)]
 
     @cached_property
     def stroke_ends(self) -> dict[PressForce, float]:
@@ -274,14 +239,19 @@ class Absolute:
 
     def _peak(self, load: PressForce, Q: Floats, position: float) -> float:
         """Return the displacement at the dead point next to a position, or there if there is none within a step."""
-        row, (least, most) = self.displacement(load.body), self.scene.drive.extent
-        best, here = float(row @ Q), position
+        least, most = self.scene.drive.extent
+        (best,), here = self.displaced(load.body, Q), position
         for _ in range(8):
-            dQ, ddQ = self.rates(Q, here, 1.0, 0.0)
-            if not abs(row @ dQ) < abs(row @ ddQ) * (most - least) / STEPS:
+            _, slope, bend = self.displaced(load.body, Q, *self.rates(Q, here, 1.0, 0.0))
+            if not abs(slope) < abs(bend) * (most - least) / STEPS:
                 return best
-            step = float(-(row @ dQ) / (row @ ddQ))
+            step = -slope / bend
             if not least <= here + step <= most:
                 return best
             Q, here = self.follow(Q, here, here + step), here + step
-        return float(row @ Q)
+        return self.displaced(load.body, Q)[0]
+
+
+def _symmetric(forms: Floats) -> Floats:
+    halves: Floats = (forms + np.swapaxes(forms, -1, -2)) / 2
+    return halves

@@ -41,7 +41,7 @@ def by_core(scene: Scene, time: Samples) -> Channels:
 
 def by_absolute(scene: Scene, time: Samples) -> Channels:
     """Return the motion in absolute coordinates: nothing of the core's, a few milliseconds a sample."""
-    return absolute_coordinates.solve(scene, *scene.drive.at(time))
+    return absolute_coordinates.solve(scene, *scene.drive.at(time), time)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ def run(engine: Any, scene: Scene, settings: Settings | None = None, request: Re
 def truth(name: str) -> tuple[Scene, Mapping[str, Samples]]:
     """Return a scene, and its motion from redundant coordinates."""
     scene = scene_files.load(name)
-    return scene, solve(scene, *scene.drive.at(SAMPLING.times(scene)))
+    time = SAMPLING.times(scene)
+    return scene, solve(scene, *scene.drive.at(time), time)
 
 
 def off(engine: Any, name: str, settings: Settings | None = None) -> dict[str, float]:
