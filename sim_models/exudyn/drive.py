@@ -3,7 +3,7 @@
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from math import ceil
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -31,19 +31,7 @@ class Piece(NamedTuple):
         return position, self.speed + t * (self.acceleration + t * self.jerk / 2), self.acceleration + t * self.jerk
 
 
-class Formula(NamedTuple):
-    """A drive from one instant to the next piece's by a formula, which is defined before and after too."""
-
-    begin: float  # s
-    law: laws.Piece
-
-    def at(self, time: float) -> tuple[float, float, float]:
-        """The position, rad or m, and its first two derivatives."""
-        position, rate, acceleration = map(float, self.law.at(time))
-        return position, rate, acceleration
-
-
-Part: TypeAlias = Piece | Formula
+Part: TypeAlias = Piece | laws.Piece
 
 
 def pieces(drive: Drive, end: float) -> Sequence[Part]:
@@ -52,7 +40,7 @@ def pieces(drive: Drive, end: float) -> Sequence[Part]:
         return [Piece(0.0, drive.start, drive.speed, 0.0, 0.0)]
     cycles = ceil(end / drive.cycle - 1e-9) or 1
     if not isinstance(drive, MotionLaw):
-        return [Formula(part.begin, part) for part in drive.through(cycles)]
+        return drive.through(cycles)
     knots = np.array([*(k * drive.cycle + t for k in range(cycles) for t in drive.times[:-1]), cycles * drive.cycle])
     position, rate, acceleration = drive.at(knots)
     jerk = np.diff(acceleration) / np.diff(knots)
@@ -78,7 +66,7 @@ class ExudynDrive:
     def run(self, parts: Sequence[Part], zero: float) -> None:
         """Begin at an instant, s; the first piece also holds before it begins, and the last one after it ends."""
         self.zero = zero
-        if len(parts) > 1 or isinstance(parts[0], Formula):
+        if len(parts) > 1 or isinstance(parts[0], laws.Piece):
             self.position, self.rate = (lambda clock, of=of: _at(parts, zero + clock)[of] for of in (0, 1))
             return
         start, speed, acceleration = parts[0].at(zero)  # Exudyn asks seven times a step
@@ -87,5 +75,5 @@ class ExudynDrive:
         self.rate = lambda t: speed + t * (2 * half + t * 3 * sixth)
 
 
-def _at(parts: Sequence[Part], time: float) -> tuple[float, float, float]:
+def _at(parts: Sequence[Part], time: float) -> Any:
     return parts[max(bisect_right(parts, time, key=lambda part: part.begin), 1) - 1].at(time)

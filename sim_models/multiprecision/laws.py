@@ -44,7 +44,7 @@ class Command(NamedTuple):
 
 
 class SegmentsLaw:
-    """Segments in a row; `travel` is the way between their extreme ends, `pace` their steepest chord."""
+    """Segments in a row; of `travel` and `pace`, by which only errors are scaled, there is no second implementation."""
 
     def __init__(self, drive: SegmentedLaw) -> None:
         self._segments, self._periodic = drive.segments, drive.periodic
@@ -52,9 +52,7 @@ class SegmentsLaw:
         self._positions = [arb(drive.start)]
         for segment in drive.segments:
             self._positions.append(self._positions[-1] if segment.to is None else arb(segment.to))
-        rises = zip(self._positions[1:], self._positions, drive.segments, strict=False)
-        self.pace = max((abs(there - here) / segment.within for there, here, segment in rises), key=float)
-        self.travel = max(self._positions, key=float) - min(self._positions, key=float)
+        self.travel, self.pace = arb(max(drive.extent)) - min(drive.extent), arb(drive.peak_rate)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles: on a boundary, or so near to one, the later segment's."""
@@ -77,15 +75,14 @@ def _way(law: str, x: Fraction, pace: arb) -> arb_series:
 
 
 class SinesLaw:
-    """A sum of sines, of frequencies as they are written; `travel` and `pace` are those of all at once."""
+    """A sum of sines, of frequencies as they are written."""
 
     def __init__(self, drive: HarmonicLaw) -> None:
         frequencies = [Fraction(str(frequency)) for frequency in drive.frequencies]
         self._period = Fraction(lcm(*(f.denominator for f in frequencies)), gcd(*(f.numerator for f in frequencies)))
         self._middle = arb(drive.middle)
         self._sines = [*zip(map(arb, drive.amplitudes), frequencies, map(arb, drive.phases), strict=True)]
-        self.travel = sum((2 * abs(size) for size, *_ in self._sines), arb(0))
-        self.pace = sum((abs(size) * 2 * arb.pi() * ball(f) for size, f, _ in self._sines), arb(0))
+        self.travel, self.pace = arb(max(drive.extent)) - min(drive.extent), arb(drive.peak_rate)
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles, whole or not."""

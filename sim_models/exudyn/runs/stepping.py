@@ -94,7 +94,7 @@ class TimeSteppedSimulation(ExudynSimulation):
 
     def _before(self, first: Configuration, part: Part, way: Array) -> Configuration:
         """Follow the state to the last of some instants, s, that lead there."""
-        positions, poses = [part.at(time)[0] for time in way.tolist()], self.poses
+        positions, poses = [float(part.at(time)[0]) for time in way.tolist()], self.poses
         farthest = max(positions, key=lambda position: abs(position - first.position))
         turned = poses.follow(first, farthest)
         there, here = poses.length(turned.tangent), poses.length(first.tangent)
