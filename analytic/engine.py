@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Motion, Request, Sampling, Scene, Settings
 from scenes.drive import Driven, Samples
-from scenes.elements import PLAIN_KINDS
+from scenes.elements import ALL_KINDS
 
 from .core.decomposition import Linkage
 from .core.dyads import Vectors, cross, turned
@@ -33,7 +33,7 @@ def _differences(steps: int) -> AnalyticSettings:
     return AnalyticSettings(f"differences {steps}", steps=steps, family="differences", order=2, note=note)
 
 
-KINDS = PLAIN_KINDS | {"cylinders that drive", "drives between moving bodies"}
+KINDS = ALL_KINDS
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
     DEFAULT,

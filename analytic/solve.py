@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, partial
 from typing import Any, TypeAlias
 
@@ -18,15 +18,17 @@ from scenes.scene import ConstantSpeed, PressForce
 from .channels import FromBoth, all_channels, asked
 from .core.continuation import Track, misfit
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
+from .core.elements import Given, stroke_end_input
 from .core.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
-from .core.kinetostatics import Balance, Reactions, StrokeEnds, stroke_end_input
+from .core.kinetostatics import Balance, Reactions
 from .core.placing import Kinematics
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
-from .recorded.expressions import Line
+from .recorded.expressions import Inputs, Line
 from .recorded.program import Program, inputs_at, recorded
 from .way.motion_range import describe
 from .way.slider import stroke_end
+from .way.windings import Winding, windings
 
 # glibc maps fresh pages for what is larger than the largest block of under 32 MiB that was given back so far, and gives
 # back what is free above twice that: with its first limits, temporaries' pages are half of a solution's time.
@@ -76,10 +78,11 @@ def prepared(
 ) -> "Solver":
     """Return the solver by a decomposition, of groups that are needed, followed unless there are `tracks` of them."""
     request, needed = asked(scene, whole, channels)
-    linkage, loads = followed(scene, needed, tracks), scene.loads if request.wants_forces(scene) else ()
+    linkage, forces = followed(scene, needed, tracks), request.wants_forces(scene)
     end = cache(partial(stroke_end, scene, linkage))
-    presses = {stroke_end_input(n): load for n, load in enumerate(loads) if isinstance(load, PressForce)}
-    return Solver(scene, linkage, {name: end(load.body, load.closing) for name, load in presses.items()}, request)
+    presses = {stroke_end_input(n): load for n, load in enumerate(scene.loads) if isinstance(load, PressForce)}
+    ends = {name: end(load.body, load.closing) for name, load in presses.items() if forces}
+    return Solver(scene, linkage, ends, request, windings=windings(scene, linkage) if forces else {})
 
 
 @dataclass(frozen=True)
@@ -88,10 +91,11 @@ class Solver:
 
     scene: Scene
     linkage: Linkage
-    stroke_ends: StrokeEnds  # where forces are wanted
+    stroke_ends: Mapping[str, float]  # by input, m, where forces are wanted
     request: Request
     at_hand: tuple[Program, Line] | None = None  # the formulas as they are recorded already
     motion_at: MotionAt | None = None  # another way to the kinematics
+    windings: Mapping[str, Winding] = field(default_factory=dict)  # by input, where forces are wanted
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Motion:
         """Solve as `solve` does, with what it returns and raises.
@@ -104,21 +108,21 @@ class Solver:
         if position.ndim != 1 or time.ndim != 1:
             raise InputError(f"position, time: expected the shape (n,) of both, found {position.shape}")
         line_pays = self.at_hand is not None or len(position) >= RECORDED_FROM
-        samples = self._by_line(driven) if line_pays and not single and self.motion_at is None else None
+        samples = self._by_line(driven, time) if line_pays and not single and self.motion_at is None else None
         if samples is None:  # few positions, or the formulas tell where it does not reach
-            samples = self._by_formulas(driven)
+            samples = self._by_formulas(driven, time)
         samples |= {"time": time, self.scene.drive_channel: position}
         return Motion({channel: samples[channel] for channel in (*self.known, *self.own)})
 
-    def _by_line(self, driven: Driven) -> dict[str, Samples] | None:
+    def _by_line(self, driven: Driven, time: Samples) -> dict[str, Samples] | None:
         """The channels by the recorded line; None where not all can be had from it."""
         if self.recorded is None:
             return None
         program, line = self.recorded
-        rows = line({**self.stroke_ends, **inputs_at(driven, [self.linkage.tracks])})[:, 0]
+        rows = line(self.inputs_at(driven, time))[:, 0]
         return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
-    def _by_formulas(self, driven: Driven) -> dict[str, Samples]:
+    def _by_formulas(self, driven: Driven, time: Samples) -> dict[str, Samples]:
         """The channels by the formulas themselves, block by block."""
         motion_at = self.motion_at or partial(kinematics, rates=self.rates)
         scene, linkage, position = self.scene, self.linkage, driven.position
@@ -130,12 +134,22 @@ class Solver:
                 check_reach(scene, linkage, k, position[block])
                 on = Reactions()
                 if self.request.wants_forces(scene):
-                    on = Balance(scene, linkage, self.stroke_ends, k).solve(self.request.channels)
+                    given = self.given_at(position[block], time[block])
+                    on = Balance(scene, linkage, given, k).solve(self.request.channels)
                 for names, take in self.channels.items():
                     rows[names][block] = take(k, on)
         return {
             name: part for names, row in rows.items() for name, part in zip(names, (row.real, row.imag), strict=False)
         }
+
+    def given_at(self, position: Samples, time: Samples) -> Given:
+        """What elements need besides the motion, at positions of the drive and instants, s, of one shape."""
+        wound = {name: winding(position) for name, winding in self.windings.items()}
+        return {**self.stroke_ends, **wound, "position": position, "time": time}
+
+    def inputs_at(self, driven: Driven, time: Samples) -> Inputs:
+        """The inputs of a line of the formulas that are no numbers of the scene."""
+        return {**inputs_at(driven, [self.linkage.tracks]), **self.given_at(driven.position, time)}
 
     @cached_property
     def recorded(self) -> tuple[Program, Line] | None:

@@ -4,39 +4,22 @@ A group is statically determinate once the groups that hang on it have passed on
 doi:10.56578/jisc020103, sets up the same balance body by body.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any
 
 import numpy as np
 
-from scenes import Scene
 from scenes.model.motion import Samples, force_channels
-from scenes.scene import Force, ForceTable, Load, PlainLoad
 
-from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned
+from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
-from .geometry import as_complex, guide_of
+from .elements import ActingForce, Instants
+from .geometry import as_complex
 from .group_equations import Group, coordinates, stacked
 from .newton_group import solved
-from .numbers import Number, chosen, samples
-from .placing import Kinematics
-
-StrokeEnds: TypeAlias = Mapping[str, Number]  # by the input of a press force: where its slider's closing stroke ends, m
-
-
-def stroke_end_input(number: int) -> str:
-    """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
-    return f"stroke_end.{number}"
-
-
-class ActingForce(NamedTuple):
-    """A force on a body, N, the point where it acts, m, and a moment with it, N m."""
-
-    force: Vectors
-    at: Vectors
-    moment: Samples | float = 0.0
+from .numbers import samples
 
 
 @dataclass
@@ -49,13 +32,9 @@ class Reactions:
 
 
 @dataclass(frozen=True)
-class Balance:
+class Balance(Instants):
     """One pass from the last group to the driver."""
 
-    scene: Scene
-    linkage: Linkage
-    stroke_ends: StrokeEnds
-    k: Kinematics
     reactions: Reactions = field(default_factory=Reactions)
     far: dict[str, tuple[Vectors, Samples]] = field(default_factory=dict)  # of legs with the drive in them, at P
     slid_on: dict[str, list[ActingForce]] = field(default_factory=dict)  # by body: of the guides of other groups
@@ -236,24 +215,10 @@ class Balance:
         if self.scene.gravity is not None:
             weight = samples(rigid.mass * as_complex(self.scene.gravity))
             force, moment = force + weight, moment + cross(r, weight)
-        for acting in (*self.from_outside(body), *self.at_pins(body), *self.slid_on.get(body, ())):
+        for acting in (*self.outside.get(body, ()), *self.at_pins(body), *self.slid_on.get(body, ())):
             force = force + acting.force
             moment = moment + cross(acting.at - k.z[foot], acting.force) + acting.moment
         return force, moment
-
-    def from_outside(self, body: str) -> Iterator[ActingForce]:
-        """Yield loads and springs."""
-        z = self.k.z
-        for number, load in enumerate(self.scene.loads):
-            if load.body == body:
-                yield ActingForce(self.load(number, load), z[load.at])
-        for spring in self.scene.springs:
-            for (mine, at), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
-                if mine == body:
-                    d = z[other] - z[at]
-                    apart = np.abs(d)
-                    over = chosen(apart + spring.length > 0, apart, 1.0)  # without a free length none where ends meet
-                    yield ActingForce(spring.stiffness * (d - spring.length * (d / over)), z[at])
 
     def at_pins(self, body: str) -> list[ActingForce]:
         """The pull at the pins that the body carries of the groups that are balanced, which is kept."""
@@ -264,15 +229,3 @@ class Balance:
                 pin[point, body] = -sum(solved[1:], start=solved[0])
                 pulls.append(ActingForce(pin[point, body], self.k.z[point]))
         return pulls
-
-    def load(self, number: int, load: Load) -> Vectors:
-        """Return a load's force, N."""
-        if isinstance(load, Force):
-            return samples(as_complex(load.force))
-        assert isinstance(load, PlainLoad)
-        first = self.scene.bodies[load.body].points[0]
-        s, ds, _ = self.k.displaced(self.scene, first)
-        if isinstance(load, ForceTable):
-            force: Vectors = guide_of(self.scene, first)[0] * load.along(s)
-            return force
-        return np.where(load.acts(s, ds, self.stroke_ends[stroke_end_input(number)]), as_complex(load.force), 0)

@@ -6,7 +6,7 @@ An arithmetic is one file in `arithmetics`: how operations are spelled, and what
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, floor, sin, sqrt
 from operator import add, mul, neg, sub, truediv
 from typing import Any, TypeAlias
 
@@ -25,6 +25,7 @@ OPERATIONS: Mapping[str, Callable[..., float]] = {
     "sqrt": sqrt,
     "sin": sin,
     "cos": cos,
+    "floor": floor,
     "arctan2": atan2,
     "minimum": min,
     "maximum": max,

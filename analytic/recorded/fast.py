@@ -44,9 +44,10 @@ def fast_solver(
             raise Failure(Status.unsupported, "a group that is solved by Newton's method has no machine code")
         if count is not None and (compiled or count <= LARGEST):
             known = {path: number.value for path, number in scene.numbers.items()}
-            return FastSolver(*own, (program, MachineCode(program.rows, {**known, **core.stroke_ends})))
+            line = MachineCode(program.rows, {**known, **core.stroke_ends})
+            return FastSolver(*own, (program, line), windings=core.windings)
     program = recorded(scene, frozenset(), core.request.channels)
-    return FastSolver(*own, (program, StraightLine(program.rows)))
+    return FastSolver(*own, (program, StraightLine(program.rows)), windings=core.windings)
 
 
 class FastSolver(Solver):

@@ -66,7 +66,7 @@ def _rule(make: Recorder, y: Expression, d: Sequence[Expression]) -> Expression:
             return make("where", make("less_equal", *of), d[1], d[0])
         case "where":
             return make("where", of[0], d[1], d[2])
-    return make.constant(0.0)  # of a comparison
+    return make.constant(0.0)  # of a comparison, or of whole turns
 
 
 def _system(make: Recorder, system: Expression, d: Sequence[Expression]) -> Expression:

@@ -18,12 +18,13 @@ from scenes.scene import PressForce
 
 from ..core.continuation import Track
 from ..core.decomposition import decompose
+from ..core.elements import stroke_end_input
 from ..core.group_equations import Group, equations_of
 from ..core.kinematics import kinematics
-from ..core.kinetostatics import stroke_end_input
-from ..solve import Solver, driven_at, not_reached, prepared, where_open
+from ..solve import Solver, driven_at, not_reached, prepared, solver, where_open
 from ..way.motion_range import in_line
 from ..way.slider import furthest
+from ..way.windings import Winding
 from .arithmetics.in_numpy import StraightLine
 from .branches import branches
 from .expressions import Expression, Line
@@ -105,10 +106,11 @@ def many_by(
     failed = {machine: (Status.cannot_assemble, why) for machine, why in refused(many).items()}
     try:
         tracks = branches(scene, program, numbers, count)
+        wound = solver(scene, program.request.channels).windings if scene.torsion_springs else {}
     except Failure:
-        tracks = None
+        tracks, wound = None, {}
     ends = {} if tracks is None else _stroke_ends(many, program, numbers, tracks)
-    return ManySolver(scene, program, line, numbers, ends, tracks, failed, count)
+    return ManySolver(scene, program, line, numbers, ends, tracks, failed, count, wound)
 
 
 def _line(scene: Scene, channels: frozenset[str] | None, paths: frozenset[str]) -> tuple[Program, Line]:
@@ -133,6 +135,7 @@ class ManySolver:
     tracks: Sequence[Mapping[Group, Track]] | None  # of each machine's larger groups; None where all go alone
     failed: Mapping[int, Ending]  # machines that no file may describe, and why
     count: int  # m
+    windings: Mapping[str, Winding]  # by input, as of the scene as drawn
     cores: dict[int, Solver] = field(default_factory=dict)  # of machines that the line does not have all of
 
     def __call__(self, position: ArrayLike, time: ArrayLike | None = None) -> Machines:
@@ -164,7 +167,8 @@ class ManySolver:
         if self.tracks is None:
             filled = np.full((len(self.program.rows), *shape), np.nan)
         else:
-            filled = self.line({**numbers, **inputs_at(driven, self.tracks[rows])})
+            given = {name: winding(position) for name, winding in self.windings.items()} | {"time": instants}
+            filled = self.line({**numbers, **inputs_at(driven, self.tracks[rows]), **given})
         stopped = ~(filled[-1] >= 0)
         if stopped.any():
             filled[:, stopped] = np.nan

@@ -20,10 +20,11 @@ from scenes.scene import GROUND, ConstantSpeed, PressForce
 from ..channels import all_channels, asked
 from ..core.continuation import Track
 from ..core.decomposition import Linkage, decompose
+from ..core.elements import stroke_end_input, wound
 from ..core.geometry import as_complex
 from ..core.group_equations import Group, size_of
 from ..core.kinematics import Pass
-from ..core.kinetostatics import Balance, Reactions, stroke_end_input
+from ..core.kinetostatics import Balance, Reactions
 from ..core.numbers import chosen
 from .expressions import Closing, Expression, Inputs, Recorder, needed, substituted
 from .forward import forward
@@ -77,8 +78,9 @@ def recorded(scene: Scene, paths: AbstractSet[str], channels: AbstractSet[str] |
             if isinstance(load, PressForce):
                 s, ds, _ = (traced(make, x).x for x in k.displaced(opened, scene.bodies[load.body].points[0]))
                 strokes[number] = s, ds
-        ends: Any = {name: Traced(make, make.input(name, sampled=False)) for name in map(stroke_end_input, strokes)}
-        on = RecordedBalance(opened, linkage, ends, k).solve(channels)
+        given: Any = {name: Traced(make, make.input(name, sampled=False)) for name in map(stroke_end_input, strokes)}
+        given |= {name: Traced(make, make.input(name, sampled=True)) for name in ("position", "time", *wound(scene))}
+        on = RecordedBalance(opened, linkage, given, k).solve(channels)
     own = {f"{group.P}.to_lock" for group in linkage.groups if isinstance(group, Group)}
     expressions: dict[str, Expression] = {}
     for names, take in all_channels(scene, linkage.groups):

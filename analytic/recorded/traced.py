@@ -114,8 +114,9 @@ def _interpolated(make: Recorder, x: Any, xs: Any, fs: Any) -> Traced:
     return traced(make, f)
 
 
+COMPARING = "minimum", "maximum", "less", "less_equal"
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    **{name: partial(_real, name) for name in ("sqrt", "arctan2", "minimum", "maximum", "less", "less_equal")},
+    **{name: partial(_real, name) for name in ("sqrt", "floor", "arctan2", *COMPARING)},
     **{name: partial(_each, name) for name in ("add", "subtract", "negative")},
     "multiply": _product,
     "bitwise_and": _product,

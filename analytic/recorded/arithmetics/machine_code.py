@@ -31,6 +31,7 @@ SPELLINGS = {
     "maximum": "max({}, {})",
     "where": "({1} if {0} else {2})",
     "arctan2": "atan2({}, {})",
+    "floor": "np.floor({})",
 }
 
 # numbers, drive, and what is filled: rows, what arcs are of besides, from which machine and position on

@@ -1,0 +1,149 @@
+"""What loads and springs do to the bodies: a function for each kind."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property, singledispatch
+from math import tau
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from scenes import Scene
+from scenes.model.motion import Samples
+from scenes.scene import ELEMENTS, GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce
+from scenes.scene import TorsionSpring as Twist
+
+from .decomposition import Linkage
+from .dyads import Vectors, dot
+from .geometry import as_complex
+from .numbers import Number, chosen, samples
+from .placing import Kinematics
+
+Given: TypeAlias = Mapping[str, Number]  # by input: the drive's `position`, the `time`, what was prepared
+
+
+class ActingForce(NamedTuple):
+    """A force on a body, N, the point where it acts, m, and a moment with it, N m."""
+
+    force: Vectors
+    at: Vectors
+    moment: Samples | float = 0.0
+
+
+Acting: TypeAlias = Iterator[tuple[str, ActingForce]]  # by body
+
+
+@dataclass(frozen=True)
+class Instants:
+    """What elements are evaluated from."""
+
+    scene: Scene
+    linkage: Linkage
+    given: Given
+    k: Kinematics
+
+    @cached_property
+    def outside(self) -> Mapping[str, list[ActingForce]]:
+        """By body, what acts on it of all elements."""
+        acting: dict[str, list[ActingForce]] = {}
+        for key in ELEMENTS:
+            for number, element in enumerate(getattr(self.scene, key)):
+                for body, force in acts(element, number, self):
+                    acting.setdefault(body, []).append(force)
+        return acting
+
+    def guide(self, body: str) -> tuple[Vectors, Samples]:
+        """The direction of a body's guide in the plane, and its displacement, m."""
+        k, slide = self.k, self.scene.slides[body]
+        along, through = samples(as_complex(slide.along)), as_complex(slide.through)
+        if slide.on != GROUND:
+            u, foot = k.u[slide.on], k.foot[slide.on]
+            along, through = u * along, k.z[foot] + u * (through - self.linkage.bodies[slide.on].local[foot])
+        return along, dot(along, k.z[self.scene.bodies[body].points[0]] - through)
+
+    def size(self, load: TableForce | GuideForce | Moment, constant: Number = None) -> Number:
+        """The number of a load, N or N m, or that of its table."""
+        if load.table is None:
+            return constant
+        if load.table.over == "displacement":
+            return load.table.at(self.guide(load.body)[1])
+        return load.table.at(self.given["position" if load.table.over == "drive" else "time"])
+
+
+@singledispatch
+def acts(element: Any, number: int, at: Instants) -> Acting:
+    """Yield what an element does to each body, by its number in the scene's list."""
+    raise NotImplementedError(type(element), number, at)
+
+
+@acts.register
+def _force(load: Force | TableForce, _: int, at: Instants) -> Acting:
+    vector = load.force if isinstance(load, Force) else load.direction
+    force = samples(as_complex(vector)) if isinstance(load, Force) else as_complex(vector) * at.size(load)
+    yield load.body, ActingForce(force if load.frame == "ground" else at.k.u[load.body] * force, at.k.z[load.at])
+
+
+@acts.register
+def _press_force(load: PressForce, number: int, at: Instants) -> Acting:
+    s, ds, _ = at.k.displaced(at.scene, at.scene.bodies[load.body].points[0])
+    acting = load.acts(s, ds, at.given[stroke_end_input(number)])
+    yield load.body, ActingForce(np.where(acting, as_complex(load.force), 0), at.k.z[load.at])
+
+
+@acts.register
+def _guide_force(load: ForceTable | GuideForce, _: int, at: Instants) -> Acting:
+    along, displacement = at.guide(load.body)
+    size = load.along(displacement) if isinstance(load, ForceTable) else at.size(load, load.force)
+    yield load.body, ActingForce(along * size, at.k.z[load.at])
+    yield at.scene.slides[load.body].on, ActingForce(-along * size, at.k.z[load.at])
+
+
+@acts.register
+def _moment(load: Moment, _: int, at: Instants) -> Acting:
+    yield load.body, ActingForce(samples(0j), at.k.z[load.at], at.size(load, load.moment))
+
+
+@acts.register
+def _spring(spring: Spring, _number: int, at: Instants) -> Acting:
+    z, v, damping = at.k.z, at.k.v, spring.damping
+    for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+        if body != GROUND:
+            d: Any = z[other] - z[point]
+            apart = np.abs(d)  # without a free length and a damping there is no pull where ends meet
+            along = d / (chosen(apart + spring.length > 0, apart, 1.0) if damping is None else apart)
+            pull = spring.stiffness * (d - spring.length * along)
+            if damping is not None:
+                pull = pull + damping * dot(along, v[other] - v[point]) * along
+            yield body, ActingForce(pull, z[point])
+
+
+@acts.register
+def _torsion_spring(spring: Twist, number: int, at: Instants) -> Acting:
+    if sign := spring.drives(at.scene):
+        phi = sign * at.given["position"]
+    else:
+        phi = twist(spring, at.k)
+        phi = phi + tau * np.floor((at.given[_twist_input(number)] - phi) / tau + 0.5)
+    moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
+    for body, share in ((spring.second, moment), (spring.first, -moment)):
+        yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
+
+
+def twist(spring: Twist, k: Kinematics) -> Any:
+    """The angle of a torsion spring's second body less that of its first, from -pi to pi."""
+    turned = k.u[spring.second] * k.u[spring.first].conjugate()
+    return np.arctan2(turned.imag, turned.real)
+
+
+def wound(scene: Scene) -> Mapping[str, Twist]:
+    """Torsion springs, but the drive's own, by the input that has their angle over whole turns roughly, rad."""
+    return {_twist_input(n): spring for n, spring in enumerate(scene.torsion_springs) if not spring.drives(scene)}
+
+
+def _twist_input(number: int) -> str:
+    return f"twist.{number}"
+
+
+def stroke_end_input(number: int) -> str:
+    """The name of the input that is where a press force's stroke ends, m, by the number of the load."""
+    return f"stroke_end.{number}"

@@ -1,0 +1,45 @@
+"""Angles of springs that twist, over whole turns: positions of the drive are solved in any order."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import pi, tau
+from typing import TypeAlias
+
+import numpy as np
+
+from scenes import Scene
+from scenes.model.motion import Samples
+
+from ..core.decomposition import Linkage
+from ..core.elements import twist, wound
+from .motion_range import SAMPLES, motion_at
+
+HALF_TURN = pi - 1e-9  # rad: by so much less clockwise it is one counter-clockwise
+
+Winding: TypeAlias = Callable[[Samples], Samples]  # position of the drive -> an angle, within a small part of a turn
+
+
+def windings(scene: Scene, linkage: Linkage) -> Mapping[str, Winding]:
+    """By input, the angles of torsion springs, each followed over the drive's way; from -pi to pi at its start."""
+    springs, start = wound(scene), np.array(scene.drive.start)
+    if not springs:
+        return {}
+    turns, (least, most) = scene.driven_slide is None, scene.drive.extent
+    way = np.linspace(least, least + tau if turns else most, SAMPLES + 1)
+    k, found = motion_at(scene, linkage, np.append(way, start), rates=False), {}
+    for name, spring in springs.items():
+        wrapped = twist(spring, k) + np.zeros(len(way) + 1)
+        known = np.isfinite(wrapped[:-1])
+        known[:1] |= not known.any()  # so that it is told when it is solved
+        angle = np.unwrap(wrapped[:-1][known])
+        rough = partial(_followed, turns, way[known])
+        off = wrapped[-1] + tau * (wrapped[-1] < -HALF_TURN) - rough(angle, start)
+        found[name] = partial(rough, angle + tau * np.round(off / tau))
+    return found
+
+
+def _followed(turns: bool, way: Samples, angle: Samples, position: Samples) -> Samples:
+    """An angle given along a way, beyond which a slider's stays, and a crank's goes on, turn after turn."""
+    whole = np.floor((position - way[0]) / tau) if turns else np.zeros(())
+    gain: Samples = tau * np.round((angle[-1] - angle[0]) / tau) * whole
+    return gain + np.interp(position - tau * whole, way, angle)
