@@ -17,7 +17,8 @@ from .demands import unmet_by_numbers, unmet_together
 
 Value: TypeAlias = float | str
 ONCE = "expected each number once, and a path before leads to this one too"
-VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "gravity")  # what machines of one drive may differ in
+# what machines of one drive may differ in
+VARIED = ("ground", "bodies", "drive.speed", "loads", "springs", "torsion_springs", "gravity")
 
 
 def numbers(tables: Mapping[str, Any], paths: Sequence[str]) -> list[float]:
