@@ -19,6 +19,7 @@ from compare.mechanics.mechanics import Mechanics
 from compare.mechanics.reference import Reference
 from compare.study import Study, study
 from scenes import Motion, Sampling, Scene, Settings
+from scenes.elements import PLAIN_KINDS
 from scenes.model.motion import quantity
 
 SLOW = pytest.mark.slow  # left out unless asked for by `pytest -m slow`, as .ci/run does
@@ -87,6 +88,7 @@ class Stub:
     LONG_WORK_PRECISION: tuple[Settings, ...] = ()
     FAST = EXACT = DEFAULT
     ABLATIONS: tuple[Settings, ...] = ()
+    KINDS = PLAIN_KINDS
     at_steps = iterations_needed = None
     counters: Mapping[str, int] = {}
     residuals: Mapping[str, float] = {}

@@ -10,6 +10,7 @@ from compare.measure.speed.row import SpeedRow
 from compare.measure.speed.timing import Budget
 from compare.mechanics.reference import Reference
 from scenes import Failure, Motion, Sampling, Scene, Settings, Status
+from scenes.elements import PLAIN_KINDS
 
 STEPS = (72, 144, 360, 720, 1440, 7200)
 FULL = Budget(10, inf, full=True, point_s=inf)
@@ -72,6 +73,7 @@ class StubEngine:
     LONG_WORK_PRECISION: tuple[Settings, ...] = (second_order(3600),)
     FAST, DEFAULT, EXACT = WORK_PRECISION[0], second_order(720), LONG_WORK_PRECISION[0]
     ABLATIONS: tuple[Settings, ...] = (StubSettings("in space", 720),)
+    KINDS = PLAIN_KINDS
 
     def __init__(self, reference: Reference, clock: Clock) -> None:
         self.reference, self.clock = reference, clock
