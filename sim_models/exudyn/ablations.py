@@ -22,7 +22,7 @@ from .drive import ExudynDrive
 from .equations import blocks
 from .poses import PoseSolver
 from .settings import ExudynExtra, TextbookTimeStepping, TimeStepping
-from .system import Array, ExudynSystem, exudyn, items
+from .system import TURN, Array, ExudynSystem, exudyn, items
 
 
 class ReducedSystem(ExudynSystem):
@@ -73,14 +73,12 @@ class ReducedSystem(ExudynSystem):
             planar[:, :, 0], planar[:, :, 1] = com.real, com.imag
         if len(samples) > 3:
             for rows in blocks(wide[0]):
-                wide[3, rows] = self._all_multipliers(
-                    poses, wide[0, rows], wide[2, rows], samples[3, rows], times[rows]
-                )
+                wide[3, rows] = self._all_multipliers(poses, wide[:3, rows], samples[3, rows], times[rows])
         return wide
 
-    def _all_multipliers(self, poses: PoseSolver, q: Array, a: Array, multipliers: Array, times: Array) -> Array:
-        """Those of all joints, shape (n, constraints), from those that this system has."""
-        whole, equations = poses.system, poses.equations
+    def _all_multipliers(self, poses: PoseSolver, motion: Array, multipliers: Array, times: Array) -> Array:
+        """Those of all joints, shape (n, constraints), from those that this system has, and what it recorded."""
+        (q, v, a), whole, equations = motion, poses.system, poses.equations
         every = np.zeros(q.shape)
         for mine, theirs in ((self.pins, whole.pins), (self.slides, whole.slides)):
             for name, joint in mine.items():
@@ -88,7 +86,7 @@ class ReducedSystem(ExudynSystem):
         effort = self.drive_factor * multipliers[:, self.columns(self.drive)]
         every[:, whole.columns(whole.drive)] = effort / whole.drive_factor
         jacobian = equations.jacobian(q)
-        rest = equations.forces(q, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
+        rest = equations.forces(q, v, times) - equations.masses * a - np.einsum("nck,nc->nk", jacobian, every)
         for number, name in enumerate(self.bodies):
             if name in self.reduced:
                 turns = name in self.pivots
@@ -127,21 +125,24 @@ class ReducedSystem(ExudynSystem):
         axes = [[x.real, -x.imag, 0], [x.imag, x.real, 0], [0, 0, 1]]
         return self.mbs.AddObject(items.ObjectMass1D(mass=body.mass, referenceRotation=axes, **place))
 
-    def marker(self, body: str, place: complex, kind: str = "Position") -> Any:
-        """A marker at a place of a body, along the axes that it has here."""
+    def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
+        """A body's object, and a place along the axes that it has here."""
         if body in self.pivots:
             place = place - self._pivot(body)
         elif body in self.sliders:
             place = place * self.along(body).conjugate()
-        return super().marker(body, place, kind)
+        return super().placed(body, place)
 
-    def _coordinate(self, body: str, number: int) -> Any:
-        return super()._coordinate(body, 0 if body in self.reduced else number)
+    def coordinate(self, body: str, number: int) -> Any:
+        """A marker on the one coordinate of a body, or on a coordinate, or on the ground's zero."""
+        if body in self.sliders and number == TURN:
+            return super().coordinate(GROUND, 0)
+        return super().coordinate(body, 0 if body in self.reduced else number)
 
     def _drive_markers(self) -> tuple[float, Any, Any, float]:
         driven = self.scene.drive.body
         if driven in self.sliders:
-            return 1.0, self._coordinate(GROUND, 0), self._coordinate(driven, 0), 1.0
+            return 1.0, self.coordinate(GROUND, 0), self.coordinate(driven, 0), 1.0
         return super()._drive_markers()
 
 

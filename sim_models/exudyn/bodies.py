@@ -3,14 +3,15 @@
 A point of the plane is a complex number, x + iy.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, log2, sqrt
+from typing import Any
 
 import numpy as np
 
 from scenes import Failure, Scene, Status
-from scenes.scene import Body, ForceTable, PlainLoad
+from scenes.scene import Body, Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
 
 LIGHTER = 2.0**30  # times are the bodies of a kinematic scene than their unit of force suggests
 
@@ -58,12 +59,28 @@ def force_unit(scene: Scene, bodies: Mapping[str, ExudynBody], size: float) -> f
     rate = scene.drive.peak_rate / (1.0 if scene.driven_slide is None else most - least)
     acceleration = size * rate**2 + float(np.hypot(*(scene.gravity or (0.0, 0.0))))
     forces = [body.mass * acceleration for body in bodies.values()]
-    for load in scene.loads:
-        assert isinstance(load, PlainLoad)
-        forces += map(abs, load.forces if isinstance(load, ForceTable) else load.force)
-    forces += [spring.stiffness * size for spring in scene.springs]
+    forces += [_largest(load, size) for load in scene.loads]
+    forces += [spring.stiffness * size + (spring.damping or 0.0) * size * rate for spring in scene.springs]
+    twists = scene.torsion_springs
+    forces += [(t.stiffness * (1 + abs(t.angle)) + (t.damping or 0.0) * rate) / size for t in twists]
     largest = max(forces) * (1.0 if scene.has_masses else LIGHTER)
     return 2.0 ** round(log2(largest)) if largest > 0 else 1.0
+
+
+def _largest(load: Load, size: float) -> float:
+    """The largest force of a load, N, a moment's on an arm as long as the linkage."""
+    values: Sequence[Any]
+    match load:
+        case Moment(moment=constant, table=table) | GuideForce(force=constant, table=table):
+            values = table.values if table else (constant,)
+        case TableForce():
+            values = load.table.values
+        case ForceTable():
+            values = load.forces
+        case Force() | PressForce():
+            values = load.force
+    largest = max(abs(float(value)) for value in values)
+    return largest / size if isinstance(load, Moment) else largest
 
 
 def _local_points(scene: Scene, body: Body) -> dict[str, complex]:

@@ -29,8 +29,7 @@ def kinematics(
 ) -> dict[str, Array]:
     """The channels of points and angles, from positions, velocities and, where any needs them, accelerations."""
     scene = system.scene
-    com, angle = system.pose_of(scene.drive.body, q)
-    every = {scene.drive_channel: angle if scene.driven_slide is None else system.displaced(scene.drive.body, com)}
+    every = {scene.drive_channel: system.driven(q)}
     for point in scene.moving_points:
         if wanted.isdisjoint(f"{point}.{level}{axis}" for level in ("", "v", "a") for axis in "xy"):
             continue

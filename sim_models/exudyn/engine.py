@@ -7,13 +7,13 @@ there.
 """
 
 from scenes import Request, Scene
-from scenes.elements import PLAIN_KINDS
+from scenes.elements import ALL_KINDS
 from scenes.model.engine import Simulation
 
 from . import settings as named
 from .settings import ExudynSettings, Pointwise
 
-KINDS = PLAIN_KINDS
+KINDS = ALL_KINDS
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION = named.WORK_PRECISION, named.LONG_WORK_PRECISION
 at_steps, iterations_needed = named.at_steps, None  # a step is solved by Newton's method

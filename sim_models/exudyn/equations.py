@@ -75,12 +75,10 @@ class Equations:
         return np.asarray(self._solver.GetSystemResidual()[self._n :])
 
     @_of_many
-    def forces(self, q: Array, time: float) -> Array:
-        """Return f at an instant, s: in the system's unit of force, and that times m, shape (3 bodies,).
-
-        Loads, springs and gravity do not depend on velocities; a press load is a function of the time.
-        """
+    def forces(self, q: Array, v: Array, time: float) -> Array:
+        """Return f at an instant, s: in the system's unit of force, and that times m, shape (3 bodies,)."""
         self._state.SetODE2Coordinates(q)
+        self._state.SetODE2Coordinates_t(v)
         self._state.SetTime(time)
         self._solver.ComputeODE2RHS(self._mbs)
         return np.asarray(self._solver.GetSystemResidual()[: self._n])

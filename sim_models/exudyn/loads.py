@@ -1,51 +1,129 @@
 """Loads, springs and gravity of a scene on its Exudyn system, and when its press loads act.
 
 A press load jumps. In two runs that are extrapolated it must jump at the same instants, so these are found beforehand,
-from poses. A table's force depends on where its slider is in the step at hand.
+from poses. A table's value depends on where its slider or the drive is in the step at hand.
 """
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
+from math import ceil, tau
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.scene import Force, ForceTable, PressForce
+from scenes.elements.tables import Over, Table
+from scenes.scene import (
+    GROUND,
+    Force,
+    ForceTable,
+    GuideForce,
+    Load,
+    Moment,
+    PressForce,
+    TableForce,
+    TorsionSpring,
+)
 
 from .poses import Configuration, PoseSolver
-from .system import Array, ExudynSystem, exudyn, items
+from .system import TURN, Array, ExudynSystem, exudyn, items
 
 ForceFunction: TypeAlias = Callable[[Any, float, Any], list[float]]  # of the system, its clock, and a force not used
 PressSwitches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
 
 GRID = 180  # instants of a cycle between which a slider reverses once at most
+SAME_ANGLE = 1e-9  # of a turn: half a turn is that, whichever way it was rounded
 ACCURACY = 1e-13  # of a cycle, far within the next
 SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
 
-def add_loads(system: ExudynSystem, switches: PressSwitches) -> None:
-    """Add all forces on the bodies to an assembled system, and assemble it again."""
+def add_loads(system: ExudynSystem, switches: PressSwitches, start: Configuration) -> None:
+    """Add all that acts on the bodies to an assembled system, given the state at time zero, and assemble it again."""
     scene, unit = system.scene, system.force_unit
-
-    def add(marker: Any, **force: Any) -> None:
-        system.mbs.AddLoad(items.Force(markerNumber=marker, **force))
-
     for load in scene.loads:
-        at = system.at(load.body, load.at)
-        if isinstance(load, Force):
-            add(at, loadVector=[*(f / unit for f in load.force), 0])
-        elif isinstance(load, ForceTable):
-            add(at, loadVectorUserFunction=_tabulated(system, load))
-        elif isinstance(load, PressForce):
-            add(at, loadVectorUserFunction=_switched(system, load, switches[load]))
+        _add_load(system, load, switches)
     for spring in scene.springs:
-        ends, stiffness = [system.at(*spring.first), system.at(*spring.second)], spring.stiffness / unit
-        system.mbs.AddObject(items.SpringDamper(markerNumbers=ends, stiffness=stiffness, referenceLength=spring.length))
+        ends = {"markerNumbers": [system.at(*spring.first), system.at(*spring.second)]}
+        values = {"stiffness": spring.stiffness / unit, "damping": (spring.damping or 0.0) / unit}
+        system.mbs.AddObject(items.SpringDamper(**ends, **values, referenceLength=spring.length))
+    for twisted in scene.torsion_springs:
+        ends = {"markerNumbers": [system.coordinate(body, TURN) for body in (twisted.first, twisted.second)]}
+        values = {"stiffness": twisted.stiffness / unit, "damping": (twisted.damping or 0.0) / unit}
+        turns = 0 if twisted.drives(scene) else _turns(system, twisted, start)
+        system.mbs.AddObject(items.CoordinateSpringDamper(**ends, **values, offset=twisted.angle + turns * tau))
     if scene.gravity is not None:
         for name, body in system.bodies.items():
-            add(system.marker(name, 0j), loadVector=[*(body.mass * g for g in scene.gravity), 0])
+            weight = [*(body.mass * g for g in scene.gravity), 0]
+            system.mbs.AddLoad(items.Force(markerNumber=system.marker(name, 0j), loadVector=weight))
     system.mbs.Assemble()
+
+
+def _add_load(system: ExudynSystem, load: Load, switches: PressSwitches) -> None:
+    """Add a load; one in its body's frame, or along a guide that turns, is fixed to the body that it acts on."""
+    turns, at = load.body in system.scene.turning, system.bodies[load.body].points[load.at]
+
+    def force(given: Mapping[str, Any], body: str = load.body, place: complex = at, *, fixed: bool = False) -> None:
+        marker = system.marker(body, place, "Rigid" if fixed else "Position")
+        system.mbs.AddLoad(items.Force(markerNumber=marker, bodyFixed=fixed, **given))
+
+    match load:
+        case Force():
+            force(_given(system, (*load.force, 0.0)), fixed=turns and load.frame == "body")
+        case ForceTable():
+            force({"loadVectorUserFunction": _tabulated(system, load)})
+        case PressForce():
+            force({"loadVectorUserFunction": _switched(system, load, switches[load])})
+        case TableForce():
+            given = _given(system, (*load.direction, 0.0), load.table, load.body)
+            force(given, fixed=turns and load.frame == "body")
+        case Moment():
+            given = _given(system, (0.0, 0.0, 1.0 if load.moment is None else load.moment), load.table, load.body)
+            system.mbs.AddLoad(items.Torque(markerNumber=system.marker(load.body, 0j, "Rigid"), **given))
+        case GuideForce():
+            slide, size = system.scene.slides[load.body], 1.0 if load.force is None else load.force
+            x, y = (size * part for part in slide.along)
+            force(_given(system, (x, y, 0.0), load.table, load.body), fixed=turns)
+            if slide.on != GROUND:  # on the carrier the line on which both act stays where it is
+                place = system.through(load.body) + at - system.lever(load.body)
+                force(_given(system, (-x, -y, 0.0), load.table, load.body), slide.on, place, fixed=turns)
+
+
+def _given(
+    system: ExudynSystem, vector: tuple[float, float, float], table: Table | None = None, body: str = ""
+) -> dict[str, Any]:
+    """A vector in N or N m, or times the value of a table of a load on a body, as an argument of Exudyn's loads."""
+    parts = [part / system.force_unit for part in vector]
+    if table is None:
+        return {"loadVector": parts}
+    argument = _argument(system, table.over, body)
+
+    def scaled(mbs: Any, clock: float, _unused: Any) -> list[float]:
+        value = float(table.at(argument(mbs, clock)))
+        return [value * part for part in parts]
+
+    return {"loadVectorUserFunction": scaled}
+
+
+def _argument(system: ExudynSystem, over: Over, body: str) -> Callable[[Any, float], float]:
+    """What a table of a load on a body is over, as a function of the system, as it is then, and its clock."""
+    scene, drive, coordinates = system.scene, system.driven_by, exudyn.OutputVariableType.Coordinates
+    if over == "time":
+        return lambda _mbs, clock: drive.zero + clock
+    if over == "displacement" or scene.driven_slide is not None:
+        gauge = system.gauge(body if over == "displacement" else scene.drive.body)
+        return lambda mbs, _clock: float(mbs.GetMarkerOutput(gauge, coordinates)[0])
+    base, crank = (system.coordinate(name, TURN) for name in (scene.drive_on, scene.drive.body))
+    return lambda mbs, _clock: float(
+        mbs.GetMarkerOutput(crank, coordinates)[0] - mbs.GetMarkerOutput(base, coordinates)[0]
+    )
+
+
+def _turns(system: ExudynSystem, twisted: TorsionSpring, start: Configuration) -> int:
+    """The whole turns by which the coordinates' angle exceeds the one that lies within half a turn of zero."""
+    first, second = (
+        0.0 if name == GROUND else system.pose_of(name, start.q)[1] for name in (twisted.first, twisted.second)
+    )
+    return ceil((second - first) / tau - 0.5 - SAME_ANGLE)
 
 
 def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:

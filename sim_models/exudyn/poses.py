@@ -153,7 +153,7 @@ class PoseSolver:
 
     def multipliers(self, state: Configuration, rate: ArrayLike, acceleration: ArrayLike, time: ArrayLike) -> Array:
         """The Lagrange multipliers of a motion that has this state at an instant, s."""
-        forces = self.equations.forces(state.q, time)
+        forces = self.equations.forces(state.q, state.velocities(rate), time)
         inertia = self.equations.masses * state.accelerations(rate, acceleration)
         return _times(np.swapaxes(state.inverse, -1, -2), forces - inertia)
 

@@ -2,7 +2,8 @@
 
 from cmath import phase
 from functools import lru_cache
-from math import pi
+from math import pi, remainder, sqrt, tau
+from typing import Any
 
 import numpy as np
 
@@ -46,28 +47,66 @@ def _rough(system: ExudynSystem, position: float) -> Array:
 
     A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
     """
-    scene, places = system.scene, system.scene.drawn
-    own, drawn = {}, {}
-    for name, body in system.bodies.items():
-        known = [point for point in body.points if point in places]
-        own[name] = np.array([body.points[point] for point in known])
-        drawn[name] = np.array([places[point] for point in known])
-
-    def turned(name: str) -> float:
-        if GROUND in scene.aligned[name]:
-            return 0.0
-        if scene.drive.body in scene.aligned[name]:
-            return position
-        # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
-        shown = [other for other in scene.aligned[name] if len(own[other]) > 1]
-        return phase(sum(np.vdot(own[n] - own[n].mean(), drawn[n] - drawn[n].mean()) for n in sorted(shown)))
-
+    drawing = _Drawing(system, position)
     pose = []
-    for name in system.bodies:
-        angle = turned(name)
-        com = (drawn[name] - np.exp(1j * angle) * own[name]).mean() if len(own[name]) else 0j
+    for name, own in drawing.own.items():
+        angle = drawing.angle(name)
+        com = (drawing.drawn[name] - np.exp(1j * angle) * own).mean() if len(own) else 0j
         pose += [com.real, com.imag, angle]
     return np.array(pose)
+
+
+class _Drawing:
+    """The sketched points of every body, along its own axes and as drawn, and how bodies are turned by them."""
+
+    def __init__(self, system: ExudynSystem, position: float) -> None:
+        self.system, self.scene, self.position = system, system.scene, position
+        self.own, self.drawn = {}, {}
+        places = self.scene.drawn
+        for name, body in system.bodies.items():
+            known = [point for point in body.points if point in places]
+            self.own[name] = np.array([body.points[point] for point in known])
+            self.drawn[name] = np.array([places[point] for point in known])
+
+    def angle(self, name: str) -> Any:
+        """The angle of a body; of two that the drive turns against each other, one may follow from the other's."""
+        scene, shown = self.scene, self._shown(name)
+        base, crank = scene.drive_on, scene.drive.body
+        if base != GROUND and scene.driven_slide is None:
+            on = self._shown(base)
+            on = self._shown(crank) - self.position if on is None else on
+            if name in scene.aligned[base]:
+                return on
+            if name in scene.aligned[crank]:
+                turns = on + self.position
+                return turns if shown is None else turns + remainder(shown - turns, tau)
+        return shown
+
+    def _shown(self, name: str) -> Any:
+        """The angle of a body as it and those parallel to it are drawn; None where they do not show it."""
+        scene, group = self.scene, sorted(self.scene.aligned[name])
+        if GROUND in group:
+            return 0.0
+        if scene.drive_on == GROUND and scene.drive.body in group:
+            return self.position
+        # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
+        pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in map(self._of, group) if len(own) > 1]
+        on_guides = [n for n in group if n in scene.slides and len(self.own[n]) and len(self.own[scene.slides[n].on])]
+        pairs = pairs or [self._along_guide(slider) for slider in on_guides]
+        return phase(sum(np.vdot(*pair) for pair in pairs)) if pairs else None
+
+    def _of(self, name: str) -> tuple[Array, Array]:
+        return self.own[name], self.drawn[name]
+
+    def _along_guide(self, slider: str) -> tuple[complex, complex]:
+        """The way from a point of what has a guide to one of its slider, m: in their frame, and as drawn."""
+        system, on, along = self.system, self.scene.slides[slider].on, self.system.along(slider)
+        drawn = self.drawn[slider][0] - self.drawn[on][0]
+        own = system.through(slider) + self.own[slider][0] - system.lever(slider) - self.own[on][0]
+        if slider == self.scene.drive.body:
+            return own + along * self.position, drawn
+        off = (along.conjugate() * own).imag
+        return along * complex(sqrt(max(abs(drawn) ** 2 - off**2, 0.0)), off), drawn  # the slider is pushed out
 
 
 def _check_freedoms(system: ExudynSystem, q: Array) -> None:

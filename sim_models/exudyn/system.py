@@ -19,6 +19,8 @@ from scenes.scene import GROUND, Slide
 from .bodies import force_unit, linkage_size, rigid_body
 from .drive import ExudynDrive
 
+TURN = 2  # of x, y and the angle
+
 Array: TypeAlias = NDArray[np.float64]
 Chosen: TypeAlias = slice | NDArray[np.intp]
 
@@ -94,21 +96,59 @@ class ExudynSystem:
         first = com + self.lever(body) - complex(*self.scene.slides[body].through)
         return (self.along(body).conjugate() * first).real
 
+    def displacement(self, body: str, q: Array) -> Any:
+        """The displacement of a slider, m, from coordinates, shape (..., 3 bodies)."""
+        (com, angle), on = self.pose_of(body, q), self.scene.slides[body].on
+        if on == GROUND:
+            return self.displaced(body, com)
+        carrier, turn = self.pose_of(on, q)
+        first = (com + self.lever(body) * np.exp(1j * angle) - carrier) * np.exp(-1j * turn) - self.through(body)
+        return (self.along(body).conjugate() * first).real
+
+    def driven(self, q: Array) -> Any:
+        """The position of the drive, rad or m, from coordinates, shape (..., 3 bodies)."""
+        scene = self.scene
+        if scene.driven_slide is not None:
+            return self.displacement(scene.drive.body, q)
+        angle = self.pose_of(scene.drive.body, q)[1]
+        return angle if scene.drive_on == GROUND else angle - self.pose_of(scene.drive_on, q)[1]
+
     def displacement_factors(self, body: str) -> Any:
         """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
         factors = np.zeros(self.node_size)
         factors[list(self.in_plane)] = self.along(body).real, self.along(body).imag, 0
         return factors
 
+    def placed(self, body: str, place: complex) -> tuple[Any, list[float]]:
+        """A body's object, and a place of it, or the ground's."""
+        return self._ground if body == GROUND else self.objects[body], [place.real, place.imag, 0]
+
     def marker(self, body: str, place: complex, kind: str = "Position") -> Any:
         """A marker at a place, m: from a body's centre of mass along its own axes, or of the ground."""
-        number, create = self._ground if body == GROUND else self.objects[body], getattr(items, f"MarkerBody{kind}")
-        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=[place.real, place.imag, 0]))
+        create, (number, at) = getattr(items, f"MarkerBody{kind}"), self.placed(body, place)
+        return self.mbs.AddMarker(create(bodyNumber=number, localPosition=at))
 
     def at(self, body: str, point: str) -> Any:
         """A marker at a point of a body or of the ground."""
         ground = body == GROUND
         return self.marker(body, complex(*self.scene.ground[point]) if ground else self.bodies[body].points[point])
+
+    def through(self, body: str) -> complex:
+        """Where a slider's guide goes through, m: from the centre of mass of what has it, or on the ground."""
+        slide = self.scene.slides[body]
+        return complex(*slide.through) - (0j if slide.on == GROUND else self.bodies[slide.on].com)
+
+    def gauge(self, body: str) -> Any:
+        """A marker whose coordinate is a slider's displacement, m.
+
+        Its Jacobian takes the slider's first point to be on the guide, where a turning guide does not move it along.
+        """
+        slide = self.scene.slides[body]
+        carrier, zero = self.placed(slide.on, self.through(body))
+        slider, first = self.placed(body, self.lever(body))
+        places = {"localPosition0": zero, "localPosition1": first, "axis0": [*slide.along, 0]}
+        create = items.MarkerBodiesRelativeTranslationCoordinate
+        return self.mbs.AddMarker(create(bodyNumbers=[carrier, slider], **places))
 
     def columns(self, constraint: Any) -> list[int]:
         """The indices of a constraint's multipliers among all."""
@@ -119,7 +159,7 @@ class ExudynSystem:
         node = self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D())
         return self.mbs.AddObject(items.RigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node))
 
-    def _coordinate(self, body: str, number: int) -> Any:
+    def coordinate(self, body: str, number: int) -> Any:
         """A marker on x, y or the angle of a body, or on the ground's zero."""
         node, place = (self._ground_node, 0) if body == GROUND else (self.nodes[body], self.in_plane[number])
         return self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
@@ -151,29 +191,33 @@ class ExudynSystem:
         """
         along = self.along(name)
         first = self.marker(name, self.lever(name), "Rigid")
-        second = self.marker(slide.on, complex(*slide.through) - self.bodies[slide.on].com, "Rigid")
+        second = self.marker(slide.on, self.through(name), "Rigid")
         axes = {"axisMarker0": [along.real, along.imag, 0], "normalMarker1": [-along.imag, along.real, 0]}
         return self.mbs.AddObject(items.PrismaticJoint2D(markerNumbers=[first, second], **axes))
 
     def _drive_markers(self) -> tuple[float, Any, Any, float]:
         """A factor, and the two coordinates whose difference, the second times a ratio, is that of the position.
 
-        The position is the angle of a crank. That of a slider is along . (x, y), but for a constant; the constraint
-        has one coordinate without a factor, so its factor makes that of the larger part -1.
+        The position is the angle of a crank, or a displacement along a moving guide. That of a slider on the ground is
+        along . (x, y), but for a constant; the constraint has one coordinate without a factor, so its factor makes that
+        of the larger part -1.
         """
         name = self.scene.drive.body
         if self.scene.driven_slide is None:
-            return 1.0, self._coordinate(GROUND, 0), self._coordinate(name, 2), 1.0
+            return 1.0, self.coordinate(self.scene.drive_on, TURN), self.coordinate(name, TURN), 1.0
+        if self.scene.drive_on != GROUND:
+            return 1.0, self.coordinate(GROUND, 0), self.gauge(name), 1.0
         parts = (self.along(name).real, self.along(name).imag)
         large = int(abs(parts[1]) > abs(parts[0]))
         factor = -1 / parts[large]
-        return factor, self._coordinate(name, large), self._coordinate(name, 1 - large), factor * parts[1 - large]
+        return factor, self.coordinate(name, large), self.coordinate(name, 1 - large), factor * parts[1 - large]
 
     def _add_drive(self, drive: ExudynDrive) -> tuple[Any, float]:
         """Hold factor * (position - the drive's) at zero; return constraint and factor."""
         name = self.scene.drive.body
         factor, first, second, ratio = self._drive_markers()
-        zero = 0.0 if self.scene.driven_slide is None else self.displaced(name, 0j)
+        grounded = self.scene.driven_slide is not None and self.scene.drive_on == GROUND
+        zero = self.displaced(name, 0j) if grounded else 0.0
         # The functions hold no reference to self: through it, they and the system would keep each other alive.
         held = items.CoordinateConstraint(
             markerNumbers=[first, second],

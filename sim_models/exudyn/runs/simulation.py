@@ -30,7 +30,7 @@ class ExudynSimulation:
         self._at_start, self._switches = begun(scene, si=si)
         self.poses = PoseSolver(scene, si=si)
         self.system = self.poses.system
-        add_loads(self.system, self._switches)
+        add_loads(self.system, self._switches, self._at_start)
         self.times, self.positions = self.sampling.times(scene), self.sampling.commanded(scene)
         self.counters: dict[str, int] = {}
         self.residuals: dict[str, float] = {}
@@ -55,7 +55,7 @@ class ExudynSimulation:
         for spring in self.scene.springs:
             (_, p), (_, q) = spring.first, spring.second
             length = np.abs(channels.place(self.system, q, self._q) - channels.place(self.system, p, self._q))
-            if spring.length > 0 and not length.min() > SPRING_LIMIT * self.system.size:
+            if spring.needs_direction and not length.min() > SPRING_LIMIT * self.system.size:
                 where = self.scene.where(self.positions[np.argmin(length)])
                 reason = f"a spring has no direction at {where}: {p} and {q} meet"
                 raise Failure(Status.nonfinite, reason, self._motion)

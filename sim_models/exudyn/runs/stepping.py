@@ -53,7 +53,7 @@ class TimeSteppedSimulation(ExudynSimulation):
         kind = SpatialSystem if options.extra is ExudynExtra.SPATIAL else ExudynSystem
         kind = ReducedSystem if options.reduced else kind
         self.model = kind(scene, self.drive, si=si)
-        add_loads(self.model, self._switches)
+        add_loads(self.model, self._switches, self._at_start)
         step = self._step(self.stretches[0].stride)
         add_extras(self.model, options, step, forces=self.sampling.wants_forces(scene))
         _configure(self.model, options)

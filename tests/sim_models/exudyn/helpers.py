@@ -18,6 +18,7 @@ from tests.agreement import errors, worst
 NAMES = (
     *scene_files.MECHANISMS,
     *("wedge", "wedge_of_points", "oldham", "shared_pivot", "toggle_press", "loaded_four_bar", "three_at_a_pin"),
+    *("elements", "busy_bucket", "elbow", "sleeved_elbow", "swung_bucket", "lift"),
 )
 ROD = "bodies.rod.lengths.P4-P5"
 CHEAP = next(settings for settings in LONG_WORK_PRECISION if settings.label == "trapezoidal, loose Newton, 144")
@@ -42,9 +43,9 @@ def locking(start: float, end: float = 100) -> Scene:
     return scene_files.load("toggle_press", {ROD: 200, "drive": drive})
 
 
-def meeting_spring(length: float) -> scene_files.Changes:
+def meeting_spring(length: float, **more: float) -> scene_files.Changes:
     """A spring for the slider-crank whose ends meet at the start."""
-    spring = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": length}
+    spring = {"between": ["ground.P", "slider.B"], "stiffness": 1000, "length": length, **more}
     return {"ground.points.P": [4, 0], "springs": [spring]}
 
 
