@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from scenes import Motion, Request, Sampling, Scene, Settings
+from scenes import Failure, Motion, Request, Sampling, Scene, Settings, Status
 from scenes.drive import Driven, Samples
 from scenes.elements import ALL_KINDS
 
@@ -17,6 +17,7 @@ from .core.kinematics import kinematics
 from .core.placing import Kinematics
 from .solve import Solver, solver
 from .way.change_points import check_way
+from .way.motion_range import motion_at
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ def _differences(steps: int) -> AnalyticSettings:
 
 
 KINDS = ALL_KINDS
+SHORTEST_SPRING = 1e-12  # of the longest arm: a shorter one's direction is round-off
 DEFAULT = AnalyticSettings("vector equations", promise=1e-12)
 WORK_PRECISION = (
     DEFAULT,
@@ -80,7 +82,21 @@ class AnalyticSimulation:
         assert self._motion is not None, "expected `solve` first"
         own = self._evaluated(self._own).samples if self._own.own else {}
         samples = {**self._motion.samples, **own}
-        return Motion({channel: values.astype(np.float64, copy=False) for channel, values in samples.items()})
+        motion = Motion({channel: values.astype(np.float64, copy=False) for channel, values in samples.items()})
+        if self._request.wants_forces(self._solver.scene):
+            self._check_springs(motion)
+        return motion
+
+    def _check_springs(self, motion: Motion) -> None:
+        """Raise Failure, `nonfinite`, where the ends of a spring meet that then has no direction."""
+        scene, linkage, position = self._solver.scene, self._solver.linkage, self._request.commanded(self._solver.scene)
+        for spring in (spring for spring in scene.springs if spring.needs_direction):
+            z = motion_at(scene, linkage, position, rates=False).z
+            apart = np.abs(z[spring.second[1]] - z[spring.first[1]])
+            if not apart.min() > SHORTEST_SPRING * linkage.arm:
+                ends, where = map(".".join, (spring.first, spring.second)), scene.where(float(position[apart.argmin()]))
+                why = f"the spring's ends {' and '.join(ends)} meet at {where}: it has no direction"
+                raise Failure(Status.nonfinite, why, motion)
 
     @property
     def counters(self) -> Mapping[str, int]:

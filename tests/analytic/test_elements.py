@@ -15,7 +15,7 @@ from analytic import engine
 from analytic.engine import WORK_PRECISION, AnalyticSettings
 from analytic.recorded.arithmetics.machine_code import COMPILES
 from analytic.solve import prepared
-from scenes import Motion, Sampling, Scene
+from scenes import Failure, Motion, Sampling, Scene, Status
 from scenes.elements import ALL_KINDS, PLAIN_KINDS
 from scenes.model.motion import channels, force_channels
 from tests import scene_files
@@ -237,7 +237,15 @@ def test_machines_and_derivatives() -> None:
 
 
 def test_where_the_ends_of_a_damper_meet() -> None:
+    """It has no direction there; the engine names it and the place, also where round-off keeps its ends apart."""
     damper = {"between": ["ground.S", "lever.C"], "damping": 3}
     scene = scene_files.load("lever", {"ground.points.S": [1000, 0], "springs": [damper], "gravity": None})
     for motion in (analytic.solve(scene, [0.0, 0.5]), analytic.fast_solver(scene)(np.array([0.0, 0.5]))):
         assert np.isnan(motion["drive.torque"]).tolist() == [True, False]
+    near = replace(scene, ground={**scene.ground, "S": (1.0, 1e-14)})
+    for one in (scene, near):
+        simulation = engine.build(one, engine.DEFAULT, Sampling(samples=8))
+        simulation.solve()
+        with pytest.raises(Failure, match=r"ground\.S and lever\.C meet at crank angle 0.0000 deg") as failure:
+            simulation.read()
+        assert failure.value.status is Status.nonfinite
