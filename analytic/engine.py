@@ -91,12 +91,11 @@ class AnalyticSimulation:
         """Raise Failure, `nonfinite`, where the ends of a spring meet that then has no direction."""
         scene, linkage, position = self._solver.scene, self._solver.linkage, self._request.commanded(self._solver.scene)
         for spring in (spring for spring in scene.springs if spring.needs_direction):
-            z = motion_at(scene, linkage, position, rates=False).z
-            apart = np.abs(z[spring.second[1]] - z[spring.first[1]])
+            ends, z = (spring.first, spring.second), motion_at(scene, linkage, position, rates=False).z
+            apart = np.abs(z[ends[1][1]] - z[ends[0][1]])
             if not apart.min() > SHORTEST_SPRING * linkage.arm:
-                ends, where = map(".".join, (spring.first, spring.second)), scene.where(float(position[apart.argmin()]))
-                why = f"the spring's ends {' and '.join(ends)} meet at {where}: it has no direction"
-                raise Failure(Status.nonfinite, why, motion)
+                place = f"{' and '.join(map('.'.join, ends))} meet at {scene.where(float(position[apart.argmin()]))}"
+                raise Failure(Status.nonfinite, f"the spring's ends {place}: it has no direction", motion)
 
     @property
     def counters(self) -> Mapping[str, int]:

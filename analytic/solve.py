@@ -24,7 +24,7 @@ from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions
 from .core.placing import Kinematics
 from .recorded.arithmetics.in_numpy import StraightLine, blocks
-from .recorded.expressions import Inputs, Line
+from .recorded.expressions import Line
 from .recorded.program import Program, inputs_at, recorded
 from .way.motion_range import describe
 from .way.slider import stroke_end
@@ -119,7 +119,7 @@ class Solver:
         if self.recorded is None:
             return None
         program, line = self.recorded
-        rows = line(self.inputs_at(driven, time))[:, 0]
+        rows = line({**self.given_at(driven.position, time), **inputs_at(driven, [self.linkage.tracks])})[:, 0]
         return dict(zip(program.channels, rows, strict=False)) if (rows[-1] >= 0).all() else None
 
     def _by_formulas(self, driven: Driven, time: Samples) -> dict[str, Samples]:
@@ -146,10 +146,6 @@ class Solver:
         """What elements need besides the motion, at positions of the drive and instants, s, of one shape."""
         wound = {name: winding(position) for name, winding in self.windings.items()}
         return {**self.stroke_ends, **wound, "position": position, "time": time}
-
-    def inputs_at(self, driven: Driven, time: Samples) -> Inputs:
-        """The inputs of a line of the formulas that are no numbers of the scene."""
-        return {**inputs_at(driven, [self.linkage.tracks]), **self.given_at(driven.position, time)}
 
     @cached_property
     def recorded(self) -> tuple[Program, Line] | None:

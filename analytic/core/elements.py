@@ -123,7 +123,7 @@ def _torsion_spring(spring: Twist, number: int, at: Instants) -> Acting:
         phi = sign * at.given["position"]
     else:
         phi = twist(spring, at.k)
-        phi = phi + tau * np.floor((at.given[_twist_input(number)] - phi) / tau + 0.5)
+        phi = phi + tau * np.floor((at.given[f"twist.{number}"] - phi) / tau + 0.5)
     moment = spring.moment(phi, at.k.omega[spring.second] - at.k.omega[spring.first])
     for body, share in ((spring.second, moment), (spring.first, -moment)):
         yield body, ActingForce(samples(0j), at.k.z[spring.at], share)
@@ -137,11 +137,7 @@ def twist(spring: Twist, k: Kinematics) -> Any:
 
 def wound(scene: Scene) -> Mapping[str, Twist]:
     """Torsion springs, but the drive's own, by the input that has their angle over whole turns roughly, rad."""
-    return {_twist_input(n): spring for n, spring in enumerate(scene.torsion_springs) if not spring.drives(scene)}
-
-
-def _twist_input(number: int) -> str:
-    return f"twist.{number}"
+    return {f"twist.{n}": spring for n, spring in enumerate(scene.torsion_springs) if not spring.drives(scene)}
 
 
 def stroke_end_input(number: int) -> str:

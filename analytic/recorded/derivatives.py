@@ -13,9 +13,9 @@ from scenes.model.motion import Samples
 
 from ..solve import driven_at, solver
 from .arithmetics.in_numpy import StraightLine
-from .expressions import Expression, needed
+from .expressions import needed
 from .forward import forward
-from .program import Program, recorded
+from .program import inputs_at, recorded
 from .traced import traced
 
 
@@ -53,10 +53,13 @@ def derivative_solver(
     solve = solver(scene, channels)
     keys = [at_path(scene, path) for path in names("numbers", numbers)]
     program = recorded(scene, {*keys}, channels)
-    zero, order, rows = program.make.constant(0.0), needed(program.channels.values()), []
-    by_drive = _of_instants(program)
+    make, order, rows = program.make, needed(program.channels.values()), []
+    zero, instant = make.constant(0.0), make.input("time", sampled=True)
+    follows = make.input("time follows", sampled=False)  # 1 where it is not given
+    rate = make("negative", make("divide", follows, traced(make, getattr(program.scene.drive, "speed", 1.0)).x))
+    by_drive = {"drive.start": rate, "drive.speed": make("multiply", instant, rate)}  # of (position - start) / speed
     for key in keys:
-        d = forward(program.make, order, {program.numbers[key]: program.make.constant(1.0), **by_drive.get(key, {})})
+        d = forward(make, order, {program.numbers[key]: make.constant(1.0), instant: by_drive.get(key, zero)})
         rows += [d.get(made.order, zero) for made in program.channels.values()]
     line = StraightLine([*rows, program.reach])
     values = {key: scene.numbers[key].value for key in keys}
@@ -65,19 +68,11 @@ def derivative_solver(
     def at(position: ArrayLike, time: ArrayLike | None = None) -> Mapping[str, Samples]:
         position = finite_numbers("position", position)
         instants, driven = driven_at(scene, position, time)
-        found = line({**values, **solve.inputs_at(driven, instants), "time follows": float(time is None)})[:, 0]
+        given = {**solve.given_at(driven.position, instants), **inputs_at(driven, [solve.linkage.tracks])}
+        found = line({**values, **given, "time follows": float(time is None)})[:, 0]
         if not (found[-1] >= 0).all():
             solve(position, time)  # which tells where it does not reach
         by_number = found[:-1].reshape(len(keys), len(program.channels), len(position))
         return {name: by_number[:, c] * units for c, name in enumerate(program.channels)}
 
     return at
-
-
-def _of_instants(program: Program) -> dict[str, dict[Expression, Expression]]:
-    """How the instants change by numbers of the drive, where they are (position - start) / speed."""
-    make = program.make
-    time, follows = make.input("time", sampled=True), make.input("time follows", sampled=False)
-    speed = traced(make, getattr(program.scene.drive, "speed", 1.0)).x
-    rate = make("negative", make("divide", follows, speed))
-    return {"drive.start": {time: rate}, "drive.speed": {time: make("multiply", time, rate)}}
