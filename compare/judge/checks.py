@@ -15,8 +15,9 @@ from scenes.model.motion import Samples, kinematic_channels
 from scenes.scene import GROUND, Body
 
 from ..mechanics.bodies import distances
+from ..mechanics.elements import LoadedBody, drive_power, loaded_bodies
 from ..mechanics.mechanics import SHOWN_GROUPS, Mechanics
-from ..mechanics.motion_vectors import Acts, LoadedBody, MotionVectors
+from ..mechanics.motion_vectors import Acts, MotionVectors
 from ..mechanics.projection import projected
 from ..mechanics.reference import Acting, fitted
 from ..mechanics.round_off import EPS
@@ -173,16 +174,15 @@ def _balances(
     least: Violations = {}
     newtons = {c: float(np.abs(state.motion[c]).max()) for c in mechanics.forces if mechanics.units[c] == "N"}
     fastest = max((float(np.abs(state.point(p)[1]).max()) for p in mechanics.scene.moving_points), default=0.0)
-    drive = state.drive_power()
+    drive = drive_power(state)
 
     def misfit(acting: Acting) -> tuple[Samples, Mapping[str, Samples]]:
         """The power left over, to which all sliders add; the rest, each of one body, is the least of any."""
-        bodies = replace(state, acting=acting).bodies()
-        closed = replace(state, acting=acting, motion=estimated.closed).bodies()
+        bodies = loaded_bodies(replace(state, acting=acting))
+        closed = loaded_bodies(replace(state, acting=acting, motion=estimated.closed))
         left, terms = _newton_euler(bodies), [drive, *_powers(bodies)]
         peaks, carried = (
-            {name: max(float(np.abs(force).max()) for force, _ in body.pushes) for name, body in of.items()}
-            for of in (bodies, closed)
+            {name: max(_sizes(body, mechanics.size)) for name, body in of.items()} for of in (bodies, closed)
         )
         nothing = NOTHING * min(max(carried.values()), max(peaks.values()))
         own = {name: 0.0 if carried[name] < nothing else peak for name, peak in peaks.items()}
@@ -216,9 +216,15 @@ def _newton_euler(bodies: Mapping[str, LoadedBody]) -> Violations:
     return left
 
 
+def _sizes(body: LoadedBody, arm: float) -> Iterator[float]:
+    """Yield the peaks of the forces on a body, N, and of the moments of loads and springs, by an arm."""
+    yield from (float(np.abs(force).max()) for force, _ in body.pushes)
+    yield from (float(np.abs(push.moment).max()) / arm for push in body.applied)
+
+
 def _powers(bodies: Mapping[str, LoadedBody]) -> Iterator[Samples]:
     """Yield the power of each load, spring and weight, and less the rate of the kinetic energy of each body, W."""
     for body in bodies.values():
-        yield from ((push.velocity.conjugate() * push.force).real for push in body.applied)
+        yield from ((push.velocity.conjugate() * push.force).real + push.moment * body.omega for push in body.applied)
         linear = -body.mass * (body.velocity * body.acceleration.conjugate()).real
         yield linear - body.inertia * body.omega * body.alpha

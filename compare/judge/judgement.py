@@ -4,18 +4,21 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
+from math import ceil
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from scenes import Failure, Sampling, Scene, Settings, Status
 from scenes.bodies import heights
-from scenes.scene import MotionLaw
+from scenes.scene import GROUND, MotionLaw
 
 from ..engines import registry
 from ..engines.processes.stopping import kept
 from ..engines.registry import ORACLE, REFERENCE, voter
 from ..engines.runner import HERE, Runs
+from ..mechanics.axis import cycle_name
+from ..mechanics.elements import table_of
 from ..mechanics.reference import Reference
 from ..mechanics.round_off import explain
 from ..mechanics.scales import relative_errors
@@ -31,6 +34,7 @@ Offers: TypeAlias = Callable[[str], tuple[Sequence[Settings], str]]  # of an eng
 
 BEYOND = 0.01  # of a motion law's table: its spline may leave it by so much without a word
 FAR = 0.1  # of the largest length: shipped sketches are within 0.012 of it, a leg upside down is 0.28 and more off
+PART = 1e-9  # of a cycle: by how much the period of a table may be longer, by rounding
 NARROW = 0.05  # of its longest side: a plate no higher is as likely meant to be a bar
 
 
@@ -49,7 +53,7 @@ def judgement(
     """
     scene, explained = reference.scene, explain(reference, sampling)
     sketched = [*warnings(reference)]
-    reasons = [*notes(scene), *sketched]
+    reasons = [*notes(scene), *point_masses(scene), *parts_of_cycles(scene, sampling), *sketched]
 
     def main_runs() -> Iterator[Measurement]:
         for engine in engines:
@@ -132,6 +136,29 @@ def notes(scene: Scene) -> Iterator[str]:
                         f"{name}, of three points nearly on one line ({flat}), is taken for a uniform triangular plate;"
                         " a bar has up to twice the inertia: give com and inertia, or put the points on the line"
                     )
+
+
+def point_masses(scene: Scene) -> Iterator[str]:
+    """Yield a sentence on each cylinder and rod whose mass is taken to be at its one pin."""
+    for name, slide in scene.slides.items():
+        pair = [scene.bodies[each] for each in (name, slide.on) if each != GROUND]
+        if name in scene.turning and (name == scene.drive.body or all(len(body.points) == 1 for body in pair)):
+            for body in (body for body in pair if body.mass and body.com is None and len(body.points) == 1):
+                yield f"{body.name} is taken for a point mass at {body.points[0]}, its only pin: give com and inertia"
+
+
+def parts_of_cycles(scene: Scene, sampling: Sampling) -> Iterator[str]:
+    """Yield a sentence on each periodic table of a load of which the cycles asked for show a part."""
+    drive, cycle = scene.drive, cycle_name(scene)
+    cycles = {"drive": abs(float(drive.after(1.0) - drive.after(0.0))), "time": drive.cycle}
+    for number, load in enumerate(scene.loads):
+        table = table_of(load)
+        if table is None or not (table.periodic and drive.repeats and cycles.get(table.over)):
+            continue
+        turns = ceil((table.arguments[-1] - table.arguments[0]) / cycles[table.over] - PART)
+        if turns > sampling.turns:
+            shown = f"one {cycle} shows" if sampling.turns == 1 else f"{sampling.turns} {cycle}s show"
+            yield f"the table of loads.{number} has a period of {turns} {cycle}s; {shown} a part, --turns {turns} all"
 
 
 def off_sketch(reference: Reference) -> dict[str, float]:

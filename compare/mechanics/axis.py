@@ -5,7 +5,7 @@ from math import floor, log10, pi
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import ConstantSpeed
+from scenes.scene import GROUND, ConstantSpeed
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,16 @@ def axis(scene: Scene) -> DriveAxis:
         factor, unit = prefixed(scene.drive.cycle, "s")
         return DriveAxis("time", unit, "time", factor)
     if scene.driven_slide is None:
-        return DriveAxis("crank angle", "deg", scene.drive_channel, 180 / pi)
+        return DriveAxis(position_name(scene), "deg", scene.drive_channel, 180 / pi)
     unit, size = scene.length_unit
     return DriveAxis(position_name(scene), unit, scene.drive_channel, 1 / size)
 
 
 def position_name(scene: Scene) -> str:
     """The name of the drive's position."""
-    return "crank angle" if scene.driven_slide is None else f"{scene.drive.body} displacement"
+    if scene.driven_slide is not None:
+        return f"{scene.drive.body} displacement"
+    return "crank angle" if scene.drive_on == GROUND else f"angle of {scene.drive.body} on {scene.drive_on}"
 
 
 def turns_fully(scene: Scene) -> bool:

@@ -85,7 +85,7 @@ def arms(scene: Scene, body: Body) -> dict[str, complex]:
 
 
 def largest_length(scene: Scene) -> float:
-    """The largest known distance of a body's points, or of the ground's that something is joined to, m.
+    """The largest known distance of a body's points, of the ground's that something is joined to, or in a cylinder, m.
 
     Without one it is the drive's travel.
     """
@@ -94,4 +94,5 @@ def largest_length(scene: Scene) -> float:
     ground = [complex(*place) for point, place in scene.ground.items() if point in joined]
     known = [length for body in scene.bodies.values() for length in distances(body).values()]
     known += [abs(p - q) for p in ground for q in ground]
+    known += map(abs, scene.drive.extent if scene.driven_slide is not None and scene.drive_on != GROUND else ())
     return max(known, default=0.0) or float(np.ptp(scene.drive.extent))

@@ -6,9 +6,9 @@ last and stays at zero. With r the arms of points from the first ones of their b
     Re(conj(d e^(iθₖ)) w) = 0,  w = zᵢ + rᵢ e^(iθᵢ) - zⱼ - rⱼ e^(iθⱼ)   no distance along d, in the frame of k, or
     θᵢ - θⱼ = 0                                                       no turn.
 
-A pin has two distances, a guide one across it and a turn, the drive the one or the other, less its position. They are
-in the order of `scenes.model.motion.force_channels`, and as many as coordinates, m, where the linkage has one degree of
-freedom and no constraint too many.
+A pin has two distances, a guide one across it and a turn, the drive one along its guide or a turn, less its position.
+They are in the order of `scenes.model.motion.force_channels`, and as many as coordinates, m, where the linkage has one
+degree of freedom and no constraint too many.
 
 One step of Newton's method closes the joints of computed poses with the drive where it is. In the poses found rates and
 accelerations have no choice: with γ the second derivative of the constraints at q'' = 0 and e the drive's row,
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scenes import Motion, Scene
 from scenes.model.constraints import groups
 from scenes.model.motion import Samples
-from scenes.scene import GROUND
+from scenes.scene import GROUND, Slide
 
 from .bodies import arms, first_point, largest_length
 from .motion_vectors import MotionVectors, Vectors
@@ -85,12 +85,16 @@ class Constraints:
         for body in scene.bodies.values():
             if body.slide is not None:
                 on, along = body.slide.on, complex(*body.slide.along)
-                through = complex(*body.slide.through) - (0 if on == GROUND else first_point(scene.bodies[on]))
-                yield Constraint(body.name, on, 0, through, 1j * along, on)
+                yield Constraint(body.name, on, 0, self._through(body.slide), 1j * along, on)
                 yield Constraint(body.name, on)
-        driven, slide = scene.drive.body, scene.driven_slide
-        line = () if slide is None else (0, complex(*slide.through), complex(*slide.along))
-        yield Constraint(driven, GROUND, *line)
+        slide, on = scene.driven_slide, scene.drive_on
+        line = () if slide is None else (0, self._through(slide), complex(*slide.along), on)
+        yield Constraint(scene.drive.body, on, *line)
+
+    def _through(self, slide: Slide) -> complex:
+        """Where a guide passes, m, from the first point of the body that has it, or from the ground's origin."""
+        origin = 0j if slide.on == GROUND else first_point(self.scene.bodies[slide.on])
+        return complex(*slide.through) - origin
 
     def blocks(self, motion: Motion) -> Iterator[Motion]:
         """Yield a motion in pieces, of which the matrices fit in memory."""

@@ -1,50 +1,27 @@
-"""A motion's channels as vectors, the forces of its scene on each body at that motion, and when press forces act.
+"""A motion's channels as vectors, and when press forces act.
 
 Plane vectors are complex numbers: i v is v turned by +90 degrees, and conj(a) b = a . b + i (a x b).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body, ForceTable, Load, PlainLoad, PressForce
+from scenes.scene import GROUND, Body, PressForce, TorsionSpring
 
-from .bodies import first_point, inertia
+from .bodies import first_point
+from .turns import on_its_turn
 
 Vectors = NDArray[np.complex128]
 Acts: TypeAlias = NDArray[np.bool_]  # shape (m, n): by sample, whether one force acts; on a switch both may hold
 
 HAIR = 1e-6  # of a slider's range and peak speed: far above all rounding, far below the way between two samples
 TURNING = 1e-3  # of the peak speed, a hair from the end: the way that is left there goes with the square of the speed
-
-
-class AppliedForce(NamedTuple):
-    """A force, where it attacks, and how fast that point of the body moves; shape (n,), N, m, m/s."""
-
-    force: Vectors
-    at: Vectors
-    velocity: Vectors
-    name: str
-
-
-class LoadedBody(NamedTuple):
-    """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
-
-    mass: float  # kg
-    inertia: float  # kg m^2, about the centre of mass
-    applied: Sequence[AppliedForce]
-    pushes: Sequence[tuple[Vectors, Vectors]]  # these and the forces of joints, with their points of attack
-    couple: Samples  # N m
-    com: Vectors
-    velocity: Vectors  # of the centre of mass, as the acceleration
-    acceleration: Vectors
-    omega: Samples
-    alpha: Samples
 
 
 @dataclass(frozen=True)
@@ -102,80 +79,36 @@ class MotionVectors:
         own = x_axis.conjugate() * (self.place(body.points[0]) - origin)
         return (own - complex(*body.slide.through)) * complex(*body.slide.along).conjugate()
 
+    def along(self, body: Body) -> Vectors:
+        """The unit vector along the guide of a body that slides, in the ground's frame."""
+        assert body.slide is not None
+        along = np.array(complex(*body.slide.along))
+        return along if body.slide.on == GROUND else np.exp(1j * self.angle(body.slide.on)) * along
+
+    def carried(self, name: str, place: Vectors) -> Vectors:
+        """The velocity of that point of a body, or of the ground, which is at a place."""
+        if name == GROUND:
+            return np.zeros_like(place)
+        z, v, _ = self.point(self.scene.bodies[name].points[0])
+        return v + 1j * self.turning(name)[1] * (place - z)
+
+    def sliding(self, body: Body) -> Samples:
+        """The velocity of a slider's first point along its guide, whatever that is on."""
+        assert body.slide is not None
+        z, v, _ = self.point(body.points[0])
+        return ((v - self.carried(body.slide.on, z)) * self.along(body).conj()).real
+
+    def twist(self, spring: TorsionSpring) -> Samples:
+        """The angle of a torsion spring, which goes on over whole turns."""
+        within = self.angle(spring.second) - self.angle(spring.first)
+        return on_its_turn(self.scene, spring, within, self.motion[self.scene.drive_channel])
+
     def displacement(self, body: Body) -> tuple[Samples, Samples, Samples]:
         """The displacement of a body that slides on the ground, and its first two derivatives by the time."""
         assert body.slide is not None
         along, through = complex(*body.slide.along), complex(*body.slide.through)
         z, v, a = self.point(body.points[0])
         return ((z - through) * along.conjugate()).real, (v * along.conjugate()).real, (a * along.conjugate()).real
-
-    def applied(self, body: Body) -> Iterator[AppliedForce]:
-        """Yield what acts on a body from without: loads, springs, gravity."""
-        acting = iter(self.acting)
-        for load in self.scene.loads:
-            share = next(acting) if isinstance(load, PressForce) else 1.0
-            if load.body == body.name:
-                z, v, _ = self.point(load.at)
-                yield AppliedForce(share * self._force(load), z, v, f"the load at {load.at}")
-        for spring in self.scene.springs:
-            for (name, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
-                if name == body.name:
-                    z, v, _ = self.point(point)
-                    towards = self.place(other) - z
-                    distance = np.abs(towards)
-                    unit = towards / np.where(distance > 0, distance, 1.0)
-                    ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
-                    pull = spring.stiffness * (distance - spring.length) * unit
-                    yield AppliedForce(pull, z, v, f"the spring between {ends}")
-        if self.scene.gravity is not None:
-            z, v, _ = self.com(body)
-            weight = np.full(z.shape, (body.mass or 0.0) * complex(*self.scene.gravity))
-            yield AppliedForce(weight, z, v, f"the weight of {body.name}")
-
-    def _force(self, load: Load) -> Vectors:
-        assert isinstance(load, PlainLoad)
-        if not isinstance(load, ForceTable):
-            return np.full(self.motion["time"].shape, complex(*load.force))
-        body = self.scene.bodies[load.body]
-        assert body.slide is not None
-        force: Vectors = load.along(self.displacement(body)[0]) * np.array(complex(*body.slide.along))
-        return force
-
-    def bodies(self) -> dict[str, LoadedBody]:
-        """All bodies of a motion that has every channel, by name."""
-        scene, motion, names = self.scene, self.motion, (*self.scene.bodies, GROUND)
-        pushes: dict[str, list[tuple[Vectors, Vectors]]] = {name: [] for name in names}
-        couples = dict.fromkeys(names, np.zeros(motion["time"].shape))
-        for pin in scene.pins:
-            force, at = self.vector(f"{pin.channel}.", "fx", "fy"), self.place(pin.point)
-            pushes[pin.first].append((-force, at))
-            pushes[pin.second].append((force, at))
-        for name, slide in ((body.name, body.slide) for body in scene.bodies.values() if body.slide is not None):
-            normal = np.exp(1j * self.angle(slide.on)) * 1j * complex(*slide.along)
-            for on, sign in ((name, 1), (slide.on, -1)):
-                force = sign * motion[f"{name}.guide_force"] * normal
-                pushes[on].append((force, self.place(scene.bodies[name].points[0])))
-                couples[on] = couples[on] + sign * motion[f"{name}.guide_moment"]
-        driven, way = scene.bodies[scene.drive.body], scene.driven_slide
-        if way is None:
-            couples[driven.name] = couples[driven.name] + motion["drive.torque"]
-        else:
-            force = motion["drive.force"] * np.array(complex(*way.along))
-            pushes[driven.name].append((force, self.place(driven.points[0])))
-        moving = {}
-        for name, body in scene.bodies.items():
-            applied = [*self.applied(body)]
-            every = [*pushes[name], *((push.force, push.at) for push in applied)]
-            weights, turning = (body.mass or 0.0, inertia(body)), self.turning(name)[1:]
-            moving[name] = LoadedBody(*weights, applied, every, couples[name], *self.com(body), *turning)
-        return moving
-
-    def drive_power(self) -> Samples:
-        """The power of the drive, W."""
-        body = self.scene.bodies[self.scene.drive.body]
-        if body.slide is None:
-            return self.motion["drive.torque"] * self.turning(body.name)[1]
-        return self.motion["drive.force"] * self.displacement(body)[1]
 
     def stroke_end(self, load: PressForce) -> float:
         """Where the closing stroke ends, m: a sample, or a dead point between two, for which a cycle is needed."""

@@ -17,6 +17,7 @@ from scenes import Motion
 from scenes.model.motion import Samples
 
 from .constraints import ClosedPoses, Matrices, planes
+from .elements import applied
 from .mechanics import Mechanics
 from .motion_vectors import MotionVectors
 from .reference import Acting, fitted
@@ -100,7 +101,7 @@ def _needed(mechanics: Mechanics, state: MotionVectors) -> Samples:
         moment = (
             mechanics.inertia[body.name] * state.angle(body.name, "alpha") + ((com - first).conjugate() * force).imag
         )
-        for push in state.applied(body):
-            force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag
+        for push in applied(state, body):
+            force, moment = force - push.force, moment - ((push.at - first).conjugate() * push.force).imag - push.moment
         needed += [mechanics.size * force.real, mechanics.size * force.imag, moment]
     return np.stack(needed, axis=1)[..., np.newaxis]

@@ -15,6 +15,7 @@ import numpy as np
 from scenes import Failure, Motion, Rows
 from scenes.model.motion import Samples
 
+from .elements import applied
 from .mechanics import ULPS, Mechanics
 from .motion_vectors import MotionVectors
 from .reference import Reference
@@ -79,9 +80,10 @@ def _forces(mechanics: Mechanics, true: Motion) -> dict[str, Samples]:
     """The magnitudes of all forces on the bodies, N, each of shape (n,), with those of joints by channel."""
     everything = [np.ones(true["time"].shape, bool) for _ in mechanics.presses]
     state, bodies = MotionVectors(mechanics.scene, true, everything), mechanics.scene.bodies.values()
-    applied = (push for body in bodies for push in state.applied(body) if mechanics.forces)
+    pushes = (push for body in bodies for push in applied(state, body) if mechanics.forces)
     joints = {c: np.abs(true[c]) for c in mechanics.forces if c in true and mechanics.units[c] == "N"}
-    return {push.name: np.abs(push.force) for push in applied} | {f"the force {c}": size for c, size in joints.items()}
+    loads = {push.name: np.abs(push.force) + np.abs(push.moment) / mechanics.size for push in pushes}
+    return loads | {f"the force {c}": size for c, size in joints.items()}
 
 
 def _sensitivity(

@@ -13,6 +13,7 @@ from scenes.model.motion import Samples, channels, force_channels, quantity
 from ...engines.runner import Run, complete
 from ...mechanics.bodies import largest_length
 from ...mechanics.mechanics import GROUPS
+from ...mechanics.motion_vectors import MotionVectors
 from ...mechanics.reference import Reference, on_switch
 from ...mechanics.round_off import EPS, Explained
 from ...mechanics.scales import apart
@@ -200,10 +201,12 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
     couple = ARMS * force * largest_length(scene)
     if scene.driven_slide is None:
         joint = next(f"{pin.channel}.fx" for pin in scene.pins if driven in (pin.first, pin.second))
-        both, power = {joint: force, effort: couple}, {effort: couple}
+        both: dict[str, Samples | float] = {joint: force, effort: couple}
+        power: dict[str, Samples | float] = {effort: couple}
     else:
         both, (point, *_) = {effort: force, f"{driven}.guide_moment": couple}, scene.bodies[driven].points
-        way = zip((f"{point}.vx", f"{point}.vy"), scene.driven_slide.along, strict=True)
+        along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
+        way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))
         power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}
     return all(
         max(one.worst for one in copy.assessed(spoilt.shifted(copy.motion, push)).checks if one.check == name) > MUCH

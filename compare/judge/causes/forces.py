@@ -6,7 +6,7 @@ motion as it should be:
     J^T λ = M q'' - Q.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from scenes import Motion
 from scenes.model.motion import Samples, force_channels
-from scenes.scene import GROUND, Force, ForceTable, Load
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Load, Moment, TableForce, TorsionSpring
 
 from ...mechanics.bodies import weights
+from ...mechanics.elements import Element, of_element
 from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from .cause import Cause, Kind
 from .evidence import EXPLAINED, Channels, Evidence, Hypothesis
+from .scene_numbers import load_name, load_place
 
 ROWS_LATE = (0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0)
 
@@ -60,16 +62,19 @@ class Carried(MotionVectors):
         changed = np.einsum("ncm,nm->nc", self._of_coordinates, needed.reshape(len(needed), -1))
         return dict(zip(force_channels(self.scene), changed.T, strict=True))
 
-    def instead(self, load: Load, text: str, push: Push, *amounts: float, names: tuple[str, ...] = ()) -> Hypothesis:
-        """Return another push in place of a load."""
-        own = Push(load.body, -self.force(load), self.place(load.at))
-        predicted = self.evidence.changed((1.0,), [self.change(own, push)])
-        return Hypothesis(Cause(Kind.load, load.at, text, amounts, names), predicted, len(amounts))
+    def instead(
+        self, of: Load | TorsionSpring, text: str, *pushes: Push, by: Sequence[float] = (), names: Sequence[str] = ()
+    ) -> Hypothesis:
+        """Return other pushes in place of those of a load or a spring."""
+        own = (Push(push.body, -push.force, push.at, -push.moment) for push in self.pushes(of))
+        predicted = self.evidence.changed((1.0,), [self.change(*own, *pushes)])
+        kind, place = Kind.spring if isinstance(of, TorsionSpring) else Kind.load, load_place(of)
+        return Hypothesis(Cause(kind, place, text, tuple(by), tuple(names)), predicted, len(by))
 
-    def force(self, load: Load) -> Vectors:
-        """Return the force of one load."""
-        acting = zip(self.acting, press_forces(self.scene), strict=True)
-        return next((share for share, one in acting if one is load), 1.0) * self._force(load)
+    def pushes(self, element: Element) -> list[Push]:
+        """Return what a load or a spring does on the bodies."""
+        each = ((name, push) for name in self.scene.bodies for push in of_element(self, element, name))
+        return [Push(name, push.force, push.at, push.moment) for name, push in each]
 
 
 def _carried(evidence: Evidence, motion: Motion) -> Carried:
@@ -86,6 +91,10 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         carried = _carried(evidence, evidence.true)
         for load in carried.scene.loads:
             yield from _load(carried, load)
+        for spring in carried.scene.torsion_springs:
+            text = "the torsion spring {place} acts on {one} alone"
+            for push in (pushes := carried.pushes(spring)) * (len(pushes) > 1):
+                yield carried.instead(spring, text, push, names=(push.body,))
         yield from _switches(carried)
         yield from _shares(carried)
         yield from _friction(carried)
@@ -94,19 +103,38 @@ def force_causes(evidence: Evidence) -> Iterator[Hypothesis]:
 def _load(carried: Carried, load: Load) -> Iterator[Hypothesis]:
     """Yield a load at another point, on another body, turning with its body, or by its table backwards."""
     scene, body = carried.scene, load.body
-    force, at = carried.force(load), carried.place(load.at)
-    if isinstance(load, ForceTable):
-        backwards = Push(body, carried.force(replace(load, forces=load.forces[::-1])), at)
-        yield carried.instead(load, "the table of the load at {place} is backwards", backwards)
-    if isinstance(load, Force):
-        turning = Push(body, force * np.exp(1j * carried.angle(body)), at)
-        yield carried.instead(load, "the load at {place} turns with {one}", turning, names=(body,))
+    if (backwards := _backwards(load)) is not None:
+        yield carried.instead(load, f"the table of {load_name(load)} is backwards", *carried.pushes(backwards))
+    if isinstance(load, Force | TableForce):
+        turns = load.frame == "ground"
+        turning = carried.pushes(replace(load, frame="body" if turns else "ground"))
+        text = f"the load at {{place}} {'turns' if turns else 'does not turn'} with {{one}}"
+        yield carried.instead(load, text, *turning, names=(body,))
+    (_, force, at, moment), *reaction = sorted(carried.pushes(load), key=lambda push: push.body != body)
+    if isinstance(load, Moment):
+        for owner in scene.turning:
+            push = Push(owner, force, at, moment)
+            yield carried.instead(load, "the moment on {place} acts on {one}", push, names=(owner,))
+        return
+    for push in reaction:
+        alone = Push(body, force, at)
+        yield carried.instead(load, "the load at {place} has no reaction on {one}", alone, names=(push.body,))
     for point, owner in ((point, owner) for point, owners in scene.owners.items() for owner in owners):
         if owner != GROUND and (owner, point) != (body, load.at):
             push = Push(owner, force, carried.place(point))
-            yield carried.instead(load, "the load at {place} acts at {one} of {two}", push, names=(point, owner))
+            text = "the load at {place} acts at {one} of {two}"
+            yield carried.instead(load, text, push, *reaction, names=(point, owner))
     push = Push(body, force, carried.com(scene.bodies[body])[0])
-    yield carried.instead(load, "the load at {place} acts at {one}'s centre of mass", push, names=(body,))
+    yield carried.instead(load, "the load at {place} acts at {one}'s centre of mass", push, *reaction, names=(body,))
+
+
+def _backwards(load: Load) -> Load | None:
+    """Return a load whose table is backwards, if it has one."""
+    if isinstance(load, ForceTable):
+        return replace(load, forces=load.forces[::-1])
+    if not isinstance(load, GuideForce | TableForce | Moment) or load.table is None:
+        return None
+    return replace(load, table=replace(load.table, forces=load.table.forces[::-1], moments=load.table.moments[::-1]))
 
 
 def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
@@ -118,8 +146,9 @@ def late_loads(evidence: Evidence) -> Iterator[Hypothesis]:
         if late := evidence.late(by):
             before = _carried(evidence, Motion(late))
             for load in moving:
-                push = Push(load.body, before.force(load), carried.place(load.at))
-                yield carried.instead(load, "the load at {place} is {late}", push, by)
+                pairs = zip(before.pushes(load), carried.pushes(load), strict=True)
+                pushes = (then._replace(at=now.at) for then, now in pairs)
+                yield carried.instead(load, "the load at {place} is {late}", *pushes, by=(by,))
 
 
 def _switches(carried: Carried) -> Iterator[Hypothesis]:
@@ -141,7 +170,7 @@ def _switches(carried: Carried) -> Iterator[Hypothesis]:
             *(("in the last {length}", (last,), (before_end <= last) & closing) for last in lasts),
         ):
             push = Push(load.body, acting * complex(*load.force), carried.place(load.at))
-            yield carried.instead(load, f"the press force at {{place}} acts {how}", push, *last)
+            yield carried.instead(load, f"the press force at {{place}} acts {how}", push, by=last)
 
 
 def _shares(carried: Carried) -> Iterator[Hypothesis]:
@@ -191,16 +220,12 @@ def _rubbing(carried: Carried) -> Iterator[tuple[Cause, Samples, Samples, tuple[
     scene, given = carried.scene, carried.evidence.given
     for body in scene.bodies.values():
         if body.slide is not None:
-            z, v, _ = carried.point(body.points[0])
-            along = np.exp(1j * carried.angle(body.slide.on)) * complex(*body.slide.along)
-            if body.slide.on != GROUND:
-                first, rate, _ = carried.point(scene.bodies[body.slide.on].points[0])
-                v = v - rate - 1j * carried.turning(body.slide.on)[1] * (z - first)
+            z, along = carried.place(body.points[0]), carried.along(body)
             force = f"{body.name}.guide_force"
             load = np.abs(given[force]) if force in carried.evidence.names else np.zeros(z.shape)
             cause = Cause(Kind.friction, body.name, "{place}'s guide has friction ({one}, {number})")
             against = Push(body.name, -along, z), Push(body.slide.on, along, z)
-            yield cause, (along.conj() * v).real, load, against
+            yield cause, carried.sliding(body), load, against
     for pin in scene.pins:
         omega = carried.turning(pin.second)[1] - carried.turning(pin.first)[1]
         at, load = carried.place(pin.point), np.abs(carried.vector(f"{pin.channel}.", "fx", "fy"))

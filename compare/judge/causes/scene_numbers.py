@@ -9,9 +9,19 @@ import numpy as np
 
 from scenes import Scene
 from scenes.model.motion import Samples
-from scenes.scene import DrawnBody, Force, ForceTable, PlainLoad
+from scenes.scene import (
+    DrawnBody,
+    Force,
+    GuideForce,
+    Load,
+    Moment,
+    PressForce,
+    TableForce,
+    TorsionSpring,
+)
 
 from ...mechanics.bodies import first_point, weights
+from ...mechanics.elements import table_of
 from ...mechanics.reference import Reference
 from .cause import Cause, Kind
 
@@ -19,6 +29,8 @@ NONE = -1.005  # of a mass or a moment of inertia, by so much of itself too smal
 STANDARD_GRAVITY = (0.0, -9.81)  # m/s^2
 OF_LINKAGE = {"ground", "bodies", "springs"}  # which have the lengths of a linkage
 LENGTH = "{place}'s length {one} is {length} too {long}"
+# of tables, by what they are over
+SHIFTS = {"displacement": "{signed_length}", "drive": "{displacement}", "time": "{number} s"}
 
 Direction: TypeAlias = Mapping[str, float]  # by path in the file what is added to a number, SI
 
@@ -100,17 +112,24 @@ def _of_weights(scene: Scene) -> Iterator[Numbers]:
 
 
 def _of_forces(scene: Scene) -> Iterator[Numbers]:
-    """Yield loads and springs."""
+    """Yield loads and springs; the moments of one that twists are linear in its angle too."""
     linear = partial(Numbers, linear=True)
     for number, load in enumerate(scene.loads):
-        at, cause = f"loads.{number}", Cause(Kind.load, load.at, "the load at {place} is {percent}")
-        if isinstance(load, ForceTable):
-            rows = {f"{at}.table.{row}": force for row, force in enumerate(load.forces)}
-            yield linear(cause, ({f"{row}.1": force for row, force in rows.items()},))
-            shifted = Cause(Kind.load, load.at, "the table of the load at {place} is shifted by {signed_length}")
+        at, place, what = f"loads.{number}", load_place(load), load_name(load)
+        cause = Cause(Kind.load, place, f"{what} is {{percent}}")
+        table = table_of(load)
+        if table is not None:
+            rows = {f"{at}.table.{row}": value for row, value in enumerate(table.values)}
+            yield linear(cause, ({f"{row}.1": value for row, value in rows.items()},))
+            shifted = Cause(Kind.load, place, f"the table of {what} is shifted by {SHIFTS[table.over]}")
             yield Numbers(shifted, ({f"{row}.0": 1.0 for row in rows},))
-            continue
-        if not isinstance(load, PlainLoad):
+        if isinstance(load, TableForce):
+            turned = _turned(f"{at}.along", complex(*load.along))[1:]
+            yield Numbers(Cause(Kind.load, place, f"{what} is turned by {{angle}}"), turned)
+        if isinstance(load, GuideForce | Moment) and table is None:
+            key = "moment" if isinstance(load, Moment) else "force"
+            yield linear(cause, ({f"{at}.{key}": getattr(load, key)},))
+        if not isinstance(load, Force | PressForce):
             continue
         own = complex(*load.force)
         ways = _turned(f"{at}.force", own)
@@ -123,8 +142,28 @@ def _of_forces(scene: Scene) -> Iterator[Numbers]:
         for of, value, text in (
             ("stiffness", spring.stiffness, "the spring {place}{stiffness}"),
             ("length", spring.length, "the spring {place}'s length is {percent}"),
+            ("damping", spring.damping, "the damping of the spring {place} is {percent}"),
         ):
-            yield linear(Cause(Kind.spring, place, text), ({f"springs.{number}.{of}": value},))
+            if value is not None:
+                yield linear(Cause(Kind.spring, place, text), ({f"springs.{number}.{of}": value},))
+    for number, torsion in enumerate(scene.torsion_springs):
+        for of, value, text in (
+            ("stiffness", torsion.stiffness, "the torsion spring {place}{stiffness}"),
+            ("angle", 1.0, "the torsion spring {place}'s angle is {angle} off"),
+            ("damping", torsion.damping, "the damping of the torsion spring {place} is {percent}"),
+        ):
+            if value is not None:
+                yield linear(Cause(Kind.spring, torsion.at, text), ({f"torsion_springs.{number}.{of}": value},))
+
+
+def load_place(load: Load | TorsionSpring) -> str:
+    """Return what a cause calls the place of a load: its point, or of a moment its body."""
+    return load.body if isinstance(load, Moment) else load.at
+
+
+def load_name(load: Load) -> str:
+    """Return what a cause calls a load at its place."""
+    return "the moment on {place}" if isinstance(load, Moment) else "the load at {place}"
 
 
 def _of_places(scene: Scene) -> Iterator[Numbers]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import UNITS, quantity
+from scenes.scene import GROUND
 
 from ...mechanics.motion_vectors import MotionVectors
 
@@ -76,6 +77,7 @@ def _forces(scene: Scene, scale: Mapping[str, float]) -> Iterator[CycleCurve]:
             yield CycleCurve("guide_moment", body.name, (moment,), scale[moment], _along({moment: 1.0}))
     slide = scene.driven_slide
     channel, along = ("drive.torque", None) if slide is None else ("drive.force", complex(*slide.along))
+    along = along if scene.drive_on == GROUND else None  # along a guide that swings it has no one direction
     yield CycleCurve("effort", scene.drive.body, (channel,), scale[channel], _along({channel: 1.0}), along)
 
 

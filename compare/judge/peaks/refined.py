@@ -6,14 +6,17 @@ is a parabola: there so many samples are taken that one of them is near whatever
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeAlias
+from math import pi
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from scenes import Failure, Motion, Scene
+from scenes.elements.tables import Table
 from scenes.model.motion import Samples
-from scenes.scene import ForceTable, MotionLaw, PressForce, SegmentedLaw
+from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
 
+from ...mechanics.elements import table_of
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
 
@@ -34,16 +37,56 @@ def jumps(scene: Scene) -> bool:
 
 
 def beyond(scene: Scene, motion: Motion) -> list[Samples]:
-    """How far sliders are beyond each entry of their force tables, m, shape (..., n): forces bend where it is zero."""
+    """How far each table of a load is beyond each of its entries, shape (..., n): forces bend where it is zero."""
     levels: list[Samples] = []
-    for load in (load for load in scene.loads if isinstance(load, ForceTable)):
-        slide, point = scene.bodies[load.body].slide, scene.bodies[load.body].points[0]
-        if slide is None or not {f"{point}.x", f"{point}.y"} <= motion.samples.keys():
+    for name, table in _tables(scene):
+        if table.over == "displacement" and not motion.samples.keys() >= {*_of_slider(scene, name)}:
             continue
-        parts = zip("xy", slide.along, slide.through, strict=True)
-        displacement = np.sum([along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts], axis=0)
-        levels += [displacement - entry for entry in load.displacements]
+        over = motion["time" if table.over == "time" else scene.drive_channel]
+        over = _displaced(scene, motion, name) if table.over == "displacement" else over
+        beyond = [over - entry for entry in table.arguments]
+        half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
+        levels += [np.sin(half_turn * level) for level in beyond] if table.periodic else beyond
     return levels
+
+
+def needed(scene: Scene) -> Iterator[str]:
+    """Yield the channels that `beyond` needs, besides the time and the drive's."""
+    for name, table in _tables(scene):
+        yield from _of_slider(scene, name) if table.over == "displacement" else ()
+
+
+def _tables(scene: Scene) -> Iterator[tuple[str, Table]]:
+    """Yield the tables of loads, each with its body."""
+    for load in scene.loads:
+        if (table := table_of(load)) is not None:
+            yield load.body, table
+
+
+def _of_slider(scene: Scene, name: str) -> Iterator[str]:
+    """Yield the channels of a slider's displacement."""
+    on = scene.slides[name].on
+    bodies = (scene.bodies[each] for each in (name, on) if each != GROUND)
+    yield from (f"{body.points[0]}.{axis}" for body in bodies if body.points[0] not in scene.ground for axis in "xy")
+    if on in scene.turning:
+        yield f"{on}.angle"
+
+
+def _displaced(scene: Scene, motion: Motion, name: str) -> Samples:
+    """The displacement of a slider, m, shape (..., n)."""
+
+    def place(point: str) -> list[Any]:
+        return [*scene.ground[point]] if point in scene.ground else [motion[f"{point}.{axis}"] for axis in "xy"]
+
+    slide, at = scene.slides[name], place(scene.bodies[name].points[0])
+    if slide.on != GROUND:
+        carrier = scene.bodies[slide.on]
+        (x, y), corner = place(carrier.points[0]), (carrier.local or {}).get(carrier.points[0], (0.0, 0.0))
+        angle = motion.samples.get(f"{slide.on}.angle", np.zeros(1))
+        own = (at[0] - x + 1j * (at[1] - y)) * np.exp(-1j * angle)
+        at = [own.real + corner[0], own.imag + corner[1]]
+    parts = zip(at, slide.along, slide.through, strict=True)
+    return np.asarray(np.sum([along * (coordinate - through) for coordinate, along, through in parts], axis=0))
 
 
 def refined(

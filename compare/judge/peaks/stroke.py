@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from scenes import Motion, Scene
 from scenes.model.motion import Samples
-from scenes.scene import Force, PlainLoad, PressForce
+from scenes.scene import Load, PressForce, Slide, TableForce
 
+from ...mechanics.elements import table_of
 from ...mechanics.motion_vectors import quintic
 from ...mechanics.scales import chord
 from .curves import CycleCurve, Values
@@ -60,9 +61,7 @@ class Stroke:
         for load in (load for load in self.scene.loads if load.body == name):
             if isinstance(load, PressForce):
                 return load.closing
-            if not isinstance(load, PlainLoad):
-                continue
-            push = np.dot(load.force, slide.along) if isinstance(load, Force) else max(load.forces, key=abs)
+            push = _push(load, slide)
             if push != 0:
                 return -1 if push > 0 else 1
         return -1 if slide.along[1] >= 0 else 1
@@ -131,6 +130,15 @@ class Stroke:
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = np.where(at(outwards, rows[1]) == (self.closing > 0), inner / outer, outer / inner)
         return np.where(turns.sum(axis=-1) == 2, ratio, nan)
+
+
+def _push(load: Load, slide: Slide) -> Any:
+    """The largest force of a load along a guide on the ground, N."""
+    table = table_of(load)
+    largest = max(table.values, key=abs) if table is not None else getattr(load, "force", 0.0)
+    if isinstance(load, TableForce):
+        return np.dot(load.direction, slide.along) * largest
+    return largest if np.ndim(largest) == 0 else np.dot(largest, slide.along)
 
 
 def at(values: NDArray[Any], row: RowNumbers) -> NDArray[Any]:

@@ -18,12 +18,11 @@ from scipy.special import ndtri
 from scenes import Motion, Scene, Status, numbers_in
 from scenes.file.changes import numbers_of
 from scenes.model.motion import Samples
-from scenes.scene import ForceTable
 
 from ...engines import registry
 from ...judge.peaks.curves import CycleCurve, Values, curves
 from ...judge.peaks.numbers import CLOSED, DWELL, STROKE, CycleNumber, numbers
-from ...judge.peaks.refined import beyond, jumps, refined
+from ...judge.peaks.refined import beyond, jumps, needed, refined
 from ...judge.peaks.stroke import DWELLING, RowNumbers, Stroke, chords
 from ...mechanics.reference import SCALE_SAMPLES, Reference
 
@@ -76,9 +75,8 @@ def machines(reference: Reference, changes: Mapping[str, Samples], samples: int 
     scene, scale, count = reference.scene, reference.scale, len(next(iter(changes.values())))
     many = scene.with_numbers(numbers_of(scene, changes))
     quantities = curves(many, scale, reference.cycle)
-    tables = [scene.bodies[load.body].points[0] for load in scene.loads if isinstance(load, ForceTable)]
     wanted = [channel for curve in quantities for channel in curve.channels]
-    solve = registry.many(scene, changes, frozenset([*wanted, *(f"{p}.{axis}" for p in tables for axis in "xy")]))
+    solve = registry.many(scene, changes, frozenset([*wanted, *needed(scene)]))
     status, reason = [Status.ok] * count, [""] * count
 
     def solved(time: Samples) -> Motion:

@@ -7,9 +7,10 @@ from math import floor, log10
 import numpy as np
 
 from scenes import Motion, Scene
-from scenes.scene import Body
+from scenes.scene import Body, Moment
 
 from ...mechanics.axis import prefixed
+from ...mechanics.elements import force
 from ...mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 
 SIZE = 1000.0  # of the picture's longer side, in its own units
@@ -57,10 +58,10 @@ def arrows(scene: Scene, pose: Motion, motion: Motion) -> Iterator[Arrow]:
     acting = [load.acts(*state.displacement(scene.bodies[load.body])[:2], end) for load, end in ends]
     state = MotionVectors(scene, pose, acting)
     for body in scene.bodies.values():
-        own = [load for load in scene.loads if load.body == body.name]
-        for number, (load, applied) in enumerate(zip(own, state.applied(body), strict=False)):
+        own = [load for load in scene.loads if load.body == body.name and not isinstance(load, Moment)]
+        for number, load in enumerate(own):
             components = f"load {body.name} {number} x", f"load {body.name} {number} y"
-            yield Arrow(f"load on {body.name}", load.at, applied.force, components, load=True)
+            yield Arrow(f"load on {body.name}", load.at, force(state, load), components, load=True)
 
 
 class Drawing:

@@ -16,7 +16,7 @@ from zlib import crc32
 import numpy as np
 
 from scenes.model.motion import Samples
-from scenes.scene import GROUND, Body
+from scenes.scene import GROUND, Body, Moment
 
 from ...mechanics.bodies import first_point
 from ...mechanics.motion_vectors import Vectors
@@ -85,7 +85,7 @@ def picture(drawing: Drawing) -> tuple[Element, list[Mover]]:
     root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", "role": "img", "aria-label": label} | box)
     SubElement(root, "style").text = text("linkage.css")
     background(root, drawing)
-    movers = [*bodies(root, drawing), *springs(root, drawing)]
+    movers = [*bodies(root, drawing), *springs(root, drawing), *turning(root, drawing)]
     SubElement(root, "g", {"class": "engines"})
     movers += points(root, drawing)
     for force in drawing.arrows:
@@ -154,14 +154,27 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
 
 
 def springs(root: Element, drawing: Drawing) -> Iterator[Mover]:
-    """Draw every spring as a zigzag, as long as one unit and stretched between its ends."""
+    """Draw every spring as a zigzag, as long as one unit and stretched between its ends, a damper as a pot."""
     for spring in drawing.scene.springs:
         (_, first), (_, second) = spring.first, spring.second
         group = SubElement(root, "g", {"data-point": first, "data-to": second})
         teeth = "".join(f"L{0.2 + 0.05 * n:g} {-7 * (-1) ** n}" for n in range(1, 12))
-        _path(group, "across spring", f"M0 0H.2{teeth}L.8 0H1")
+        pot = "M0 0H.4M.65-7H.4V7H.65M.55-5V5M.55 0H1"
+        _path(group, "across spring", f"M0 0H.2{teeth}L.8 0H1" if spring.stiffness else pot)
         start, end = (drawing.units(drawing.places[point]) for point in (first, second))
         yield Mover(group, start, np.degrees(np.unwrap(np.angle(end - start))), np.maximum(np.abs(end - start), 1e-6))
+
+
+def turning(root: Element, drawing: Drawing) -> Iterator[Mover]:
+    """Draw every spring that twists as a spiral about its pin, every moment as an arrow around where it is drawn."""
+    spiral = "M5 0A6 6 0 0 1-7 0A8 8 0 0 1 9 0A10 10 0 0 1-11 0A12 12 0 0 1 13 0H20"
+    arrow = "M15 9A17 17 0 1 0-8 15m7-5l-7 5 8 3"
+    springs = ((spring.at, "", spiral) for spring in drawing.scene.torsion_springs)
+    moments = ((load.at, "force load", arrow) for load in drawing.scene.loads if isinstance(load, Moment))
+    for point, kind, path in (*springs, *moments):
+        group = SubElement(root, "g", {"class": kind, "data-point": point})
+        _path(group, "sign", path)
+        yield Mover(group, drawing.units(drawing.places[point]))
 
 
 def points(root: Element, drawing: Drawing) -> Iterator[Mover]:

@@ -1,0 +1,206 @@
+"""What acts on each body of a motion: loads and springs, a function a kind, its weight, and its joints and drive.
+
+This is all that the judge knows of them: the balance of forces and moments of each body, and the power of each.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from scenes.elements.tables import Table
+from scenes.model.motion import Samples
+from scenes.scene import (
+    GROUND,
+    Body,
+    Force,
+    ForceTable,
+    GuideForce,
+    Load,
+    Moment,
+    PressForce,
+    Spring,
+    TableForce,
+    TorsionSpring,
+)
+
+from .bodies import inertia
+from .motion_vectors import MotionVectors, Vectors, press_forces
+
+Element: TypeAlias = Load | Spring | TorsionSpring
+
+
+class AppliedForce(NamedTuple):
+    """A force, where it attacks, and how fast that point of the body moves; shape (n,), N, m, m/s; and a moment."""
+
+    force: Vectors
+    at: Vectors
+    velocity: Vectors
+    name: str
+    moment: Samples | float = 0.0  # N m
+
+
+class LoadedBody(NamedTuple):
+    """A body of a motion: what acts on it, and how it moves; arrays of shape (n,)."""
+
+    mass: float  # kg
+    inertia: float  # kg m^2, about the centre of mass
+    applied: Sequence[AppliedForce]
+    pushes: Sequence[tuple[Vectors, Vectors]]  # these and the forces of joints, with their points of attack
+    couple: Samples  # N m, of all
+    com: Vectors
+    velocity: Vectors  # of the centre of mass, as the acceleration
+    acceleration: Vectors
+    omega: Samples
+    alpha: Samples
+
+
+def applied(state: MotionVectors, body: Body) -> Iterator[AppliedForce]:
+    """Yield what acts on a body from without: loads, springs, gravity."""
+    scene = state.scene
+    for _, element in scene.elements:
+        yield from of_element(state, element, body.name)
+    if scene.gravity is not None:
+        z, v, _ = state.com(body)
+        weight = np.full(z.shape, (body.mass or 0.0) * complex(*scene.gravity))
+        yield AppliedForce(weight, z, v, f"the weight of {body.name}")
+
+
+def of_element(state: MotionVectors, element: Element, name: str) -> Iterator[AppliedForce]:
+    """Yield what a load or a spring does on the body of a name."""
+    yield from _KINDS.get(type(element), _of_force)(state, element, name)
+
+
+def _of_force(state: MotionVectors, load: Load, name: str) -> Iterator[AppliedForce]:
+    if load.body == name:
+        z, v, _ = state.point(load.at)
+        yield AppliedForce(force(state, load), z, v, f"the load at {load.at}")
+
+
+def _of_guide_force(state: MotionVectors, load: GuideForce, name: str) -> Iterator[AppliedForce]:
+    yield from _of_force(state, load, name)
+    if name == state.scene.slides[load.body].on:
+        z = state.place(load.at)
+        yield AppliedForce(-force(state, load), z, state.carried(name, z), f"the reaction of the load at {load.at}")
+
+
+def _of_moment(state: MotionVectors, load: Moment, name: str) -> Iterator[AppliedForce]:
+    if load.body == name:
+        moment = _size(state, load.moment, load.table, state.scene.bodies[name])
+        yield _turning(state, load.at, f"the moment on {name}", moment)
+
+
+def _of_spring(state: MotionVectors, spring: Spring, name: str) -> Iterator[AppliedForce]:
+    for (body, point), (_, other) in ((spring.first, spring.second), (spring.second, spring.first)):
+        if body == name:
+            z, v, _ = state.point(point)
+            towards = state.place(other) - z
+            distance = np.abs(towards)
+            unit = towards / np.where(distance > 0, distance, 1.0)
+            ends = " and ".join(".".join(end) for end in (spring.first, spring.second))
+            pull = spring.stiffness * (distance - spring.length)
+            if spring.damping is not None:
+                pull = pull + spring.damping * ((state.place(other, "v") - v) * unit.conj()).real
+            yield AppliedForce(pull * unit, z, v, f"the spring between {ends}")
+
+
+def _of_torsion_spring(state: MotionVectors, spring: TorsionSpring, name: str) -> Iterator[AppliedForce]:
+    for body, sign in ((spring.first, -1), (spring.second, 1)):
+        if body == name:
+            rate = state.turning(spring.second)[1] - state.turning(spring.first)[1]
+            on_second = spring.moment(state.twist(spring), rate)
+            yield _turning(state, spring.at, f"the torsion spring at {spring.at}", sign * on_second)
+
+
+_KINDS: Mapping[type, Callable[[MotionVectors, Any, str], Iterator[AppliedForce]]] = {
+    GuideForce: _of_guide_force,
+    Moment: _of_moment,
+    Spring: _of_spring,
+    TorsionSpring: _of_torsion_spring,
+}
+
+
+def _turning(state: MotionVectors, at: str, name: str, moment: Samples | float) -> AppliedForce:
+    z, v, _ = state.point(at)
+    return AppliedForce(np.zeros_like(z), z, v, name, moment + np.zeros(z.shape))
+
+
+def force(state: MotionVectors, load: Load) -> Vectors:
+    """The force of a load on its body, N, in the ground's frame; of a moment none."""
+    body, turn = state.scene.bodies[load.body], getattr(load, "frame", GROUND) == "body"
+    match load:
+        case ForceTable():
+            assert body.slide is not None
+            value: Any = load.along(state.displacement(body)[0]) * np.array(complex(*body.slide.along))
+        case GuideForce():
+            value = _size(state, load.force, load.table, body) * state.along(body)
+        case TableForce():
+            value = _size(state, None, load.table, body) * np.array(complex(*load.direction))
+        case Moment():
+            value = 0j
+        case Force() | PressForce():
+            value = complex(*load.force)
+    vectors: Vectors = np.full(state.motion["time"].shape, value)
+    if isinstance(load, PressForce):
+        acting = zip(state.acting, press_forces(state.scene), strict=True)
+        vectors = next(share for share, one in acting if one is load) * vectors
+    return vectors * np.exp(1j * state.angle(load.body)) if turn else vectors
+
+
+def _size(state: MotionVectors, constant: float | None, table: Table | None, body: Body) -> Any:
+    """A constant, or the value of a table."""
+    return constant if table is None else table.at(argument(state, table, body))
+
+
+def table_of(load: Load) -> Table | None:
+    """The table of a load, if it has one."""
+    if isinstance(load, ForceTable):
+        return Table(displacements=load.displacements, forces=load.forces)
+    return load.table if isinstance(load, GuideForce | TableForce | Moment) else None
+
+
+def argument(state: MotionVectors, table: Table, body: Body) -> Samples:
+    """What a table of a body's load is over: the drive's position, the time, or the displacement along its guide."""
+    if table.over == "displacement":
+        return state.on_guide(body).real
+    return state.motion["time" if table.over == "time" else state.scene.drive_channel]
+
+
+def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:
+    """All bodies of a motion that has every channel, by name."""
+    scene, motion, names = state.scene, state.motion, (*state.scene.bodies, GROUND)
+    pushes: dict[str, list[tuple[Vectors, Vectors]]] = {name: [] for name in names}
+    couples = dict.fromkeys(names, np.zeros(motion["time"].shape))
+    for pin in scene.pins:
+        force, at = state.vector(f"{pin.channel}.", "fx", "fy"), state.place(pin.point)
+        pushes[pin.first].append((-force, at))
+        pushes[pin.second].append((force, at))
+    for name, slide in scene.slides.items():
+        normal = np.exp(1j * state.angle(slide.on)) * 1j * complex(*slide.along)
+        for on, sign in ((name, 1), (slide.on, -1)):
+            force = sign * motion[f"{name}.guide_force"] * normal
+            pushes[on].append((force, state.place(scene.bodies[name].points[0])))
+            couples[on] = couples[on] + sign * motion[f"{name}.guide_moment"]
+    driven = scene.bodies[scene.drive.body]
+    for on, sign in ((driven.name, 1), (scene.drive_on, -1)):
+        if driven.slide is None:
+            couples[on] = couples[on] + sign * motion["drive.torque"]
+        else:
+            force = sign * motion["drive.force"] * state.along(driven)
+            pushes[on].append((force, state.place(driven.points[0])))
+    moving = {}
+    for name, body in scene.bodies.items():
+        own = [*applied(state, body)]
+        every = [*pushes[name], *((push.force, push.at) for push in own)]
+        couple = couples[name] + sum(push.moment for push in own)
+        weights, turning = (body.mass or 0.0, inertia(body)), state.turning(name)[1:]
+        moving[name] = LoadedBody(*weights, own, every, couple, *state.com(body), *turning)
+    return moving
+
+
+def drive_power(state: MotionVectors) -> Samples:
+    """The power of the drive, W: its torque or force by the rate of its body against that on which it stands."""
+    body, on = state.scene.bodies[state.scene.drive.body], state.scene.drive_on
+    if body.slide is None:
+        return state.motion["drive.torque"] * (state.turning(body.name)[1] - state.turning(on)[1])
+    return state.motion["drive.force"] * state.sliding(body)
