@@ -45,11 +45,10 @@ def _near(scene: Scene, spring: TorsionSpring, position: Samples) -> Samples:
 def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     """Positions of the drive over one cycle, increasing, and the angles there; each of shape (n,)."""
     places = np.linspace(*scene.drive.extent, STEPS + 1)
-    ends = [f"{name}.angle" for name in (spring.second, spring.first)]
+    turning = {f"{name}.angle": sign for name, sign in ((spring.second, 1), (spring.first, -1)) if name in scene.turning}
     unloaded = replace(scene, loads=(), springs=(), torsion_springs=())
-    motion = registry.reference(unloaded, frozenset(ends))(places, np.zeros_like(places))
-    second, first = (motion.samples.get(end, np.zeros_like(places)) for end in ends)  # one that cannot turn has none
-    angles = np.unwrap(second - first)
+    motion = registry.reference(unloaded, frozenset(turning))(places, np.zeros_like(places))
+    angles = np.unwrap(sum((sign * motion[angle] for angle, sign in turning.items()), np.zeros_like(places)))
     start = np.interp(scene.drive.at(0.0).position, places, angles)
     return places, angles - 2 * pi * _turns(float(start))
 
