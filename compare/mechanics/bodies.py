@@ -1,7 +1,7 @@
 """What the numbers of bodies say: where their points are, how far apart, and what they weigh."""
 
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,9 +60,14 @@ def inertia(body: Body) -> float:
     return (body.mass or 0.0) * sum(side**2 for side in sides) / {1: 1, 2: 12, 3: 36}[len(body.corners)]
 
 
-def first_point(body: Body) -> complex:
+def plane(components: tuple[Any, Any]) -> Any:
+    """A vector as x + iy; of many machines an array."""
+    return components[0] + 1j * components[1]
+
+
+def first_point(body: Body) -> Any:
     """The body's first point in the body's frame, m."""
-    return complex(*body.local[body.points[0]]) if body.local is not None else 0j
+    return plane(body.local[body.points[0]]) if body.local is not None else 0j
 
 
 def arms(scene: Scene, body: Body) -> dict[str, complex]:

@@ -8,21 +8,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.elements.springs import Spring
 from scenes.elements.tables import Table
+from scenes.elements.torsion_springs import TorsionSpring
 from scenes.model.motion import Samples
-from scenes.scene import (
-    GROUND,
-    Body,
-    Force,
-    ForceTable,
-    GuideForce,
-    Load,
-    Moment,
-    PressForce,
-    Spring,
-    TableForce,
-    TorsionSpring,
-)
+from scenes.scene import GROUND, Body
 
 from .bodies import inertia
 from .motion_vectors import MotionVectors, Vectors, press_forces
@@ -86,8 +77,7 @@ def _of_guide_force(state: MotionVectors, load: GuideForce, name: str) -> Iterat
 
 def _of_moment(state: MotionVectors, load: Moment, name: str) -> Iterator[AppliedForce]:
     if load.body == name:
-        moment = _size(state, load.moment, load.table, state.scene.bodies[name])
-        yield _turning(state, load.at, f"the moment on {name}", moment)
+        yield _turning(state, load.at, f"the moment on {name}", _size(state, load, load.moment))
 
 
 def _of_spring(state: MotionVectors, spring: Spring, name: str) -> Iterator[AppliedForce]:
@@ -126,30 +116,34 @@ def _turning(state: MotionVectors, at: str, name: str, moment: Samples | float) 
 
 
 def force(state: MotionVectors, load: Load) -> Vectors:
-    """The force of a load on its body, N, in the ground's frame; of a moment none."""
-    body, turn = state.scene.bodies[load.body], getattr(load, "frame", GROUND) == "body"
+    """The force of a load on its body, N, in the ground's frame; not of a moment."""
+    body = state.scene.bodies[load.body]
     match load:
         case ForceTable():
             assert body.slide is not None
             value: Any = load.along(state.displacement(body)[0]) * np.array(complex(*body.slide.along))
         case GuideForce():
-            value = _size(state, load.force, load.table, body) * state.along(body)
+            value = _size(state, load, load.force) * state.along(body)
         case TableForce():
-            value = _size(state, None, load.table, body) * np.array(complex(*load.direction))
-        case Moment():
-            value = 0j
+            value = _size(state, load) * complex(*load.direction)
         case Force() | PressForce():
             value = complex(*load.force)
+        case Moment():
+            value = 0j
     vectors: Vectors = np.full(state.motion["time"].shape, value)
     if isinstance(load, PressForce):
         acting = zip(state.acting, press_forces(state.scene), strict=True)
         vectors = next(share for share, one in acting if one is load) * vectors
-    return vectors * np.exp(1j * state.angle(load.body)) if turn else vectors
+    return vectors * np.exp(1j * state.angle(load.body)) if getattr(load, "frame", GROUND) == "body" else vectors
 
 
-def _size(state: MotionVectors, constant: float | None, table: Table | None, body: Body) -> Any:
-    """A constant, or the value of a table."""
-    return constant if table is None else table.at(argument(state, table, body))
+def _size(state: MotionVectors, load: GuideForce | TableForce | Moment, constant: float | None = None) -> Any:
+    """A constant, or the value of a table over the drive's position, the time, or the displacement on the guide."""
+    if load.table is None:
+        return constant
+    if load.table.over == "displacement":
+        return load.table.at(state.on_guide(state.scene.bodies[load.body]).real)
+    return load.table.at(state.motion["time" if load.table.over == "time" else state.scene.drive_channel])
 
 
 def table_of(load: Load) -> Table | None:
@@ -157,13 +151,6 @@ def table_of(load: Load) -> Table | None:
     if isinstance(load, ForceTable):
         return Table(displacements=load.displacements, forces=load.forces)
     return load.table if isinstance(load, GuideForce | TableForce | Moment) else None
-
-
-def argument(state: MotionVectors, table: Table, body: Body) -> Samples:
-    """What a table of a body's load is over: the drive's position, the time, or the displacement along its guide."""
-    if table.over == "displacement":
-        return state.on_guide(body).real
-    return state.motion["time" if table.over == "time" else state.scene.drive_channel]
 
 
 def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:

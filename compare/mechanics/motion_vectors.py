@@ -14,7 +14,7 @@ from scenes import Motion, Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body, PressForce, TorsionSpring
 
-from .bodies import first_point
+from .bodies import first_point, plane
 from .turns import on_its_turn
 
 Vectors = NDArray[np.complex128]
@@ -39,7 +39,7 @@ class MotionVectors:
     def place(self, point: str, rate: str = "") -> Vectors:
         """Where a point is, or of `v` and `a` its velocity and acceleration."""
         if point in self.scene.ground:
-            return np.full(self.motion["time"].shape, 0j if rate else complex(*self.scene.ground[point]))
+            return np.full(self.motion["time"].shape, 0j if rate else plane(self.scene.ground[point]))
         return self.vector(f"{point}.", f"{rate}x", f"{rate}y")
 
     def point(self, point: str) -> tuple[Vectors, Vectors, Vectors]:
@@ -77,7 +77,7 @@ class MotionVectors:
         assert body.slide is not None
         origin, x_axis = self.frame(body.slide.on)
         own = x_axis.conjugate() * (self.place(body.points[0]) - origin)
-        return (own - complex(*body.slide.through)) * complex(*body.slide.along).conjugate()
+        return np.asarray((own - plane(body.slide.through)) * np.conj(plane(body.slide.along)))
 
     def along(self, body: Body) -> Vectors:
         """The unit vector along the guide of a body that slides, in the ground's frame."""

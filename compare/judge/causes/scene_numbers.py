@@ -8,17 +8,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes import Scene
+from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
+from scenes.elements.torsion_springs import TorsionSpring
 from scenes.model.motion import Samples
-from scenes.scene import (
-    DrawnBody,
-    Force,
-    GuideForce,
-    Load,
-    Moment,
-    PressForce,
-    TableForce,
-    TorsionSpring,
-)
+from scenes.scene import DrawnBody
 
 from ...mechanics.bodies import first_point, weights
 from ...mechanics.elements import table_of

@@ -7,7 +7,7 @@ is a parabola: there so many samples are taken that one of them is near whatever
 
 from collections.abc import Callable, Iterator, Sequence
 from math import pi
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from scenes.model.motion import Samples
 from scenes.scene import GROUND, MotionLaw, PressForce, SegmentedLaw
 
 from ...mechanics.elements import table_of
+from ...mechanics.motion_vectors import MotionVectors
 from .curves import LEAST, CycleCurve, Values
 from .stroke import at, chords
 
@@ -74,19 +75,12 @@ def _of_slider(scene: Scene, name: str) -> Iterator[str]:
 
 def _displaced(scene: Scene, motion: Motion, name: str) -> Samples:
     """The displacement of a slider, m, shape (..., n)."""
-
-    def place(point: str) -> list[Any]:
-        return [*scene.ground[point]] if point in scene.ground else [motion[f"{point}.{axis}"] for axis in "xy"]
-
-    slide, at = scene.slides[name], place(scene.bodies[name].points[0])
+    slide, point = scene.slides[name], scene.bodies[name].points[0]
     if slide.on != GROUND:
-        carrier = scene.bodies[slide.on]
-        (x, y), corner = place(carrier.points[0]), (carrier.local or {}).get(carrier.points[0], (0.0, 0.0))
-        angle = motion.samples.get(f"{slide.on}.angle", np.zeros(1))
-        own = (at[0] - x + 1j * (at[1] - y)) * np.exp(-1j * angle)
-        at = [own.real + corner[0], own.imag + corner[1]]
-    parts = zip(at, slide.along, slide.through, strict=True)
-    return np.asarray(np.sum([along * (coordinate - through) for coordinate, along, through in parts], axis=0))
+        return MotionVectors(scene, motion).on_guide(scene.bodies[name]).real
+    parts = zip("xy", slide.along, slide.through, strict=True)
+    places = [along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts]
+    return np.asarray(np.sum(places, axis=0))
 
 
 def refined(
