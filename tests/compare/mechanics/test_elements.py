@@ -48,8 +48,8 @@ WRONG: list[tuple[str, dict[str, Any], dict[str, Any] | None, set[tuple[str, str
 
 
 @cache
-def solved(scene: Scene, sampling: Sampling = Sampling(24)) -> Motion:
-    simulation = engine.build(scene, engine.DEFAULT, sampling)
+def solved(scene: Scene, turns: int = 1) -> Motion:
+    simulation = engine.build(scene, engine.DEFAULT, Sampling(24, turns))
     simulation.solve()
     return simulation.read()
 
@@ -70,18 +70,18 @@ def test_an_element_that_is_another_is_noticed(
 
 
 DRIVES = [
-    ("bucket", "drive.force", {"Newton"}, ("rod", "cylinder")),
-    ("elbow", "drive.torque", {"Euler"}, ("stick", "boom")),
+    ("bucket", "drive.force", "Newton", ("rod", "cylinder")),
+    ("elbow", "drive.torque", "Euler", ("stick", "boom")),
 ]
 
 
-@pytest.mark.parametrize(("name", "effort", "laws", "both"), DRIVES)
-def test_a_drive_acts_on_both_its_bodies(name: str, effort: str, laws: set[str], both: tuple[str, str]) -> None:
+@pytest.mark.parametrize(("name", "effort", "law", "both"), DRIVES)
+def test_a_drive_acts_on_both_its_bodies(name: str, effort: str, law: str, both: tuple[str, str]) -> None:
     scene = scene_files.load(name)
     motion = solved(scene)
     assert max(found(scene, motion).values()) <= ROUNDED
     off = found(scene, changed(motion, effort, 1e-3 * float(np.abs(motion[effort]).max()), 9))
-    assert min(off[law, body] for law in laws for body in both) > 1e-5
+    assert min(off[law, body] for body in both) > 1e-5
     assert off["power", "mechanism"] > 1e-5
 
 
@@ -103,7 +103,7 @@ SPRINGS = [("B", ["crank", "coupler"]), ("B", ["coupler", "crank"]), ("C", ["cou
 def test_turns_count_whatever_the_order_of_the_samples(at: str, between: list[str]) -> None:
     spring = {"at": at, "between": between, "stiffness": 2, "angle": 1}
     scene = scene_files.load("loaded_four_bar", {"torsion_springs": [spring]})
-    motion = solved(scene, Sampling(24, turns=3))
+    motion = solved(scene, 3)
     first, second = (motion[f"{name}.angle"] for name in between)
     expected = np.unwrap(second - first)
     expected -= tau * np.ceil(expected[0] / tau - 0.5)
@@ -124,12 +124,10 @@ def test_a_spring_on_the_crank_has_the_turns_of_the_drive(sign: int) -> None:
 
 def test_all_kinds_are_drawn() -> None:
     changes: Changes = {"loads": [TURNING, {"body": "rocker", "moment": 7}], "torsion_springs": [TORSION]}
-    scene = scene_files.load(
-        "carried_block", {**changes, "springs": [{"between": ["ground.F", "rocker.B"], "damping": 1}]}
-    )
+    changes["springs"] = [{"between": ["ground.F", "rocker.B"], "damping": 1}]
+    scene = scene_files.load("carried_block", changes)
     drawing = Drawing(scene, solved(scene))
     assert [arrow.name for arrow in drawing.arrows if arrow.load] == ["load on coupler"]
     plain = by_itself(Drawing(scene_files.load("carried_block"), solved(scene)), 0)
-    assert (
-        by_itself(drawing, 0).count("<path") == plain.count("<path") + 3 + 2
-    )  # three signs, an arrow's shaft and head
+    more = by_itself(drawing, 0).count("<path") - plain.count("<path")
+    assert more == 3 + 2  # three signs, and an arrow's shaft and head
