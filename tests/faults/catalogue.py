@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from . import courses, left_out, read_out, samples, spoilt_scene, weight_and_friction
+from . import courses, left_out, read_out, samples, spoilt_elements, spoilt_scene, weight_and_friction
 from .fault import Clean, Fault
 
 FAMILIES = (
@@ -14,6 +14,7 @@ FAMILIES = (
     spoilt_scene.masses,
     spoilt_scene.geometry,
     spoilt_scene.loads,
+    spoilt_elements.elements,
     weight_and_friction.gravity,
     weight_and_friction.friction,
     samples.data,

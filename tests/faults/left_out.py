@@ -9,11 +9,12 @@ import numpy as np
 from compare.engines import registry
 from compare.judge.canaries import spoilt_motion as spoilt
 from compare.judge.causes.cause import Kind
+from compare.mechanics import elements
 from compare.mechanics.bodies import inertia
 from compare.mechanics.motion_vectors import MotionVectors, Vectors, press_forces
 from scenes import Motion
 from scenes.model.motion import force_channels
-from scenes.scene import GROUND, Force
+from scenes.scene import GROUND, Force, PlainLoad, TableForce
 
 from .fault import Clean, Fault
 
@@ -39,10 +40,9 @@ def left_out(clean: Clean) -> Iterator[Fault]:
         yield Fault("m s w^2", "m s w^2 left out everywhere", 1, Kind.term, "all", lambda: off)
         yield Fault("I alpha", "I alpha left out everywhere", 1, Kind.inertia, "all", lambda: swung)
     rows, presses = np.arange(clean.sampling.count), press_forces(scene)
-    for load in scene.loads:
+    for load in (load for load in scene.loads if isinstance(load, PlainLoad | TableForce)):
         acting = [acts[0] for one, acts in zip(presses, clean.reference.acts(clean.true), strict=True) if one is load]
-        alone = MotionVectors(replace(scene, loads=(load,), springs=(), gravity=None), clean.true, acting)
-        ((own, *_),) = alone.applied(scene.bodies[load.body])
+        own = elements.force(MotionVectors(replace(scene, loads=(load,)), clean.true, acting), load)
         for by in (1, 2) if not isinstance(load, Force) else ():
             change = partial(_pushed, clean, clean.motion, load.body, load.at, own[np.maximum(rows - by, 0)] - own)
             yield Fault("late load", "a load switched late", by, Kind.load, load.at, change)

@@ -13,7 +13,7 @@ from compare.mechanics.bodies import distances, inertia
 from compare.mechanics.mechanics import inputs
 from scenes import Scene
 from scenes.fields import put, walk
-from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PressForce
+from scenes.scene import Body, ConstantSpeed, DrawnBody, Force, ForceTable, PlainLoad, PressForce
 
 from .fault import Clean, Fault
 
@@ -186,6 +186,8 @@ def loads(clean: Clean) -> Iterator[Fault]:
         return Fault("load", kind, magnitude, Kind.load, place, scene=spoilt)
 
     for number, load in enumerate(scene.loads):
+        if not isinstance(load, PlainLoad):
+            continue
         kind = {Force: "a force", PressForce: "a press force", ForceTable: "a table"}[type(load)]
         yield fault(f"{kind} missing", 1, load.at, number)
         for by in (-2.0, 1.0, *SIZES):
@@ -227,7 +229,7 @@ def _springs(clean: Clean) -> Iterator[Fault]:
         place = f"{spring.first[1]}-{spring.second[1]}"
         without = (*scene.springs[:number], *scene.springs[number + 1 :])
         yield Fault("load", "a spring missing", 1, Kind.spring, place, scene=replace(scene, springs=without))
-        for by in (-2.0, *SIZES):
+        for by in (-2.0, *SIZES) if spring.stiffness else ():
             for what in ("stiffness", "length"):
                 spoilt = put(scene, {("springs", number, what): (1 + by) * getattr(spring, what)})
                 yield Fault("load", f"a spring's {what}", by, Kind.spring, place, scene=spoilt)
