@@ -1,9 +1,10 @@
 """How verdicts keep their word on random clean scenes.
 
-`python -m benchmarks.promises [--scenes N] [--engines a,b] [--out FILE]`: engines at FAST, balanced and EXACT, 36, 72
-and 360 samples; and at accuracies from 1e-2 to 1e-6 at one of the three, scene by scene another one. The true errors
-are found outside the comparison, see `tests/true_errors.py`. Records go to a CSV file as they come, so that a run that
-was stopped goes on. 200 scenes take about an hour on one core.
+`python -m benchmarks.promises [--scenes N] [--elements] [--engines a,b] [--out FILE]`: engines at FAST, balanced and
+EXACT, 36, 72 and 360 samples; and at accuracies from 1e-2 to 1e-6 at one of the three, scene by scene another one. The
+true errors are found outside the comparison, see `tests/true_errors.py`. With `--elements` other scenes, with loads,
+springs and drives of every kind. Records go to a CSV file as they come, so that a run that was stopped goes on. 200
+scenes take about an hour on one core.
 """
 
 import argparse
@@ -29,16 +30,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=SCENES)
     parser.add_argument("--engines", default=",".join(ENGINES))
-    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--elements", action="store_true")
+    parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     with TemporaryDirectory() as folder:
-        report(study(Path(folder), options.scenes, options.engines.split(","), options.out))
+        out = options.out or OUT.with_stem("promises_elements" if options.elements else OUT.stem)
+        report(study(Path(folder), options.scenes, options.engines.split(","), out, elements=options.elements))
 
 
-def study(folder: Path, count: int, engines: Sequence[str], out: Path) -> pd.DataFrame:
+def study(folder: Path, count: int, engines: Sequence[str], out: Path, *, elements: bool = False) -> pd.DataFrame:
     """Append the records of the scenes that are not there yet, and return those of all."""
     done = set(pd.read_csv(out, usecols=["number"])["number"]) if out.exists() else set()
-    for number, scene in enumerate(clean_scenes(folder, count)):
+    for number, scene in enumerate(clean_scenes(folder, count, elements=elements)):
         if number not in done:
             wanted = dict.fromkeys(SAMPLES, TIERS) | {SAMPLES[number % 3]: ACCURACIES}
             rows = [{"number": number, **asdict(record)} for record in records(scene, wanted, engines)]

@@ -18,10 +18,12 @@ import scenes
 from scenes import Scene
 from scenes.fields import put, walk
 from scenes.file.reader import numbers_in, tables_of
-from scenes.scene import Body, ConstantSpeed, Drive, ForceTable, Load, MotionLaw, PlainLoad, PressForce
+from scenes.scene import GROUND, Body, ConstantSpeed, Drive, ForceTable, Load, Moment, MotionLaw, Spring, TorsionSpring
 
 from . import scene_files
+from .element_scenes import element_scenes
 from .linkage_scenes import linkages
+from .moving_drives import DRIVES
 
 KINDS = ("RRR", "RRP", "RPR", "PRP", "RPP")  # of the first dyad
 CLASS_III = ("class_iii", "class_iii_among_dyads", "slotted_class_iii")
@@ -38,6 +40,7 @@ class Sizes(NamedTuple):
     angle: tuple[str, float]
 
 
+METRES = {"m": 1.0, "mm": 1e-3, "cm": 0.01, "in": 0.0254, "ft": 0.3048, "um": 1e-6}
 LENGTHS = (("m", 1.0), ("mm", 60.0), ("cm", 25.0), ("in", 4.0), ("ft", 3.0), ("um", 800.0))
 MASSES = (("kg", 1.0), ("g", 150.0), ("lb", 0.5), ("t", 0.1))
 FORCES = (("N", 1.0), ("kN", 0.2), ("lbf", 3.0))
@@ -45,27 +48,30 @@ ANGLES = (("rad", 1.0), ("deg", degrees(1.0)))
 SIZES = st.builds(Sizes, *map(st.sampled_from, (LENGTHS, MASSES, FORCES, ANGLES)))
 
 
-def clean_scenes(folder: Path, count: int) -> list[Scene]:
-    """Scenes that were written to a folder and read from there."""
+def clean_scenes(folder: Path, count: int, *, elements: bool = False) -> list[Scene]:
+    """Scenes that were written to a folder and read from there; with elements and drives of every kind, or plain."""
     clean = []
     for number in range(count):
-        if number % EVERY == EVERY - 1:
+        if number % EVERY == EVERY - 1 and not elements:
             clean.append(_class_iii(number // EVERY))
             continue
-        scene, sizes = _drawn(number)
+        kind = KINDS[number % len(KINDS)]
+        scene, sizes = _drawn(
+            number, element_scenes(kind, DRIVES[number % len(DRIVES)]) if elements else linkages(kind)
+        )
         file = folder / f"clean_{number:03d}.toml"
         file.write_text(scene_files.toml(tables(replace(scene, name=file.stem), sizes)), encoding="utf-8")
         clean.append(scenes.load(file))
     return clean
 
 
-def _drawn(number: int) -> tuple[Scene, Sizes]:
+def _drawn(number: int, strategy: st.SearchStrategy[Scene]) -> tuple[Scene, Sizes]:
     """One drawing, the same one every time."""
     drawings: list[tuple[Scene, Sizes]] = []
 
     @seed(number)
     @settings(max_examples=2, phases=[Phase.generate], database=None, suppress_health_check=list(HealthCheck))
-    @given(linkages(KINDS[number % len(KINDS)]), SIZES)
+    @given(strategy, SIZES)
     def draw(scene: Scene, sizes: Sizes) -> None:
         drawings.append((scene, sizes))
 
@@ -79,7 +85,9 @@ def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
     slides = scene.driven_slide is not None
     speed, per_second = (f"{length}/s", L) if slides else (("rpm", 30 / pi) if angle == "deg" else ("rad/s", 1.0))
     many = {"length": L, "mass": M, "force": F, "inertia": M * L**2, "stiffness": F / L, "speed": per_second}
-    many |= {"position": L if slides else A} | dict.fromkeys(("time", "gravity", "direction"), 1.0)
+    many |= {"angle": A, "position": L if slides else A} | dict.fromkeys(("time", "gravity", "direction"), 1.0)
+    moment = F * L * METRES[length]  # in the file's force times metre
+    many |= {"moment": moment, "damping": F / L, "torsion_stiffness": moment / A, "torsion_damping": moment / A}
     scene = put(scene, {number.at: many[number.quantity.dimension] * number.value for number in walk(scene)})
     written = {
         "format": 1,
@@ -88,12 +96,17 @@ def tables(scene: Scene, sizes: Sizes) -> dict[str, Any]:
         "gravity": scene.gravity,
         "ground": {"points": dict(scene.ground) or {"G": (0, 0)}},  # a file has one at least
         "bodies": {name: _body(body) for name, body in scene.bodies.items()},
-        "drive": _drive(scene.drive),
+        "drive": _drive(scene.drive) | ({} if slides or scene.drive_on == GROUND else {"on": scene.drive_on}),
         "loads": [_load(load) for load in scene.loads],
         "springs": [
-            {"between": [".".join(of.first), ".".join(of.second)], "stiffness": of.stiffness, "length": of.length}
+            {"between": [".".join(of.first), ".".join(of.second)], **_pull(of), "length": of.length}
             for of in scene.springs
         ],
+        "torsion_springs": [
+            {"at": of.at, "between": [of.first, of.second], **_pull(of), "angle": of.angle}
+            for of in scene.torsion_springs
+        ]
+        or None,
         "sketch": {"displacement" if slides else "angle": scene.sketch.drive, **scene.sketch.points},
         "output": {"point": scene.output},
     }
@@ -121,12 +134,25 @@ def _drive(drive: Drive) -> dict[str, Any]:
     return {"body": drive.body, "law": [*zip(drive.times, drive.positions, strict=True)], "periodic": drive.periodic}
 
 
+def _pull(spring: Spring | TorsionSpring) -> dict[str, Any]:
+    return _without_none({"stiffness": spring.stiffness or None, "damping": spring.damping})
+
+
 def _load(load: Load) -> dict[str, Any]:
-    at = {"body": load.body, "at": load.at}
-    assert isinstance(load, PlainLoad)
+    given, table = dict[str, Any](vars(load)), getattr(load, "table", None)
     if isinstance(load, ForceTable):
-        return at | {"table": [*zip(load.displacements, load.forces, strict=True)]}
-    return at | {"force": load.force} | ({"last": load.last} if isinstance(load, PressForce) else {})
+        return {"body": load.body, "at": load.at, "table": [*zip(load.displacements, load.forces, strict=True)]}
+    keys: dict[str, Any] = {
+        key: given[key] for key in ("body", "at", "force", "moment", "last", "along", "frame") if key in given
+    }
+    if keys.get("frame") == "ground":
+        del keys["frame"]
+    if table is not None:
+        keys |= {"over": table.over, "periodic": table.periodic}
+        keys["table"] = [*zip(table.arguments, table.values, strict=True)]
+        if isinstance(load, Moment):
+            del keys["at"]
+    return _without_none(keys)
 
 
 def _class_iii(number: int) -> Scene:

@@ -21,7 +21,7 @@ from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, sig
 def drawn_linkages(draw: st.DrawFn, first: str = "") -> tuple[Scene, Samples, dict[str, Path]]:
     """Draw a linkage of one dyad or two, the first of a kind, positions of its drive, and its moving points there."""
     drawing = draw(drawing_of(first))
-    scene, positions = _scene(draw, drawing)
+    scene, positions = scene_of(draw, drawing)
     return scene, positions, {point: z for point, z in drawing.path.items() if point not in drawing.ground}
 
 
@@ -29,7 +29,7 @@ def linkages(first: str = "") -> st.SearchStrategy[Scene]:
     return drawn_linkages(first).map(lambda drawn: drawn[0])
 
 
-def _scene(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
+def scene_of(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
     """The scene with its bodies in any order, masses, loads, springs and weights; and positions of its drive."""
     at = {point: complex(z[0]) for point, z in drawing.path.items()}
     order = {name: draw(st.permutations(points)) for name, points in drawing.points.items()}
@@ -39,20 +39,23 @@ def _scene(draw: st.DrawFn, drawing: Drawing) -> tuple[Scene, Samples]:
     }
     slides = {}
     for slider, (on, t) in drawing.slides.items():
-        through = at[order[slider][0]] + draw(numbers(-2, 2)) * t
+        first, displaced = at[order[slider][0]], drawing.displaced.get(slider)
+        through = first + draw(numbers(-2, 2)) * t if displaced is None else first - displaced * t
         slides[slider] = Slide(on, xy((through - origins[on]) / x_axes[on]), xy(t / x_axes[on]))
     bodies = {}
     for name in draw(st.permutations(list(order))):
         local = {point: (at[point] - origins[name]) / x_axes[name] for point in order[name]}
         bodies[name] = _body(draw, name, local, slides.get(name), by_lengths=name in by_lengths)
-    positions = _positions(drawing, x_axes["driver"], order["driver"][0], slides.get("driver"))
+    positions = _positions(drawing, x_axes, order, origins, slides.get(drawing.driver))
     ground = MappingProxyType({point: xy(at[point]) for point in drawing.ground})
-    drive, springs = _drive(draw, positions, slides="driver" in slides), tuple(_springs(draw, drawing))
+    bounded = drawing.driver in slides or drawing.driven_on != GROUND
+    drive = replace(_drive(draw, positions, slides=bounded), body=drawing.driver)
+    springs = tuple(_springs(draw, drawing))
     gravity = draw(vectors(10).map(xy) | st.none())
     rough = {point: (round(z.real, 2), round(z.imag, 2)) for point, z in at.items() if point not in ground}
     sketch = Sketch(float(positions[0]), MappingProxyType(rough))
     has = ground, MappingProxyType(bodies), drive, (), springs, gravity, sketch
-    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}))
+    scene = Scene("drawn", "drawn", "", "drawn.toml", *has, "A", MappingProxyType({}), drive_on=drawing.driven_on)
     return replace(scene, loads=tuple(draw(loads_on(scene)) for _ in range(draw(st.integers(0, 3))))), positions
 
 
@@ -104,12 +107,25 @@ def _body(draw: st.DrawFn, name: str, local: Mapping[str, complex], slide: Slide
     return Body(name, tuple(points), places, lengths, tuple(points), mass, com, inertia, slide)
 
 
-def _positions(drawing: Drawing, x_axis: complex, first: str, slide: Slide | None) -> Samples:
+def _positions(
+    drawing: Drawing,
+    x_axes: Mapping[str, complex],
+    order: Mapping[str, list[str]],
+    origins: Mapping[str, complex],
+    slide: Slide | None,
+) -> Samples:
     """The drive's positions over all steps."""
+    name, on, path = drawing.driver, drawing.driven_on, drawing.path
     if slide is None:
-        turned: Samples = np.angle(x_axis) + STEPS
-        return turned
-    displaced: Samples = ((drawing.path[first] - complex(*slide.through)) * complex(*slide.along).conjugate()).real
+        if on == GROUND:
+            turned: Samples = np.angle(x_axes[name]) + STEPS
+            return turned
+        return np.unwrap(np.angle(x_axes[name] * drawing.u[name] / (x_axes[on] * drawing.u[on])))
+    at = path[order[name][0]]
+    if on != GROUND:
+        foot = path[order[on][0]]
+        at = (at - foot) / (x_axes[on] * drawing.u[on]) + (foot[0] - origins[on]) / x_axes[on]
+    displaced: Samples = ((at - complex(*slide.through)) * complex(*slide.along).conjugate()).real
     return displaced
 
 

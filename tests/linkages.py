@@ -51,6 +51,9 @@ class Drawing:
     points: dict[str, list[str]]  # by body
     ground: list[str] = field(default_factory=list)
     slides: dict[str, tuple[str, complex]] = field(default_factory=dict)  # by slider: on what, along what at first
+    displaced: dict[str, float] = field(default_factory=dict)  # by slider, at first, where it is not any, m
+    driver: str = "driver"
+    driven_on: str = GROUND
 
     def add(self, body: str, points: list[str], u: Path) -> None:
         self.points[body], self.u[body] = points, u
@@ -226,7 +229,12 @@ def drawing_of(draw: st.DrawFn, first: str) -> Drawing:
         drawing.path["A"] = pivot + t * np.sin(STEPS)
         drawing.add("driver", ["A"], drawing.u[GROUND])
         drawing.slides["driver"] = GROUND, t
+    hang(draw, drawing, first)
+    return drawing
+
+
+def hang(draw: st.DrawFn, drawing: Drawing, first: str) -> None:
+    """Hang one dyad or two on what moves A."""
     _DYADS[first or draw(st.sampled_from(list(_DYADS)))](draw, drawing, "A", "1")
     if draw(st.booleans()):
         _DYADS[draw(st.sampled_from(list(_DYADS)))](draw, drawing, _foot(draw, drawing), "2")
-    return drawing

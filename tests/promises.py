@@ -14,6 +14,7 @@ from compare.engines.registry import TIERS, Accuracy
 from compare.engines.runner import HERE, Run
 from compare.judge import judgement
 from scenes import Sampling, Scene
+from scenes.elements import PLAIN_KINDS
 from scenes.scene import ForceTable, MotionLaw, PressForce
 
 from . import agreement
@@ -107,6 +108,7 @@ def features(scene: Scene) -> Iterator[str]:
             yield name
     if scene.springs:
         yield "spring"
+    yield from (kind.replace(" ", "-") for kind in sorted(scene.kinds - PLAIN_KINDS))
     if not all(body.mass for body in scene.bodies.values()):
         yield "massless"
 
