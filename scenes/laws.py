@@ -29,7 +29,7 @@ class Piece(NamedTuple):
     """A motion from an instant on, a polynomial and sines of the time; it goes on smoothly on both sides."""
 
     begin: float  # s
-    polynomial: Sequence[float]  # rad or m by s^0, s^1, ...
+    polynomial: Sequence[float] | Samples  # rad or m by s^0, s^1, ...
     sines: Sequence[tuple[float, float, float]] = ()  # amplitude, rad or m; rate, rad/s; phase, rad
     lag: float = 0.0  # s, from its beginning to where its time is zero
 
@@ -157,16 +157,21 @@ class SegmentedLaw:
 
     def at(self, time: ArrayLike) -> Driven:
         """What the drive asks for at instants of any shape, s, before zero and after the end too."""
-        time, (here, *_, there), hair = np.asarray(time, np.float64), self.positions, SAME_INSTANT * self.cycle
+        time, ends, positions = (np.asarray(x, np.float64) for x in (time, self.boundaries, self.positions))
+        hair, gain = SAME_INSTANT * self.cycle, positions[-1] - positions[0]
         periods = np.floor((time + hair) / self.cycle) if self.periodic else np.zeros(time.shape)
         time = time - periods * self.cycle
-        pieces = Piece(0.0, (here,)), *self.pieces, Piece(0.0, (there,))
-        begins = [*(piece.begin - hair for piece in self.pieces), self.cycle + hair]
+        last = np.maximum(np.searchsorted(ends, time + hair, side="right") - 1, 0)
+        rests = np.abs(time - ends[last]) <= hair
+        time = np.where(rests, ends[last], time)
+        pieces = Piece(0.0, positions[:1]), *self.pieces, Piece(0.0, positions[-1:])
+        begins = [*(piece.begin for piece in self.pieces), self.cycle + hair]
         own, driven = np.searchsorted(begins, time, side="right"), np.empty((3, *time.shape))
         for number in np.unique(own):
             driven[:, own == number] = pieces[number].at(time[own == number])
-        driven[0] += periods * (there - here)
-        return Driven(*driven)
+        position, rate, acceleration = driven
+        position = np.where(rests, positions[last], position) + periods * gain
+        return Driven(position, np.where(rests, 0.0, rate), acceleration)
 
 
 @dataclass(frozen=True)

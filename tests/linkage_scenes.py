@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scenes import Scene
 from scenes.bodies import GROUND, Body, Slide
 from scenes.drive import ConstantSpeed, Drive, MotionLaw, Samples
+from scenes.laws import LAWS, HarmonicLaw, Segment, SegmentedLaw
 from scenes.scene import Force, ForceTable, Load, PressForce, Sketch, Spring
 
 from .linkages import STEPS, Drawing, Path, directions, drawing_of, numbers, signs, vectors, xy
@@ -150,6 +151,27 @@ def _drive(draw: st.DrawFn, positions: Samples, *, slides: bool) -> Drive:
     low, high = law.extent  # of a spline, which overshoots: shrink it to fit
     scale, offset = 0.99 * (most - least) / (high - low), (most + least) / 2
     return replace(law, positions=tuple(offset + scale * (x - (low + high) / 2) for x in law.positions))
+
+
+@st.composite
+def by_formula(draw: st.DrawFn) -> Scene:
+    """A linkage whose drive goes through the same range by segments, for ever or once, or by two sines."""
+    scene = draw(linkages())
+    low, high = scene.drive.extent
+    if draw(st.booleans()):
+        size, frequency, share = (high - low) / 2, draw(st.integers(2, 20)) / 4, draw(numbers(0, 1))
+        phases, frequencies = (draw(numbers(-3, 3)), draw(numbers(-3, 3))), (2 * frequency, 3 * frequency)
+        drive: Drive = HarmonicLaw("driver", low + size, (share * size, (1 - share) * size), frequencies, phases)
+        return replace(scene, drive=drive)
+    places = [low, *(low + draw(numbers(0, 1)) * (high - low) for _ in range(3)), high]
+    periodic = draw(st.booleans())
+    turns = scene.driven_slide is None and scene.drive.repeats
+    parts = [
+        Segment(to, draw(numbers(0.1, 1)), draw(st.sampled_from([*LAWS])))
+        for to in (*places[1:], *((low + draw(st.sampled_from((0, 2 * pi))) * turns,) if periodic else ()))
+    ]
+    parts.insert(draw(st.integers(0, len(parts))), Segment(None, draw(numbers(0.1, 1)), None))
+    return replace(scene, drive=SegmentedLaw("driver", low, tuple(parts), periodic))
 
 
 def loads_on(scene: Scene) -> st.SearchStrategy[Load]:

@@ -56,12 +56,14 @@ class SegmentsLaw:
 
     def at(self, cycles: Fraction) -> Command:
         """Return the command after a number of cycles: on a boundary, or so near to one, the later segment's."""
-        hair = Fraction(SAME_INSTANT)
-        periods = (cycles + hair) // 1 if self._periodic else 0
-        share = cycles - periods
-        i = min(bisect_right(self._ends, (share + hair) * self._ends[-1]), len(self._segments)) - 1
+        hair = Fraction(SAME_INSTANT) * self._ends[-1]
+        periods = (cycles + Fraction(SAME_INSTANT)) // 1 if self._periodic else 0
+        time = (cycles - periods) * self._ends[-1]
+        last = bisect_right(self._ends, time + hair) - 1
+        i = min(last, len(self._segments) - 1)
         segment, (here, there) = self._segments[i], self._positions[i : i + 2]
-        x = (share * self._ends[-1] - self._ends[i]) / Fraction(segment.within)
+        time = self._ends[last] if abs(time - self._ends[last]) <= hair else time
+        x = (time - self._ends[i]) / Fraction(segment.within)
         start = here + periods * (self._positions[-1] - self._positions[0])
         way = _way(segment.law, x, ball(1 / Fraction(segment.within))) if segment.law else _series(arb(0), arb(0))
         return _command(cycles * self._ends[-1], start + (there - here) * way)

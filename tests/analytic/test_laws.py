@@ -17,7 +17,7 @@ from scenes.model.motion import channels, force_channels
 from tests import absolute_coordinates, scene_files
 from tests.agreement import FORCES, MOTION, assert_agree, exact, instants, solve
 from tests.comparisons import all_checks
-from tests.linkage_scenes import linkages
+from tests.linkage_scenes import by_formula, linkages
 
 from .newton import as_one_group
 
@@ -89,6 +89,14 @@ def test_against_50_digits(scene: Scene) -> None:
     true = exact(scene, Sampling(24))
     motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
     # By the peaks of all forces: a joint that hardly carries anything still has the roundings of those beside it.
+    assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
+
+
+@seldom
+@given(by_formula())
+def test_drives_by_formula_against_50_digits(scene: Scene) -> None:
+    true = exact(scene, Sampling(24))
+    motion = analytic.solve(scene, true[scene.drive_channel], true["time"])
     assert_agree(scene, motion, {channel: true[channel] for channel in channels(scene)})
 
 
