@@ -48,6 +48,8 @@ def test_rates_and_accelerations_are_integrated_to_the_way(name: str) -> None:
         inside, first, last = (piece.at(t) for t in (piece.begin + length * (1 + x) / 2, piece.begin, end))
         assert abs(last.position - first.position - length / 2 * w @ inside.rate) <= ROUNDED
         assert abs(last.rate - first.rate - length / 2 * w @ inside.acceleration) <= ROUNDED * law.peak_rate
+    assert law.at(law.boundaries).position.tolist() == [0, 2, 2, 0]
+    assert not law.at(law.boundaries).rate.any()  # to the last digit, or a press force came and went by rounding
     for at in law.boundaries:
         before, after = law.at(at - 2e-9), law.at(at + 2e-9)
         scale = 4e-9 * np.array([1e-6, 200.0]) + ROUNDED  # of a rate next to rest, and an acceleration
