@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenes.model.motion import Samples, force_channels
+from scenes.scene import GROUND
 
 from .constraints import ComplexArray, LinkageConstraints, PlaneVector, PoseArray, blocks, solved
 from .loads import Active, applied, instants
@@ -49,7 +50,21 @@ def with_rates_of_law(linkage: LinkageConstraints, time: Samples, motion: Motion
         lack = wanted - (of_drive * values).sum(axis=(1, 2))
         return np.asarray(values + lack[:, None, None] * ratio)
 
-    return Motions(q, corrected(motion.v, law.rate), corrected(motion.a, law.acceleration))
+    v = corrected(motion.v, law.rate)
+    return Motions(q, v, corrected(motion.a, law.acceleration - _curvature(linkage, Motions(q, v, 0 * v))))
+
+
+def _curvature(linkage: LinkageConstraints, motion: Motions) -> Samples:
+    """The drive's acceleration where that of all coordinates is zero, shape (n,): of a bar that turns."""
+    scene = linkage.scene
+    if scene.driven_slide is None or scene.drive_on == GROUND:
+        return np.zeros(len(motion.q))
+    ends = (scene.drive.body, linkage.first_arm(scene.drive.body)), (scene.drive_on, linkage.back_end)
+    first, end = (np.array(motion.of_point(linkage.index[name], arm)) for name, arm in ends)
+    _, bar, rate, acceleration = first - end
+    return np.asarray(
+        (np.conj(bar) * acceleration + (np.conj(bar) * rate).imag ** 2 / np.abs(bar) ** 2).real / np.abs(bar)
+    )
 
 
 def wanted_channels(

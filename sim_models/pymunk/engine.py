@@ -12,6 +12,9 @@ off by the first order, which `channels` corrects. Loads, springs and reactions 
 kinks of a force table and the switch of a press force are where that has them. The accuracy of the last equation
 depends on the number of Gauss-Seidel sweeps, `iterations`: with too few the linkage flips to another branch, whatever
 dt. The masses determine how many are enough.
+
+A drive against the ground prescribes its body's motion. One between moving bodies is a joint, see `drives`: then all
+masses are chosen for the sweeps, of which there are as many as it takes, and the forces follow from the motion alone.
 """
 
 from scenes import Request, Scene
@@ -21,7 +24,7 @@ from scenes.model.engine import Simulation
 from . import settings as named
 from .settings import AnySettings, PymunkSettings
 
-KINDS = ALL_KINDS - {"cylinders that drive", "drives between moving bodies"}
+KINDS = ALL_KINDS
 DEFAULT, FAST, EXACT, ABLATIONS = named.DEFAULT, named.FAST, named.EXACT, named.ABLATIONS
 WORK_PRECISION, LONG_WORK_PRECISION, at_steps = named.WORK_PRECISION, named.LONG_WORK_PRECISION, named.at_steps
 

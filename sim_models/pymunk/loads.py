@@ -22,9 +22,10 @@ from scenes.elements import PLAIN_KINDS
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Force, ForceTable, GuideForce, Moment, PressForce, Spring, TableForce, TorsionSpring
 
+from .bodies import pair
 from .constraints import LinkageConstraints, PlaneVector, PoseArray, planes, with_ground
 from .masses import fictitious_masses
-from .space import Bodies, pair
+from .space import Bodies
 from .start import SCENES, DrivePlace, begun, move, rates, start, way
 
 HALVINGS = 25  # of a continuation step with a dead point in it; leaves round-off of the displacement there

@@ -28,6 +28,7 @@ from .bodies import PymunkBody
 from .settings import PymunkSettings
 
 BALLAST = 10.0  # times the mass of all bodies; more makes no scene of the library converge visibly faster
+AMONG_ITS_OWN = 0.3  # moment of a pinned body in a group that a drive closes; there a sweep leaves up to 0.995
 RATIO = 1e-2  # of masses that hardly disturb each other; smaller ones leave the sweeps' convergence as it is
 
 
@@ -50,8 +51,11 @@ Masses: TypeAlias = Callable[[Scene, Mapping[str, PymunkBody]], Inertias]
 
 
 def loaded(scene: Scene, settings: PymunkSettings, request: Request) -> bool:
-    """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses."""
-    return request.wants_forces(scene) and not settings.fictitious
+    """Tell whether forces act on the bodies; where none are requested, the drive alone moves fictitious masses.
+
+    So does a drive between moving bodies, which may have no mass of their own.
+    """
+    return request.wants_forces(scene) and not settings.fictitious and scene.drive_on == GROUND
 
 
 def masses_of(scene: Scene, settings: PymunkSettings, request: Request) -> Masses:
@@ -93,7 +97,7 @@ def held(scene: Scene) -> dict[str, Pin]:
 
 def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertias:
     """Choose masses with which sweeps converge fast; the largest is 1 kg divided by RATIO."""
-    chosen = {scene.drive.body: _driven(scene, rigids)}
+    chosen = {scene.drive.body: _driven(scene, rigids)} if scene.drive_on == GROUND else {}
     scale = 1.0
     for group in assur_groups(scene):
         earlier = {GROUND, *chosen}
@@ -104,7 +108,8 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
             origin = body.com
             for pin in scene.pins:
                 if name in (pin.first, pin.second) and {pin.first, pin.second} & earlier:
-                    origin, mass, moment = body.points[pin.point], scale / RATIO, scale * RATIO * size**2
+                    light = AMONG_ITS_OWN if scene.drive.body in group else RATIO
+                    origin, mass, moment = body.points[pin.point], scale / RATIO, scale * light * size**2
             on = name
             while on in scene.slides and scene.slides[on].on != GROUND:
                 on, moment = scene.slides[on].on, RATIO * moment  # so that the gear hardly turns the carrier
@@ -119,15 +124,15 @@ def constraint_groups(scene: Scene) -> list[DiagonalBlock]:
     joints = [(pin.first, pin.second) for pin in scene.pins]
     joints += [(name, slide.on) for name, slide in scene.slides.items()]
     pattern = [[*columns[one], *columns[other]] for one, other in joints for _ in range(2)]
-    return groups([*pattern, columns[scene.drive.body]])
+    return groups([*pattern, [*columns[scene.drive_on], *columns[scene.drive.body]]])
 
 
 def assur_groups(scene: Scene) -> Iterator[list[str]]:
     """Yield the bodies that are determined together, in the order of the file, each group by those before it."""
-    bodies = [*scene.bodies]
+    bodies, prescribed = [*scene.bodies], scene.drive.body if scene.drive_on == GROUND else None
     for block in constraint_groups(scene):
         together = {column // 3 for column in block.columns}
-        if named := [bodies[i] for i in sorted(together) if bodies[i] != scene.drive.body]:
+        if named := [bodies[i] for i in sorted(together) if bodies[i] != prescribed]:
             yield named
 
 

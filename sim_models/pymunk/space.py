@@ -11,7 +11,9 @@ from pymunk.batch import BodyFields, Buffer, get_space_bodies
 from scenes import Failure, Status
 from scenes.scene import GROUND, ConstantSpeed
 
+from .bodies import pair
 from .constraints import LinkageConstraints, PoseArray
+from .drives import drive_joint
 from .settings import PymunkExtra
 
 Bodies: TypeAlias = dict[str, pymunk.Body]
@@ -35,7 +37,9 @@ class Model:
         self.joints = {**_pins(linkage, among), **_grooves(linkage, among)}
         keeping = [(linkage.slides[name].on, name) for name in linkage.scene.turning if name in linkage.slides]
         gears = [pymunk.GearJoint(among[carrier], among[slider], 0, 1) for carrier, slider in keeping]  # parallel
-        constraints = [*self.joints.values(), *gears]
+        self.drive = drive_joint(linkage, among) if linkage.scene.drive_on != GROUND else None
+        # The last is the drive's: solved after all others, it does not lag.
+        constraints = [*self.joints.values(), *gears, *([self.drive] if self.drive else [])]
         for constraint in constraints:
             constraint.error_bias = error_bias
         self.space.add(*constraints)
@@ -64,15 +68,10 @@ class Model:
 
 def _motor(linkage: LinkageConstraints, bodies: Bodies) -> pymunk.SimpleMotor:
     """A motor that turns the crank."""
-    drive = linkage.scene.drive
-    if not isinstance(drive, ConstantSpeed) or linkage.scene.driven_slide is not None:
+    drive, scene = linkage.scene.drive, linkage.scene
+    if not isinstance(drive, ConstantSpeed) or scene.driven_slide is not None or scene.drive_on != GROUND:
         raise Failure(Status.unsupported, "pymunk has motors for cranks at a constant speed only")
     return pymunk.SimpleMotor(bodies[drive.body], bodies[GROUND], drive.speed)
-
-
-def pair(vector: complex) -> tuple[float, float]:
-    """A vector as a pair of numbers, as pymunk takes it."""
-    return vector.real, vector.imag
 
 
 def _pins(linkage: LinkageConstraints, bodies: Bodies) -> dict[str, pymunk.Constraint]:

@@ -4,9 +4,10 @@ pymunk closes open joints by itself, but on any branch nearby. Hence the sketch'
 in small steps, each corrected by Newton's method; no step may change the branch.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
-from math import radians
+from itertools import product
+from math import radians, sqrt, tau
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +17,7 @@ from scenes.model.constraints import joint_rows, misfit
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .constraints import LinkageConstraints, PoseArray, determinant_sign
+from .constraints import ComplexArray, LinkageConstraints, PoseArray, determinant_sign
 from .masses import Masses, fictitious_masses
 
 LARGEST_TURN = radians(5.0)  # of the crank in one continuation step; of a driven slider, by the linkage's size
@@ -27,11 +28,13 @@ NEWTON_STEPS = 6  # near a solution 3 or 4 are enough; more means a jump to anot
 PATIENT_NEWTON_STEPS = 60  # nearly singular, it gains one bit per step
 SECONDS = 10.0  # of processor time on one path, half of what an engine's process has; the shipped scenes take 0.03
 TRIALS = 9  # places within a step, from where there is no next one, to find one where the bodies stay apart
+LEAST_PUSH = 1e-3  # of the linkage's size: a cylinder's displacement where the sketch has its pins too close
 CLOSED = 1e-12  # largest constraint residual, by the linkage's size; well above round-off
 SCENES = 6  # whose starts are kept; one that is run has up to three, by the masses
 
 Posed: TypeAlias = tuple[LinkageConstraints, PoseArray]
 DrivePlace: TypeAlias = tuple[float, PoseArray]  # a position of the drive, rad or m, and the pose there
+Shown: TypeAlias = Mapping[str, ComplexArray]  # by body the arms and places of its points in the sketch, (2, points)
 
 
 @lru_cache(SCENES)
@@ -64,23 +67,16 @@ def rates(linkage: LinkageConstraints, q: PoseArray, drive_rate: float) -> PoseA
 
 
 def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
-    """Lay every body on the sketch as well as it fits, shape (1, bodies, 3); the joints are open.
-
-    A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
-    """
-    scene, drawn = linkage.scene, linkage.scene.drawn
+    """Lay every body on the sketch as well as it fits, shape (1, bodies, 3); the joints are open."""
+    drawn = linkage.scene.drawn
     shown = {
         name: np.array([(arm, drawn[point]) for point, arm in member.points.items() if point in drawn]).reshape(-1, 2).T
         for name, member in linkage.members.items()
     }
     q = np.zeros((1, len(shown), 3))
+    angles = _angles(linkage, shown, position)
     for pose, (name, (arms, places)) in zip(q[0], shown.items(), strict=True):
-        group = scene.aligned[name]
-        if scene.drive.body in group and GROUND not in group:
-            pose[2] = position
-        elif GROUND not in group:
-            fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[other] for other in sorted(group)) if len(a))
-            pose[2] = np.angle(sum(fits))
+        pose[2] = angles[linkage.scene.aligned[name]]
         if len(arms):
             z = (places - arms * np.exp(1j * pose[2])).mean()
             pose[:2] = z.real, z.imag
@@ -91,6 +87,44 @@ def _sketch(linkage: LinkageConstraints, position: float) -> PoseArray:
         columns = linkage.jacobian(q)[0][:, unknown]
         q.reshape(-1)[unknown] -= np.linalg.lstsq(columns, linkage.gaps(q, np.array([position]))[0])[0]
     return q
+
+
+def _angles(linkage: LinkageConstraints, shown: Shown, position: float) -> dict[frozenset[str], float]:
+    """The angles of the bodies that slides keep parallel, as the sketch shows them.
+
+    A common angle of bodies fits the arms a of their points p best where sum conj(a) p is real, both less their means.
+    """
+    scene = linkage.scene
+    ground, on, driven = (scene.aligned[name] for name in (GROUND, scene.drive_on, scene.drive.body))
+    angles = {ground: 0.0}
+    for group in {*scene.aligned.values()} - {ground, driven if on == ground else ground}:
+        fits = (np.vdot(a - a.mean(), p - p.mean()) for a, p in (shown[name] for name in sorted(group)) if len(a))
+        if fit := sum(fits) or _fit_of_pairs(linkage, group, shown, position):
+            angles[group] = float(np.angle(fit))
+    if scene.driven_slide is None and driven not in angles:
+        angles[driven] = angles.get(on, 0.0) + position
+    elif scene.driven_slide is None and on in angles:
+        angles[driven] += tau * round((angles[on] + position - angles[driven]) / tau)
+    elif scene.driven_slide is None:
+        angles[on] = angles[driven] - position
+    return dict.fromkeys(scene.aligned.values(), 0.0) | angles
+
+
+def _fit_of_pairs(linkage: LinkageConstraints, group: frozenset[str], shown: Shown, position: float) -> complex:
+    """How a carrier and its slider are turned by one point of each, as a complex number of that angle; 0 if unknown.
+
+    Of a slider that is not driven the displacement is the positive one with which they are as far apart as shown.
+    """
+    for name in sorted(group & linkage.slides.keys()):
+        along, on = complex(*linkage.slides[name].along), linkage.slides[name].on
+        for (a, A), (b, B) in product(shown[on].T, shown[name].T):
+            apart = linkage.through(name) + b - linkage.first_arm(name) - a  # in the carrier's frame, at zero
+            off, before = (along.conjugate() * apart).imag, (along.conjugate() * apart).real
+            further = max(sqrt(max(abs(B - A) ** 2 - off**2, 0.0)) - before, LEAST_PUSH * linkage.size)
+            if B != A:
+                s = position if name == linkage.scene.drive.body else further
+                return complex((B - A) * (apart + s * along).conjugate())
+    return 0j
 
 
 @lru_cache(SCENES)

@@ -9,19 +9,25 @@ rho**sweeps <= 1 / (1 + beta), whatever dt: a smaller step does not help.
 """
 
 from collections.abc import Iterator
+from functools import lru_cache
 from math import ceil, inf, log, log1p
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from scenes import Sampling, Scene
+from scenes import Failure, Sampling, Scene, Status
+from scenes.scene import GROUND
 
+from .bodies import pair
 from .constraints import LinkageConstraints, PoseArray
-from .masses import masses_of
+from .masses import fictitious_masses, masses_of
 from .settings import PymunkExtra, PymunkSettings
-from .space import Model, pair
-from .start import begun, way
+from .space import Model
+from .start import SCENES, begun, way
+
+LEFT = 1e-4  # of an error that a step starts with
+MOST = 20_000  # sweeps a step
 
 
 def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
@@ -31,6 +37,19 @@ def iterations_needed(scene: Scene, settings: PymunkSettings) -> float:
     """
     rho = max(contractions(*begun(scene, masses_of(scene, settings, Sampling()))))
     return sweeps_needed(rho, settings.corrected(scene.drive.cycle / settings.steps))
+
+
+@lru_cache(SCENES)
+def enough_sweeps(scene: Scene) -> int:
+    """The number of sweeps that leave next to nothing of an error, of fictitious masses, throughout the drive's range.
+
+    Where the drive prescribes no body's motion, no choice of masses makes few sweeps converge.
+    """
+    rho = max(contractions(*begun(scene, fictitious_masses)))
+    needed = log(LEFT) / log(rho) if 0 < rho < 1 else rho and inf
+    if not needed <= MOST:
+        raise Failure(Status.not_converged, f"a step would need {needed:.2g} sweeps over the joints, more than {MOST}")
+    return ceil(needed)
 
 
 def sweeps_needed(rho: float, correction: float) -> float:
@@ -43,7 +62,8 @@ def sweeps_needed(rho: float, correction: float) -> float:
 def contractions(linkage: LinkageConstraints, pose: PoseArray) -> Iterator[float]:
     """Yield rho at places of the drive through its whole range; `pose` is that at its start."""
     drive = linkage.scene.drive
-    extra: PymunkExtra = "" if linkage.moved[drive.body].prescribed else "motor"
+    driven = linkage.moved[drive.body].prescribed or linkage.scene.drive_on != GROUND
+    extra: PymunkExtra = "" if driven else "motor"
     still = np.zeros_like(pose)
     model = Model(linkage, pose, still, 0.0, extra)
     for q in (pose, *(q for end in drive.extent for _, q in way(linkage, pose, drive.start, end))):
@@ -82,10 +102,13 @@ def _rows(joint: pymunk.Constraint) -> NDArray[np.float64]:
         ends = (joint.a, joint.anchor_a), (joint.b, joint.anchor_b)
         (r, s) = (complex(*anchor.rotated(body.angle)) for body, anchor in ends)
         return np.array([[[-1, 0, r.imag], [0, -1, -r.real]], [[1, 0, -s.imag], [0, 1, s.real]]])
-    if isinstance(joint, pymunk.GrooveJoint):
-        along = complex(*(joint.groove_b - joint.groove_a).normalized().rotated(joint.a.angle))
-        n = 1j * along
+    if isinstance(joint, pymunk.GrooveJoint | pymunk.PinJoint):
         s = complex(*joint.anchor_b.rotated(joint.b.angle))
         r = complex(*joint.b.position) + s - complex(*joint.a.position)
+        if isinstance(joint, pymunk.GrooveJoint):
+            n = 1j * complex(*(joint.groove_b - joint.groove_a).normalized().rotated(joint.a.angle))
+        else:
+            bar = r - complex(*joint.anchor_a.rotated(joint.a.angle))
+            n = bar / abs(bar)
         return np.array([[[*pair(-n), -(r.conjugate() * n).imag]], [[*pair(n), (s.conjugate() * n).imag]]])
     return np.array([[[0.0, 0, -1]], [[0, 0, 1]]])  # a gear of ratio 1, a motor

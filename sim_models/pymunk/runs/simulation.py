@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scenes import Failure, Motion, ProcessorBudget, Request, Scene, Status
 from scenes.model.engine import equal_steps
 from scenes.model.motion import Samples
-from scenes.scene import ConstantSpeed
+from scenes.scene import GROUND, ConstantSpeed
 
 from ..channels import Motions, joint_forces, reaction_channels, wanted_channels, with_rates_of_law
 from ..constraints import LinkageConstraints, PoseArray, blocks
@@ -20,6 +20,7 @@ from ..loads import Active, active_presses, applied, instants, stroke_ends
 from ..masses import fictitious_masses, masses_of, own_masses
 from ..settings import SECONDS, AnySettings, TextbookSettings
 from ..start import assembles, begun, obstacle
+from ..sweeps import enough_sweeps
 from .stepping import Integration, TextbookRun
 
 # Rad of a crank, or by a slider's travel; the driven body's motion is prescribed, so only round-off adds up.
@@ -48,6 +49,8 @@ class PymunkSimulation:
             self._stroke_ends = ends = stroke_ends(scene)
             if masses is fictitious_masses and not settings.fictitious:
                 settings = replace(settings, iterations=ceil(settings.iterations / LIGHTER))
+            if scene.drive_on != GROUND:
+                settings = replace(settings, iterations=max(settings.iterations, enough_sweeps(scene)))
             strides = [ceil(settings.steps / self._sampling.samples) * 2**level for level in range(settings.levels)]
             self._runs = [Integration(scene, self._sampling, n, settings, ends) for n in strides]
         self._branch = self._linkage.branch(self._q)
@@ -69,14 +72,17 @@ class PymunkSimulation:
             for run in self._runs:
                 budget.task = f"the run of {run.steps.count} steps and those before"
                 run.advance(budget)
-            levels = zip(*(run.motions for run in self._runs), strict=True)
-            motion = Motions(*(_richardson(values) for values in levels))
+            runs = [run.motions for run in self._runs]
+            motion = Motions(*(_richardson(values) for values in zip(*runs, strict=True)))
             if not isinstance(self._scene.drive, ConstantSpeed):
                 motion = with_rates_of_law(self._linkage, self._sampling.times(self._scene), motion)
             self._q, wanted = motion.q, frozenset(self._sampling.wanted(self._scene))
             self._channels = wanted_channels(
                 self._linkage, wanted, self._sampling.times(self._scene), motion, self._active(motion)
             )
+            if self._scene.drive_on != GROUND:  # that of the runs: it need not be linear in the coordinates
+                position = _richardson([self._linkage.drive_position(run.q) for run in runs])
+                self._channels = {**self._channels, self._scene.drive_channel: position}
 
     def read(self) -> Motion:
         """The channels, having checked each run; a Failure names the drive's position and has the motion with it."""
@@ -162,7 +168,7 @@ def check_path(linkage: LinkageConstraints, path: PoseArray, positions: Samples,
         opening = f"a joint opens by over {LARGEST_GAP:.0%} of half the drive's travel"
 
     _require(scene, branches == start, positions, Status.wrong_branch, "the linkage flips to another branch")
-    if linkage.moved[scene.drive.body].prescribed:
+    if linkage.moved[scene.drive.body].prescribed or scene.drive_on != GROUND:
         drifting = f"'{scene.drive.body}' is not where the drive takes it"
         _require(scene, drift <= LARGEST_DRIFT, positions, Status.diverged, drifting)
     _require(scene, gap <= LARGEST_GAP, positions, Status.diverged, opening)

@@ -8,14 +8,16 @@ from math import ceil
 import numpy as np
 
 from scenes import Failure, ProcessorBudget, Sampling, Scene, Status
-from scenes.scene import ConstantSpeed, Force, PressForce
+from scenes.scene import GROUND, ConstantSpeed, Force, PressForce
 
+from ..bodies import pair
 from ..channels import Motions
 from ..constraints import PoseArray
+from ..drives import aim
 from ..loads import Active, AppliedForces
 from ..masses import Masses, loaded, masses_of, own_masses
 from ..settings import ERROR_BIAS, PymunkSettings, TextbookSettings
-from ..space import BatchRecorder, Model, PropertyRecorder, pair
+from ..space import BatchRecorder, Model, PropertyRecorder
 from ..start import begun, move, rates
 
 # Steps before t = 0: the joints' cached impulses start at zero, and the rates half a step early. The error of the rates
@@ -50,6 +52,8 @@ class Integration:
     def __init__(
         self, scene: Scene, sampling: Sampling, stride: int, settings: PymunkSettings, stroke_ends: Sequence[float]
     ) -> None:
+        if scene.drive_on != GROUND and settings.correction != 1:
+            raise Failure(Status.unsupported, "a drive between moving bodies lags where steps leave errors of joints")
         masses, with_forces = masses_of(scene, settings, sampling), loaded(scene, settings, sampling)
         self._linkage, _ = begun(scene, masses)
         self._settings = settings
@@ -82,7 +86,7 @@ class Integration:
     def advance(self, budget: ProcessorBudget) -> None:
         """Step from before t = 0 to the end."""
         space, steps, recorder, forces = self._model.space, self.steps, self._recorder, self._forces
-        follows_law = not isinstance(self._linkage.scene.drive, ConstantSpeed)
+        follows = self._model.drive is not None or not isinstance(self._linkage.scene.drive, ConstantSpeed)
         joints = [*self.joints.values()]
         recorder.append()
         space.iterations = FIRST_SWEEPS * self._settings.iterations
@@ -91,7 +95,7 @@ class Integration:
                 budget.check(f"step {k} of {steps.count}")
             if forces:
                 forces.apply(k * steps.size, float(self._driven[k + steps.pre_roll]))
-            if follows_law:
+            if follows:
                 self._drive(k)
             space.step(steps.size)
             recorder.append()
@@ -126,6 +130,11 @@ class Integration:
         pymunk moves it first, by that same rate; hence it starts from as far behind.
         """
         here, there = self._driven[k + self.steps.pre_roll : k + self.steps.pre_roll + 2]
+        if self._model.drive:
+            bodies = self._model.bodies.values()
+            present = [(*body.position, body.angle, *body.velocity, body.angular_velocity) for body in bodies]
+            aim(self._model.drive, self._linkage, np.array(present), there, self.steps.size)
+            return
         behind, rate = 2 * here - there, (there - here) / self.steps.size
         name, slide = self._linkage.scene.drive.body, self._linkage.scene.driven_slide
         body = self._model.bodies[name]
@@ -148,6 +157,8 @@ class TextbookRun:
     """
 
     def __init__(self, scene: Scene, sampling: Sampling, settings: TextbookSettings) -> None:
+        if scene.drive_on != GROUND:
+            raise Failure(Status.unsupported, "the textbook set-up has a motor on the ground only")
         if scene.kinds - {"forces"}:
             raise Failure(Status.unsupported, "the textbook set-up has constant loads only")
         if not scene.slides.keys().isdisjoint(scene.turning):
