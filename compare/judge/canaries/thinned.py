@@ -204,7 +204,8 @@ def _balances_notice(copy: Thinned, times: float) -> bool:
         both: dict[str, Samples | float] = {joint: force, effort: couple}
         power: dict[str, Samples | float] = {effort: couple}
     else:
-        both, (point, *_) = {effort: force, f"{driven}.guide_moment": couple}, scene.bodies[driven].points
+        both, ends = {effort: force, f"{driven}.guide_moment": couple}, (driven, scene.drive_on)
+        point = next(p for p in (scene.bodies[name].points[0] for name in ends) if p in scene.moving_points)
         along = MotionVectors(scene, copy.true).along(scene.bodies[driven])
         way = ((f"{point}.vx", along.real), (f"{point}.vy", along.imag))
         power = both | {rate: times * part * float(copy.sizes[rate].max()) for rate, part in way}

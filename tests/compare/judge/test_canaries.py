@@ -97,6 +97,22 @@ def test_power_is_found_out_of_balance_where_the_drive_is_slow() -> None:
     assert not canaries(found)
 
 
+ON_GROUND = {  # the bucket, with its cylinder the other way round: the rod's one point does not move
+    "bodies.cylinder.points": {"B": [0, 0]},
+    "bodies.rod": {
+        "points": {"A": [0, 0]},
+        "mass": 1,
+        "slides": {"on": "cylinder", "through": [0, 0], "along": [1, 0]},
+    },
+}
+
+
+def test_power_is_found_out_of_balance_where_the_driven_point_stands() -> None:
+    found = judged(reference.uncertified(scene_files.load("bucket", ON_GROUND)), ("analytic",))
+    assert found.ok
+    assert not canaries(found)
+
+
 def test_several_engines(press: Judgement) -> None:
     assert not canaries(press)
 
