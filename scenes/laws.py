@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import accumulate, pairwise
-from math import cos, gcd, lcm, pi, sin
+from math import cos, gcd, inf, lcm, pi, sin
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -32,6 +32,7 @@ class Piece(NamedTuple):
     polynomial: Sequence[float] | Samples  # rad or m by s^0, s^1, ...
     sines: Sequence[tuple[float, float, float]] = ()  # amplitude, rad or m; rate, rad/s; phase, rad
     lag: float = 0.0  # s, from its beginning to where its time is zero
+    within: float = 1.0  # s, that its law takes, or its fastest sine
 
     def at(self, time: ArrayLike) -> Driven:
         """The position and its derivatives at an instant, s, or at many."""
@@ -48,7 +49,7 @@ class Piece(NamedTuple):
         """The same from another instant and place on, and in other units of time, s, and way, rad or m."""
         polynomial = [rise * c / within**k + start * (k == 0) for k, c in enumerate(self.polynomial)]
         sines = [(rise * size, omega / within, phase) for size, omega, phase in self.sines]
-        return Piece(begin + within * self.begin, polynomial, sines, within * self.lag)
+        return Piece(begin + within * self.begin, polynomial, sines, within * self.lag, within * self.within)
 
 
 def _law(*parts: tuple[float, float, float]) -> Sequence[Piece]:
@@ -80,7 +81,7 @@ LAWS: Mapping[str, Sequence[Piece]] = {
         (1 / 8, 4 * pi, 0), (1 / 4, 0, pi / 2), (1 / 4, 4 * pi, pi / 2), (1 / 4, 0, -pi / 2), (1 / 8, 4 * pi, -pi / 2)
     ),
 }
-DWELL = [Piece(0.0, (0.0,))]
+DWELL = [Piece(0.0, (0.0,), within=inf)]
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,7 @@ class HarmonicLaw:
     def through(self, _cycles: int) -> Sequence[Piece]:
         """The one piece of so many cycles."""
         sines = zip(self.amplitudes, (2 * pi * f for f in self.frequencies), self.phases, strict=True)
-        return [Piece(0.0, (self.middle,), [*sines])]
+        return [Piece(0.0, (self.middle,), [*sines], within=1 / max(self.frequencies))]
 
     @property
     def start(self) -> float:

@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from math import ceil
+from math import ceil, inf
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -23,6 +23,7 @@ class Piece(NamedTuple):
     speed: float
     acceleration: float
     jerk: float
+    within: float = inf  # s, in which it changes
 
     def at(self, time: float) -> tuple[float, float, float]:
         """The position, rad or m, and its first two derivatives."""

@@ -25,6 +25,7 @@ from ..system import Array, ExudynSystem, exudyn
 from .simulation import ExudynSimulation, failure
 
 PRE_ROLL_HALVINGS = 5  # of the step, before a start counts as too near to a singular configuration
+SLOWLY = 8  # times the steps before a start that a law takes at least: polynomials soon leave all range before theirs
 SINGULAR_SPEED = 2.0  # times that at the start, at the same rate of the drive: no integration begins there
 TRAPEZOIDAL = "TrapezoidalIndex2"
 ROUND_OFF = 1e-4  # of a linkage's size, and of the tolerance: gaps that are no more than round-off
@@ -80,9 +81,11 @@ class TimeSteppedSimulation(ExudynSimulation):
         """Let the integration of a piece begin before its first sample, given the state there.
 
         Before its start, a drive that does not repeat is outside the scene's range. Where the linkage is singular
-        there, or nearly, smaller steps bring the beginning nearer to the start.
+        there, or nearly, smaller steps bring the beginning nearer to the start; and where a law takes few steps.
         """
         time = self.times[rows.start]
+        while self.options.pre_roll * self._step(stride) > part.within / SLOWLY:
+            stride *= 2
         for _ in range(PRE_ROLL_HALVINGS + 1):
             before = time - self.options.pre_roll * self.scene.drive.cycle / (stride * self.sampling.samples)
             try:

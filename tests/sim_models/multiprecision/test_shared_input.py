@@ -63,7 +63,11 @@ def test_unbroken_the_oracle_and_the_core_agree(name: str) -> None:
 @pytest.mark.parametrize("periodic", [False, True])
 def test_both_take_rows_on_boundaries_for_the_same_segments(periodic: bool) -> None:
     """Boundaries that no double is, and which sums of them miss: of harmonic laws, whose accelerations jump there."""
-    steps = [*({"to": k % 2, "within": 0.1, "law": "harmonic"} for k in range(1, 11)), *[{"within": 0.1}] * 2]
+    near = 0.1000000001, 0.0999999999, *[0.1] * 8  # so near to a row as counts as on it
+    steps: list[dict[str, Any]] = [
+        {"to": k % 2, "within": within, "law": "harmonic"} for k, within in enumerate(near, 1)
+    ]
+    steps += [{"within": 0.1}] * 2
     found = scene_files.load("crank", {"drive": {"body": "crank", "segments": steps, "periodic": periodic}})
     assert apart(found) <= FLOOR
 
