@@ -56,6 +56,14 @@ def in_order(name: str, order: Sequence[int], changes: Changes = NONE) -> Scene:
     return load(name, {**changes, "bodies": dict(bodies[number] for number in order)})
 
 
+def free(scene: Scene) -> list[str]:
+    """The paths of its numbers that each may be another: not those of a periodic table's ends, which go together."""
+    tables = ((number, getattr(load, "table", None)) for number, load in enumerate(scene.loads))
+    rows = ((number, row) for number, table in tables if table and table.periodic for row in (0, len(table.values) - 1))
+    ends = {f"loads.{number}.table.{row}.{column}" for number, row in rows for column in (0, 1)}
+    return [path for path in scene.numbers if path not in ends]
+
+
 def without_masses(name: str) -> Changes:
     """What makes a scene a kinematic one."""
     tables, weights = _tables(name), ("mass", "com", "inertia")

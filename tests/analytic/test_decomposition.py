@@ -28,7 +28,7 @@ def test_route(name: str) -> None:
 
 def test_route_of_shipped_scenes() -> None:
     closed = {name: analytic.route(scenes.load(name)).startswith("closed form") for name in scenes.shipped()}
-    assert [name for name in closed if not closed[name]] == ["class_iii"]
+    assert [name for name in closed if not closed[name]] == ["class_iii", "dump_truck", "scissor_lift"]
 
 
 OPEN: dict[str, tuple[str, scene_files.Changes, str]] = {

@@ -24,7 +24,7 @@ CLOSE = 1e-10  # of a channel's peak: roundings, times what a scene's conditioni
 def varied(scene: Scene, share: float, seed: int = 0) -> dict[str, np.ndarray]:
     """Return other numbers at all paths, off by a share, or by it of a unit where they are zero."""
     draw = np.random.default_rng(seed)
-    written = [path for path in scene.numbers if path != "drive.start"]  # which some files leave out
+    written = [path for path in scene_files.free(scene) if path != "drive.start"]  # which some files leave out
     nominal = np.array(scenes.numbers_in(scene_files.path(scene.name), written))
     size = np.where(nominal == 0, 1.0, nominal)
     others = nominal + size * share * draw.uniform(-1, 1, (COUNT, len(nominal)))
