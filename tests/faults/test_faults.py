@@ -12,14 +12,18 @@ from benchmarks.faults import main, write
 from compare.engines.runner import run
 from compare.judge.causes.cause import Kind
 from compare.judge.causes.words import words
+from compare.judge.checks import checks
 from compare.judge.measure import measure
 from compare.judge.triage import cause
+from compare.mechanics.reference import uncertified
 from scenes import Motion
+from tests import scene_files
 from tests.comparisons import References, changed
 from tests.faults.catalogue import catalogue
 from tests.faults.fault import Clean, Fault, above
 from tests.faults.left_out import left_out
 from tests.faults.rates import MEAN, TOTAL, let_through, rates
+from tests.faults.spoilt_elements import elements
 from tests.faults.table import SAMPLING, Record, judged_faults
 
 
@@ -101,6 +105,20 @@ def test_what_is_left_out_and_where_loads_act_is_named(family: str, references: 
         named = cause(reference, SAMPLING, fault.spoil())
         assert (named.kind, named.place) == (fault.cause, fault.place), words(reference.scene, named)
     assert faults
+
+
+@pytest.mark.parametrize("name", ["twisted_four_bar", "gas_spring"])
+def test_a_spoilt_element_is_found_and_named(name: str) -> None:
+    reference = uncertified(scene_files.load(name))
+    clean = Clean(reference, SAMPLING, run("analytic", reference.scene, SAMPLING))
+    for fault in [*elements(clean)][::6]:
+        assert fault.scene is not None
+        wrong = run("analytic", fault.scene, SAMPLING).motion
+        assert wrong is not None
+        named = cause(reference, SAMPLING, wrong)
+        assert (fault.cause, fault.place) in [(of.kind, of.place) for of in (named, *named.others)], fault.kind
+        off = {check.check: check.worst for check in checks(reference.mechanics, wrong, reference.travel)}
+        assert max(off["Newton"], off["Euler"], off["power"]) > 1e-6, fault.kind
 
 
 @pytest.mark.parametrize(("times", "is_above"), [(0.9, False), (1.1, True)])

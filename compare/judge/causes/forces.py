@@ -198,10 +198,12 @@ def _friction(carried: Carried) -> Iterator[Hypothesis]:
     rate = scene.drive.at(evidence.true["time"]).rate
     per_rate = np.divide(1.0, rate, out=np.zeros_like(rate), where=rate != 0)
     efforts = {("drive", "dry"): np.sign(rate), ("drive", "viscous"): rate}
+    damped = {spring.at for spring in scene.torsion_springs if spring.damping is not None}  # which is another number
     for cause, rubs, load, against in _rubbing(carried):
         unit = carried.change(*against)
         for how, size in (("Coulomb", load * np.sign(rubs)), ("constant", np.sign(rubs)), ("viscous", rubs)):
-            fits.append((replace(cause, names=(how,)), {c: size * own for c, own in unit.items()}))
+            if not (how == "viscous" and cause.place in damped):
+                fits.append((replace(cause, names=(how,)), {c: size * own for c, own in unit.items()}))
         for how, resistance in (("Coulomb", load), ("viscous", np.abs(rubs)), ("dry", 1.0)):
             efforts[cause.place, how] = resistance * np.abs(rubs) * per_rate
     effort = "drive.torque" if scene.driven_slide is None else "drive.force"

@@ -41,10 +41,8 @@ def beyond(scene: Scene, motion: Motion) -> list[Samples]:
     """How far each table of a load is beyond each of its entries, shape (..., n): forces bend where it is zero."""
     levels: list[Samples] = []
     for name, table in _tables(scene):
-        if table.over == "displacement" and not motion.samples.keys() >= {*_of_slider(scene, name)}:
-            continue
-        over = motion["time" if table.over == "time" else scene.drive_channel]
-        over = _displaced(scene, motion, name) if table.over == "displacement" else over
+        by = "time" if table.over == "time" else scene.drive_channel
+        over = _displaced(scene, motion, name) if table.over == "displacement" else motion[by]
         beyond = [over - entry for entry in table.arguments]
         half_turn = pi / (table.arguments[-1] - table.arguments[0])  # of a sine that is zero once a period
         levels += [np.sin(half_turn * level) for level in beyond] if table.periodic else beyond
@@ -53,24 +51,15 @@ def beyond(scene: Scene, motion: Motion) -> list[Samples]:
 
 def needed(scene: Scene) -> Iterator[str]:
     """Yield the channels that `beyond` needs, besides the time and the drive's."""
-    for name, table in _tables(scene):
-        yield from _of_slider(scene, name) if table.over == "displacement" else ()
+    for name in (name for name, table in _tables(scene) if table.over == "displacement"):
+        pair = [scene.bodies[each] for each in (name, scene.slides[name].on) if each != GROUND]
+        yield from (f"{body.points[0]}.{of}" for body in pair if body.points[0] not in scene.ground for of in "xy")
+        yield from (f"{body.name}.angle" for body in pair if body.name in scene.turning)
 
 
-def _tables(scene: Scene) -> Iterator[tuple[str, Table]]:
-    """Yield the tables of loads, each with its body."""
-    for load in scene.loads:
-        if (table := table_of(load)) is not None:
-            yield load.body, table
-
-
-def _of_slider(scene: Scene, name: str) -> Iterator[str]:
-    """Yield the channels of a slider's displacement."""
-    on = scene.slides[name].on
-    bodies = (scene.bodies[each] for each in (name, on) if each != GROUND)
-    yield from (f"{body.points[0]}.{axis}" for body in bodies if body.points[0] not in scene.ground for axis in "xy")
-    if on in scene.turning:
-        yield f"{on}.angle"
+def _tables(scene: Scene) -> list[tuple[str, Table]]:
+    """The tables of loads, each with its body."""
+    return [(load.body, table) for load in scene.loads if (table := table_of(load)) is not None]
 
 
 def _displaced(scene: Scene, motion: Motion, name: str) -> Samples:
@@ -79,8 +68,7 @@ def _displaced(scene: Scene, motion: Motion, name: str) -> Samples:
     if slide.on != GROUND:
         return MotionVectors(scene, motion).on_guide(scene.bodies[name]).real
     parts = zip("xy", slide.along, slide.through, strict=True)
-    places = [along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts]
-    return np.asarray(np.sum(places, axis=0))
+    return np.asarray(np.sum([along * (motion[f"{point}.{axis}"] - through) for axis, along, through in parts], axis=0))
 
 
 def refined(

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 import compare
+from compare.judge.judgement import point_masses
 from compare.report.tables import study as tables
 from compare.run import main
 from scenes import InputError, Scene
@@ -58,3 +59,21 @@ def test_the_extent_of_a_law_is_found_between_any_rows() -> None:
 def test_a_plate_that_is_nearly_a_bar_is_named(height: float, named: bool) -> None:
     reasons = judged({"bodies.lever.points.B": [500, height], "sketch.B": [500, height]})
     assert [reason.startswith("lever, of three points nearly on one line") for reason in reasons] == [True] * named
+
+
+def test_a_table_that_is_longer_than_a_turn_is_named() -> None:
+    """Of two turns one shows a part, and two all."""
+    scene = scene_files.load("twisted_four_bar")
+    shown = {turns: compare.check(scene, ("analytic",), samples=24, turns=turns).reasons for turns in (1, 2)}
+    assert shown == {1: ["the table of loads.1 has a period of 2 turns; one turn shows a part, --turns 2 all"], 2: []}
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_a_cylinder_that_is_taken_for_a_point_mass_is_named(given: bool) -> None:
+    """Both parts of a gas spring; and not the block that slides on a coupler with pins of its own."""
+    without = {f"bodies.{name}.{of}": None for name in ("cylinder", "rod") for of in ("com", "inertia")}
+    scene = scene_files.load("gas_spring", {} if given else without)
+    reasons = compare.check(scene, ("analytic",), samples=24).reasons
+    named = [f"{body} is taken for a point mass at {at}" for body, at in (("rod", "R"), ("cylinder", "G"))]
+    assert [reason.partition(",")[0] for reason in reasons] == ([] if given else named)
+    assert not [*point_masses(scene_files.load("carried_block"))]

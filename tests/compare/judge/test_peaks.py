@@ -318,3 +318,25 @@ def test_a_corner_between_samples_is_found() -> None:
     corner = at(brentq(beyond, 0.14, 0.18, xtol=1e-14))
     force = numbers("double_toggle_clamp", changes)["largest force at D"].value
     assert force == pytest.approx(np.hypot(corner["D.fx"], corner["D.fy"]), rel=1e-9)  # without a sample there: 1e-6
+
+
+@pytest.mark.parametrize("over", ["drive", "time", "displacement"])
+def test_a_corner_of_any_table_is_found(over: str) -> None:
+    """A force on a gas spring's rod that is largest at one entry, between samples, and seen in its drive's effort."""
+    scene, row = scene_files.load("gas_spring"), 1234.567891
+    turn = float(scene.drive.cycle)
+    at = analytic.solve(scene, [row / 3600 * 2 * np.pi]).samples
+    along = np.exp(1j * at["cylinder.angle"][0])
+    apart = at["R.x"][0] - 0.7 + 1j * (at["R.y"][0] + 0.15)
+    entry = {
+        "drive": row / 10,
+        "time": row / 3600 * turn,
+        "displacement": 1e3 * float((apart * along.conjugate()).real),
+    }
+    width = {"drive": 36, "time": 0.1 * turn, "displacement": 20}[over]
+    table = [[entry[over] + way * width, force] for way, force in ((-1, 0), (0, 4000), (0.3, 0), (9, 0))]
+    periodic = {"periodic": True} if over != "displacement" else {}
+    changes = {"loads": [{"body": "rod", "over": over, "table": table} | periodic]}
+    there = analytic.solve(scene_files.load("gas_spring", changes), [row / 3600 * 2 * np.pi]).samples
+    largest = numbers("gas_spring", changes)["largest force at G"].value
+    assert largest >= np.hypot(there["G.fx"][0], there["G.fy"][0]) * (1 - 1e-9)  # 1e-5 less at the samples alone
