@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scenes import Scene
-from scenes.drive import Driven, Samples
+from scenes.drive import ConstantSpeed, Driven, Samples
 
 from ..core.decomposition import Dyad, Guided, InnerSlide, Linkage, guides_cross, kind
 from ..core.group_equations import Group
@@ -112,8 +112,9 @@ def describe(scene: Scene, linkage: Linkage, position: float) -> str:
     def end(position: float, joint: str) -> str:
         return f"{scene.position(position)} ({stops[joint]})"
 
+    limits = "drive.start and drive.end" if isinstance(scene.drive, ConstantSpeed) else "the drive's law"
     ways = " and ".join(f"from {end(i.start, i.start_joint)} to {end(i.end, i.end_joint)}" for i in intervals)
-    return f"the {body} {'turns' if turns else 'slides'} only {ways}; drive.start and drive.end can limit a run"
+    return f"the {body} {'turns' if turns else 'slides'} only {ways}; {limits} can limit a run"
 
 
 def in_line(group: Dyad | Group) -> str:

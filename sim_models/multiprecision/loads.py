@@ -182,7 +182,8 @@ def _torsion_spring(linkage: LinkageEquations, spring: TorsionSpring, start: arb
     for body, sign in ((spring.first, -1), (spring.second, 1)):
         if body != GROUND:
             row.add_angle(0, linkage.index[body], arb(sign))
-    turns = 0 if spring.drives(linkage.scene) else ceil(float(row.value(start)[0, 0]) / tau - 0.5)
+    driven = row.C in (linkage.position.C, linkage.position.C * -1)
+    turns = 0 if driven else ceil(float(row.value(start)[0, 0]) / tau - 0.5)
     free = spring.angle + 2 * arb.pi() * turns
 
     def moment(q: arb_mat, velocity: arb_mat, _time: arb) -> arb_mat:

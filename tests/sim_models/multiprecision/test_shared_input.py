@@ -12,7 +12,9 @@ import analytic
 import scenes
 from compare.judge.floor import establish
 from scenes import Sampling, Scene
-from scenes.elements.loads import ForceTable, PressForce
+from scenes.elements.loads import ForceTable, PressForce, TableForce
+from scenes.elements.tables import Table
+from scenes.elements.torsion_springs import TorsionSpring
 from scenes.laws import LAWS
 from scenes.scene import ConstantSpeed, HarmonicLaw, MotionLaw, SegmentedLaw
 from tests import agreement, scene_files
@@ -25,6 +27,13 @@ FAR = 1e-7  # every slip below changes what it computes by 1e-6 or more, and som
 
 LAW = [[0, 1], [0.3, 1.5], [0.5, 3], [0.9, 2.5], [1.2, 4]]
 SEGMENTS = [{"to": 1 + k % 2 * 0.7 + 0.1 * k, "within": 0.1 + 0.07 * k, "law": law} for k, law in enumerate(LAWS, 1)]
+TABLE = {"body": "coupler", "periodic": True, "table": [[0.1, 20], [0.2, -50], [0.5, 20]]}
+LOADS = [{**TABLE, "at": "T", "along": [3, 4], "over": "time", "frame": "body"}, {**TABLE, "over": "drive"}]
+SPRING = {"stiffness": 3, "angle": 1, "damping": 0.1}
+SPRINGS = [
+    {**SPRING, "at": "A", "between": ["crank", "ground"]},
+    {**SPRING, "at": "B", "between": ["crank", "coupler"]},
+]
 SCENES: dict[str, tuple[str, scene_files.Changes]] = {
     "speed": ("crank", {}),
     "law": ("crank", {"drive": {"body": "crank", "law": LAW}}),
@@ -32,6 +41,8 @@ SCENES: dict[str, tuple[str, scene_files.Changes]] = {
     "segments": ("crank", {"drive": {"body": "crank", "start": 1, "segments": SEGMENTS}}),
     "harmonics": ("crank", {"drive": {"body": "crank", "harmonics": [[1, 0.3, 0.2], [-0.4, 0.7, 1]]}}),
     "press": ("slider_crank", {"loads.0.last": 0.7, "drive.start": 0.1}),
+    "tables": ("loaded_four_bar", {"loads": LOADS}),
+    "torsion springs": ("loaded_four_bar", {"torsion_springs": SPRINGS, "drive.start": 8}),
     "table": ("slider_crank", {"loads": [{"body": "slider", "at": "B", "table": [[2.5, 0], [3, -10], [3.5, -50]]}]}),
 }
 
@@ -113,6 +124,11 @@ SLIPS: tuple[tuple[str, type, str, Wrong], ...] = (
     *((kind, of, "at", wrong) for kind, of in BY_FORMULA.items() for wrong in (faster, late)),
     *((kind, of, "after", lambda right, law, cycles: right(law, cycles) + 1e-6) for kind, of in BY_FORMULA.items()),
     ("table", ForceTable, "along", held),
+    ("tables", Table, "at", lambda right, table, x: right(table, x) * (1 + 1e-6)),
+    ("tables", Table, "within", lambda _right, _table, x: x),
+    ("tables", TableForce, "direction", lambda _right, load: load.along),
+    ("torsion springs", TorsionSpring, "moment", lambda right, spring, phi, _rate: right(spring, phi, 0)),
+    ("torsion springs", TorsionSpring, "drives", lambda _right, _spring, _scene: 0),
     *(("press", PressForce, "acts", wrong) for wrong in (on_both_strokes, too_early)),
 )
 
