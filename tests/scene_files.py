@@ -16,7 +16,7 @@ FOLDER = Path(__file__).parent / "scenes"
 # Small scenes that between them have every joint, drive and load; the shipped scenes have the rest.
 MECHANISMS = (
     *("shaper", "swinging_block", "scotch_yoke", "tangent", "carried_block", "driven_toggle", "slotted_class_iii"),
-    *("swinging_law", "turning_law"),
+    *("swinging_law", "turning_law", "swinging_segments"),
 )
 Changes = dict[str, Any]  # by path, as `bodies.rod.mass`: what is there instead, or None for nothing
 NONE: Changes = {}

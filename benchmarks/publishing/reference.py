@@ -32,6 +32,8 @@ LIMITS = (
     ("points of all bodies and the ground, counted for each that names them", limits.POINTS),
     ("loads, and springs", limits.LOADS),
     ("rows of a force table or a motion law", limits.ROWS),
+    ("segments of a motion, and harmonics", limits.SEGMENTS),
+    ("periods of the fastest harmonic in a cycle", limits.WAVES),
     ("turns of a crank from end to end of a cycle", limits.TURNS),
     ("numbers that the workshop may deviate from", limits.VARIATIONS),
     ("characters of a name", limits.NAME),

@@ -52,6 +52,15 @@ def law(count: int) -> Tables:
     return four_bars(1) | {"drive": {"body": "crank", "law": [[i, i % 7] for i in range(count)]}}
 
 
+def segments(count: int) -> Tables:
+    parts = [{"to": i + 1, "within": 1, "law": "harmonic"} for i in range(min(count, 9))]
+    return four_bars(1) | {"drive": {"body": "crank", "segments": [*parts, *[{"within": 1}] * (count - len(parts))]}}
+
+
+def harmonics(count: int) -> Tables:
+    return four_bars(1) | {"drive": {"body": "crank", "harmonics": [[0.1, 1 + i % 5, 0] for i in range(count)]}}
+
+
 def table(count: int) -> Tables:
     tables = tomllib.loads(scene_files.text("driven_toggle"))
     tables["loads"][0]["table"] = [[i, 1] for i in range(count)]
@@ -78,6 +87,7 @@ TEXTS = ("name", "title", "source")
 LIMITS: list[tuple[str, int, Callable[[int], Tables]]] = [
     *(("bodies", limits.BODIES, bodies), ("bodies", limits.POINTS, points)),
     *(("loads", limits.LOADS, several("loads", LOAD)), ("springs", limits.LOADS, several("springs", SPRING))),
+    *(("drive.segments", limits.SEGMENTS, segments), ("drive.harmonics", limits.SEGMENTS, harmonics)),
     *(("drive.law", limits.ROWS, law), ("loads.0.table", limits.ROWS, table)),
     ("variations", limits.VARIATIONS, variations),
     *((key, most, text(key)) for key, most in zip(TEXTS, (limits.NAME, limits.TITLE, limits.SOURCE), strict=True)),
