@@ -26,8 +26,9 @@ def _records(scenes: Iterable[Scene], sampling: Sampling = SAMPLING) -> list[Pro
     ]
 
 
-def test_verdicts_keep_their_word(tmp_path: Path) -> None:
-    records = _records(clean_scenes(tmp_path, 10))
+@pytest.mark.parametrize("elements", [False, True])
+def test_verdicts_keep_their_word(tmp_path: Path, *, elements: bool) -> None:
+    records = _records(clean_scenes(tmp_path, 10, elements=elements))
     assert not [of for of in records if of.broken]
     assert not [of for of in records if of.false_alarm]
     for engine, least in LEAST.items():
