@@ -17,6 +17,7 @@ SIZE = 1000.0  # of the picture's longer side, in its own units
 PX = SIZE / 480  # a pixel, in those units: what signs that do not scale are drawn in until a script knows better
 MARGIN, WIDER = 32 * PX, 46 * PX  # for signs and names around the outermost points; with the values of forces
 FOOT = 20 * PX  # for the scale of the forces
+BARREL = 0.85  # of the least displacement of its rod: how long a cylinder is drawn
 SHARE = 0.2  # of the longer side: the longest arrow, but for peaks that few samples have
 
 
@@ -109,10 +110,20 @@ class Drawing:
         return {point: complex(turn * (self.places[point][0] - first).conjugate()) for point in body.points}
 
     def way(self, slider: Body) -> Vectors:
-        """Both ends of a slider's way in the frame of its carrier, or of the ground, m."""
+        """Both ends of a slider's way in the frame of its carrier, or of the ground, m; of a rod its cylinder."""
         assert slider.slide is not None
         along = self.state.on_guide(slider).real
-        return complex(*slider.slide.through) + np.array([along.min(), along.max()]) * complex(*slider.slide.along)
+        ends = np.array([0.0, BARREL * along.min()] if self.rod(slider) else [along.min(), along.max()])
+        return complex(*slider.slide.through) + ends * complex(*slider.slide.along)
+
+    def rod(self, slider: Body) -> float:
+        """How far a rod goes into its cylinder, each with one pin, m; of other sliders nothing."""
+        assert slider.slide is not None
+        carrier = self.scene.bodies.get(slider.slide.on)
+        if carrier is None or len(carrier.points) > 1 or len(slider.points) > 1:
+            return 0.0
+        along = self.state.on_guide(slider).real
+        return float(np.clip(along.max() - along.min() / 2, 0.0, max(along.min(), 0.0)))
 
 
 def _scale(peak: float, drawings: Sequence[Drawing]) -> tuple[float, str]:

@@ -143,7 +143,9 @@ def bodies(root: Element, drawing: Drawing) -> Iterator[Mover]:
                 _slot(group, drawing.per_metre * (drawing.way(slider) - first_point(body)).conj(), outline)
         if len(body.points) > 1:
             _line(group, "bar" if len(body.points) == 2 else "plate", outline)
-        if body.slide is not None:
+        if body.slide is not None and (rod := drawing.rod(body)):
+            _line(group, "bar", np.array([0j, -drawing.per_metre * rod * complex(*body.slide.along).conjugate()]))
+        elif body.slide is not None:
             turn = {"transform": f"rotate({-degrees(atan2(*body.slide.along[::-1])):.3f})"}
             half = SLOT - 2 if body.slide.on != GROUND else GUIDE - 2
             _path(SubElement(group, "g", turn), "sign block", f"M{-BLOCK} {-half}H{BLOCK}V{half}H{-BLOCK}Z")
