@@ -39,6 +39,7 @@ def _course(scene: Scene, spring: TorsionSpring) -> tuple[Samples, Samples]:
     unloaded = replace(scene, loads=(), springs=(), torsion_springs=())
     solve = registry.reference(unloaded, frozenset(f"{name}.angle" for name in signs if name in scene.turning))
     motion = solve(places, np.zeros_like(places))
-    angles = np.unwrap(sum(signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning))
+    turning = (signs[name] * motion[f"{name}.angle"] for name in signs if name in scene.turning)
+    angles = np.unwrap(sum(turning, np.zeros_like(places)))
     start = float(np.interp(scene.drive.at(0.0).position, places, angles))
     return places, angles - 2 * pi * ceil((start - pi - HAIR) / (2 * pi))

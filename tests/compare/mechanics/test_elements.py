@@ -122,6 +122,12 @@ def test_a_spring_on_the_crank_has_the_turns_of_the_drive(sign: int) -> None:
     np.testing.assert_allclose(twist, sign * motion["crank_angle"], atol=1e-12)
 
 
+def test_a_spring_between_bodies_that_do_not_turn_keeps_its_angle() -> None:
+    spring = {"at": "F", "between": ["block", "follower"], "stiffness": 2, "angle": 1}
+    scene = scene_files.load("wedge", {"torsion_springs": [spring]})
+    assert not MotionVectors(scene, solved(scene)).twist(scene.torsion_springs[0]).any()
+
+
 def test_all_kinds_are_drawn() -> None:
     changes: Changes = {"loads": [TURNING, {"body": "rocker", "moment": 7}], "torsion_springs": [TORSION]}
     changes["springs"] = [{"between": ["ground.F", "rocker.B"], "damping": 1}]
