@@ -32,7 +32,7 @@ from .elements.loads import PressForce as PressForce
 from .elements.loads import TableForce as TableForce
 from .elements.loads import closing_sense
 from .elements.springs import Spring as Spring
-from .elements.torsion_springs import TorsionSpring as TorsionSpring
+from .elements.springs import TorsionSpring as TorsionSpring
 from .fields import Gravity, Number, Place, Position, put, walk
 from .fields import Vector as Vector
 

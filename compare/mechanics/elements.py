@@ -9,9 +9,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from scenes.elements.loads import Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
-from scenes.elements.springs import Spring
+from scenes.elements.springs import Spring, TorsionSpring
 from scenes.elements.tables import Table
-from scenes.elements.torsion_springs import TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import GROUND, Body
 
@@ -148,9 +147,7 @@ def _size(state: MotionVectors, load: GuideForce | TableForce | Moment, constant
 
 def table_of(load: Load) -> Table | None:
     """The table of a load, if it has one."""
-    if isinstance(load, ForceTable):
-        return Table(displacements=load.displacements, forces=load.forces)
-    return load.table if isinstance(load, GuideForce | TableForce | Moment) else None
+    return None if isinstance(load, Force | PressForce) else load.table
 
 
 def loaded_bodies(state: MotionVectors) -> dict[str, LoadedBody]:

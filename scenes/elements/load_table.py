@@ -47,62 +47,52 @@ class LoadTable(FileTable):
         given = [key for key in KEYS if getattr(self, key) is not None]
         if len(given) != 1:
             raise InputError(f"{place}: expected either 'force', 'moment' or 'table'")
-        (key,) = given
-        self._check_keys(place, key)
+        self._check_keys(place)
         if self.body not in bodies:
             return Moment(self.body, "", 0.0)  # which is refused by its name
-        slide, at = bodies[self.body].slide, self.at or bodies[self.body].points[0]
-        number = isinstance(self.force, float | int)
-        on_guide = number or (key == "table" and self.along is None and not (self.at is None and slide is None))
-        if slide is None and (on_guide or self.over == "displacement" or self.last is not None):
-            why = "over" if self.over == "displacement" else "last" if self.last is not None else key
-            ground = " on the ground" if self.last is not None else ""
-            raise InputError(f"{place}.{why}: expected a body that slides{ground}, found '{self.body}'")
-        if slide is not None and on_guide:
-            return self._along_guide(place, at, grounded=slide.on == GROUND)
-        if self.along is not None:
-            return TableForce(self.body, at, self.along, self._table(place, "forces"), self._frame)
-        if key != "force":
-            return Moment(self.body, at, self.moment, self._table(place, "moments") if self.table else None)
+        slide, at, frame = bodies[self.body].slide, self.at or bodies[self.body].points[0], self.frame or "ground"
+        by_number = isinstance(self.force, float | int)
+        by_table = self.table is not None and self.along is None and not (self.at is None and slide is None)
+        grounded = slide is not None and slide.on == GROUND
+        sliding = {"over": self.over == "displacement", "last": self.last is not None, given[0]: by_number or by_table}
+        for key in (key for key, asked in sliding.items() if asked):
+            if not (grounded if key == "last" else slide):
+                ground = " on the ground" * (key == "last")
+                raise InputError(f"{place}.{key}: expected a body that slides{ground}, found '{self.body}'")
         force: Any = self.force
-        if self.last is None:
-            return Force(self.body, at, force, self._frame)
-        if slide is None or slide.on != GROUND:
-            raise InputError(f"{place}.last: expected a body that slides on the ground, found '{self.body}'")
+        if self.table is not None:
+            first, second = zip(*self.table, strict=True)
+            if by_table and grounded and self.over in (None, "displacement") and not self.periodic:
+                return ForceTable(self.body, at, first, second)
+            values = "forces" if by_table or self.along is not None else "moments"
+            if self.over is None and values == "moments":
+                expected = "expected 'drive', 'time' or 'displacement' with a moment's table"
+                raise InputError(f"{place}.over: missing; {expected}")
+            table = Table(**{COLUMN[self.over or "displacement"]: first, values: second}, periodic=bool(self.periodic))
+            if self.along is not None:
+                return TableForce(self.body, at, self.along, table, frame)
+            return GuideForce(self.body, at, None, table) if by_table else Moment(self.body, at, None, table)
+        if self.moment is not None:
+            return Moment(self.body, at, self.moment)
+        if by_number:
+            return GuideForce(self.body, at, force)
+        if self.last is None or slide is None:
+            return Force(self.body, at, force, frame)
         return PressForce(self.body, at, force, self.last, closing_sense(force, slide))
 
-    def _check_keys(self, place: str, key: str) -> None:
-        """Refuse keys beside the one that they do not go with, and what is missing."""
-        vector = key == "force" and not isinstance(self.force, float | int)
-        table_force = key == "table" and self.along is not None
+    def _check_keys(self, place: str) -> None:
+        """Refuse keys beside others that they do not go with, and what is missing."""
+        vector = isinstance(self.force, tuple)
+        turns = (vector and self.last is None) or self.along is not None
         fits = {
             "last": (vector, "a 'force' of [x, y]"),
-            "over": (key == "table", "a 'table'"),
-            "periodic": (key == "table" and self.over is not None, "a 'table' and 'over'"),
-            "along": (key == "table" and self.at is not None and self.over is not None, "'at', 'over' and a 'table'"),
-            "frame": ((vector and self.last is None) or table_force, "a 'force' of [x, y], or 'along'"),
+            "over": (self.table is not None, "a 'table'"),
+            "periodic": (self.over is not None, "a 'table' and 'over'"),
+            "along": (self.over is not None and self.at is not None, "'at', 'over' and a 'table'"),
+            "frame": (turns, "a 'force' of [x, y], or 'along'"),
         }
         for name, (fitting, what) in fits.items():
             if getattr(self, name) is not None and not fitting:
                 raise InputError(f"{place}.{name}: expected {what} with it")
         if vector and self.at is None:
             raise InputError(f"{place}.at: missing; a force acts at a point of its body")
-
-    def _along_guide(self, place: str, at: str, *, grounded: bool) -> Load:
-        if self.table is None:
-            force: Any = self.force
-            return GuideForce(self.body, at, force)
-        if grounded and self.over in (None, "displacement") and not self.periodic:
-            return ForceTable(self.body, at, *zip(*self.table, strict=True))
-        return GuideForce(self.body, at, None, self._table(place, "forces"))
-
-    def _table(self, place: str, values: str) -> Table:
-        over = self.over or "displacement"
-        if self.over is None and values == "moments":
-            raise InputError(f"{place}.over: missing; expected 'drive', 'time' or 'displacement' with a moment's table")
-        first, second = zip(*self.table or (), strict=True)
-        return Table(**{COLUMN[over]: first, values: second}, periodic=bool(self.periodic))
-
-    @property
-    def _frame(self) -> Frame:
-        return self.frame or "ground"

@@ -5,6 +5,7 @@ A slider's displacement is that of its body's first point along its guide from `
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..bodies import Slide
 from ..fields import Coordinate, Direction, ForceVector, Length, NewtonMetres, Newtons
-from .tables import Table, interpolated
+from .tables import Table
 
 Frame: TypeAlias = Literal["ground", "body"]
 
@@ -75,9 +76,14 @@ class ForceTable:
     forces: tuple[Newtons, ...] = field(metadata={"path": "table.*.1"})  # N, along `along`
     kind = "force tables"
 
+    @cached_property
+    def table(self) -> Table:
+        """The forces along the guide against the displacement."""
+        return Table(displacements=self.displacements, forces=self.forces)
+
     def along(self, displacement: Any) -> Any:
         """The forces along the guide, N, at displacements of any shape, m."""
-        return interpolated(displacement, self.displacements, self.forces)
+        return self.table.at(displacement)
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,17 @@
-"""Linear springs and dampers between points of two bodies, either of which may be the ground."""
+"""Springs and dampers between two bodies, either of which may be the ground: of points, and that twist at a pin.
 
-from collections.abc import Iterator
+The angle that twists is that of the second body less that of the first. It goes on over whole turns; at time zero it
+lies within half a turn of zero, but for the drive's own angle, which is as prescribed.
+"""
+
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import Field, Strict
 
-from ..bodies import GROUND
 from ..errors import InputError
-from ..fields import BodyPoint, Damping, FileTable, RestLength, Stiffness
-from .attack import problems_of_attack
+from ..fields import Angle, BodyPoint, Damping, FileTable, Known, RestLength, Stiffness, TwistDamping, TwistStiffness
 
 if TYPE_CHECKING:
     from ..scene import Scene
@@ -36,14 +37,30 @@ class Spring:
         """Whether it has no force where its ends meet: of a spring without length that is zero."""
         return bool(np.any(self.length)) or self.damping is not None
 
-    def problems(self, scene: "Scene", place: str) -> Iterator[str]:
-        """Yield what does not fit together with the rest of the scene."""
-        for body, point in (self.first, self.second):
-            yield from problems_of_attack(scene, f"{place}.between", f"{place}.between", body, point, GROUND)
-        if self.first[0] == self.second[0]:
-            yield f"{place}.between: expected points of two bodies, found both on {self.first[0]}"
-        if self.first[1] == self.second[1]:
-            yield f"{place}.between: {self.first[1]} is the same point of both bodies"
+
+@dataclass(frozen=True)
+class TorsionSpring:
+    """The moment on its second body is -stiffness (phi - angle) - damping dphi/dt, its reaction on the first."""
+
+    at: str  # the pin
+    first: str  # body
+    second: str
+    stiffness: TwistStiffness  # N m/rad
+    angle: Angle  # rad, without moment
+    damping: TwistDamping | None = None  # N m s/rad
+    kind = "torsion springs"
+
+    def moment(self, phi: Any, rate: Any) -> Any:
+        """The moment on the second body, N m, at angles phi, rad, and their rates, rad/s, of any shape."""
+        moment = -self.stiffness * (phi - self.angle)
+        return moment if self.damping is None else moment - self.damping * rate
+
+    def drives(self, scene: "Scene") -> int:
+        """1 where the angle is the drive's own, -1 where it is that turned round, else 0."""
+        pair = (scene.drive_on, scene.drive.body)
+        if scene.driven_slide is not None or {self.first, self.second} != {*pair}:
+            return 0
+        return 1 if (self.first, self.second) == pair else -1
 
 
 class SpringTable(FileTable):
@@ -58,10 +75,29 @@ class SpringTable(FileTable):
 
     def element(self, place: str) -> Spring:
         """The spring, its numbers as they are; InputError where the keys do not go together."""
-        if not self.stiffness and self.damping is None:
-            found = "missing" if self.stiffness is None else "zero"
-            raise InputError(f"{place}.stiffness: {found}; expected more than zero, or a 'damping'")
-        if self.stiffness and self.length is None:
-            raise InputError(f"{place}.length: missing; a spring needs its length without force, which may be 0")
+        _check_keys(self, place, "length", "force")
         first, second = ((body, point) for body, _, point in (text.partition(".") for text in self.between))
         return Spring(first, second, self.stiffness or 0.0, self.length or 0.0, self.damping)
+
+
+class TorsionSpringTable(FileTable):
+    """A spring that twists, a damper, or both, at a pin."""
+
+    at: Known = Field(description="The pin about which it twists.")
+    between: Annotated[tuple[Known, Known], Strict(False)] = Field(description='Two bodies, or "ground" and a body.')
+    stiffness: TwistStiffness | None = Field(None, description="Moment by angle; none of a damper alone.")
+    angle: Angle | None = Field(None, description="Without moment: the angle of the second body less the first's.")
+    damping: TwistDamping | None = Field(None, description="Moment by rate of the angle.")
+
+    def element(self, place: str) -> TorsionSpring:
+        """The spring, its numbers as they are; InputError where the keys do not go together."""
+        _check_keys(self, place, "angle", "moment")
+        return TorsionSpring(self.at, *self.between, self.stiffness or 0.0, self.angle or 0.0, self.damping)
+
+
+def _check_keys(table: SpringTable | TorsionSpringTable, place: str, rest: str, effort: str) -> None:
+    if not table.stiffness and table.damping is None:
+        found = "missing" if table.stiffness is None else "zero"
+        raise InputError(f"{place}.stiffness: {found}; expected more than zero, or a 'damping'")
+    if table.stiffness and getattr(table, rest) is None:
+        raise InputError(f"{place}.{rest}: missing; a spring needs its {rest} without {effort}, which may be 0")

@@ -1,7 +1,7 @@
 """Tables of a load: its values against where the drive is, the time, or a slider's displacement along its guide."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Literal, TypeAlias
 
@@ -11,7 +11,6 @@ from ..fields import Coordinate, NewtonMetres, Newtons, Position, Time
 
 Over: TypeAlias = Literal["drive", "time", "displacement"]
 COLUMN = {"drive": "positions", "time": "times", "displacement": "displacements"}  # by what it is over: its field
-SEAM = 1e-9  # of the largest value: by how much the last of a periodic table may be off the first, by rounding
 
 
 @dataclass(frozen=True)
@@ -49,14 +48,15 @@ class Table:
 
     def at(self, argument: Any) -> Any:
         """The values at arguments of any shape."""
-        return interpolated(self.within(argument), self.arguments, self.values)
+        argument = self.within(argument)
+        if not self._of_many:
+            return np.interp(argument, self.arguments, self.values)
+        value = self.values[0]
+        for (x0, f0), (x1, f1) in pairwise(zip(self.arguments, self.values, strict=True)):
+            value = value + (f1 - f0) / (x1 - x0) * np.clip(argument - x0, 0, x1 - x0)
+        return value
 
-
-def interpolated(argument: Any, arguments: Sequence[Any], values: Sequence[Any]) -> Any:
-    """The value on straight lines between entries, constant beyond; these may be of many machines, shape (m, 1)."""
-    if not any(np.ndim(number) for number in (*arguments, *values)):
-        return np.interp(argument, arguments, values)
-    value = values[0]
-    for (x0, f0), (x1, f1) in pairwise(zip(arguments, values, strict=True)):
-        value = value + (f1 - f0) / (x1 - x0) * np.clip(argument - x0, 0, x1 - x0)
-    return value
+    @cached_property
+    def _of_many(self) -> bool:
+        """Whether the entries are those of many machines, shape (m, 1)."""
+        return any(np.ndim(number) for number in (*self.arguments, *self.values))

@@ -8,8 +8,7 @@ from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from math import pi, remainder
 
-from ..elements.attack import problems_of_attack
-from ..elements.tables import SEAM, Table
+from ..elements.tables import Table
 from ..errors import InputError, nearest, path_in_file
 from ..limits import POINTS, TURNS, WAVES
 from ..scene import (
@@ -180,18 +179,32 @@ def _of_joints(scene: Scene) -> Iterator[str]:
 
 def _of_elements(scene: Scene) -> Iterator[str]:
     for place, element in scene.elements:
-        if isinstance(element, Spring | TorsionSpring):
-            yield from element.problems(scene, place)
+        ends, body_key, point_key = list[tuple[str, str]](), "between", "at"
+        if isinstance(element, Spring):
+            ends, point_key = [element.first, element.second], "between"
+        elif isinstance(element, TorsionSpring):
+            ends = [(element.first, element.at), (element.second, element.at)]
         else:
-            yield from problems_of_attack(scene, f"{place}.body", f"{place}.at", element.body, element.at)
+            ends, body_key = [(element.body, element.at)], "body"
             yield from _of_table(scene, place, getattr(element, "table", None))
+        known = scene.bodies if len(ends) == 1 else (GROUND, *scene.bodies)
+        for body, point in ends:
+            if body not in known:
+                yield f"{place}.{body_key}: no body '{body}'{nearest(body, known)}"
+            points = scene.ground if body == GROUND else scene.bodies[body].points
+            if point not in points:
+                yield f"{place}.{point_key}: '{body}' has no point '{point}'{nearest(point, points)}"
+        if len(ends) > len({body for body, _ in ends}):
+            yield f"{place}.between: expected two bodies, found '{ends[0][0]}' twice"
+        if isinstance(element, Spring) and element.first[1] == element.second[1]:
+            yield f"{place}.between: {element.first[1]} is the same point of both bodies"
 
 
 def _of_table(scene: Scene, place: str, table: Table | None) -> Iterator[str]:
     """Whether a periodic table comes back to where it began."""
     if table is not None and table.periodic:
         first, *_, last = table.values
-        if not abs(last - first) <= SEAM * max(map(abs, table.values)):
+        if not abs(last - first) <= 1e-9 * max(map(abs, table.values)):  # what a unit's conversion leaves
             unit, size = scene.all_units["force" if table.forces else "moment"]
             off = f"{first / size:.6g} {unit}, found {last / size:.6g} {unit}"
             yield f"{place}.table: periodic: expected the last value to be the first, {off}"

@@ -11,7 +11,7 @@ from ..elements.loads import push
 from ..elements.tables import COLUMN
 from ..fields import walk
 from ..outline import meetings, places
-from ..scene import ConstantSpeed, DrawnBody, ForceTable, Load, PressForce, Scene, TableForce
+from ..scene import ConstantSpeed, DrawnBody, PressForce, Scene, TableForce
 
 DIMENSION = {"positions": "position", "times": "time", "displacements": "length"}  # by column
 FLAT = 1e-9  # of the square of an outline's size: the area of one whose corners are on one line, but for rounding
@@ -85,20 +85,12 @@ def _together(scene: Scene) -> Iterator[Demand]:
             text = f"{place}.along: expected a direction of a size from 1e-15 to 1e15, found {{:g}}"
             drawn = np.hypot(*load.along)
             yield Demand(text, np.logical_and(drawn >= 1e-15, drawn <= 1e15), (drawn,))
-        if columns := _columns(load):
-            name, values = columns
+        if (table := getattr(load, "table", None)) is not None:
+            name = COLUMN[table.over]
             unit, size = scene.all_units[DIMENSION[name]]
-            for row, (before, after) in enumerate(pairwise(values), start=1):
+            for row, (before, after) in enumerate(pairwise(table.arguments), start=1):
                 text = f"{place}.table.{row}.0: expected increasing {name}, found {{:.4g}} {unit}"
                 yield Demand(text, before < after, (after / size,))
-
-
-def _columns(load: Load) -> tuple[str, tuple[Any, ...]] | None:
-    """What the table of a load is over, by the name of its column, and that column."""
-    if isinstance(load, ForceTable):
-        return "displacements", load.displacements
-    table = getattr(load, "table", None)
-    return table and (COLUMN[table.over], table.arguments)
 
 
 def _of_drawn(body: DrawnBody) -> Iterator[Demand]:

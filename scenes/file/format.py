@@ -9,8 +9,7 @@ from .. import limits
 from ..bodies import BodyTable
 from ..drive import DriveTable
 from ..elements.load_table import LoadTable
-from ..elements.springs import SpringTable
-from ..elements.torsion_springs import TorsionSpringTable
+from ..elements.springs import SpringTable, TorsionSpringTable
 from ..errors import InputError, nearest, one_line, path_in_file
 from ..fields import PATTERNS, EngineName, FileTable, Gravity, Known, Name, Place, Position, Positive, parts
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from scenes import Scene
 from scenes.elements.loads import Force, GuideForce, Load, Moment, PressForce, TableForce
-from scenes.elements.torsion_springs import TorsionSpring
+from scenes.elements.springs import TorsionSpring
 from scenes.model.motion import Samples
 from scenes.scene import DrawnBody
 

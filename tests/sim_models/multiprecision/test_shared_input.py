@@ -13,8 +13,8 @@ import scenes
 from compare.judge.floor import establish
 from scenes import Sampling, Scene
 from scenes.elements.loads import ForceTable, PressForce, TableForce
+from scenes.elements.springs import TorsionSpring
 from scenes.elements.tables import Table
-from scenes.elements.torsion_springs import TorsionSpring
 from scenes.laws import LAWS
 from scenes.scene import ConstantSpeed, HarmonicLaw, MotionLaw, SegmentedLaw
 from tests import agreement, scene_files
