@@ -28,8 +28,8 @@ from .bodies import PymunkBody
 from .settings import PymunkSettings
 
 BALLAST = 10.0  # times the mass of all bodies; more makes no scene of the library converge visibly faster
-AMONG_ITS_OWN = 0.3  # moment of a pinned body in a group that a drive closes; there a sweep leaves up to 0.995
 RATIO = 1e-2  # of masses that hardly disturb each other; smaller ones leave the sweeps' convergence as it is
+AMONG_ITS_OWN = 0.3  # the same for moments in a group that a drive closes, where all bodies move each other
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
     chosen = {scene.drive.body: _driven(scene, rigids)} if scene.drive_on == GROUND else {}
     scale = 1.0
     for group in assur_groups(scene):
-        earlier = {GROUND, *chosen}
+        earlier, light = {GROUND, *chosen}, AMONG_ITS_OWN if scene.drive.body in group else RATIO
         for name in group:
             body, mass = rigids[name], scale
             size = body.size or _size(rigids)
@@ -108,11 +108,10 @@ def fictitious_masses(scene: Scene, rigids: Mapping[str, PymunkBody]) -> Inertia
             origin = body.com
             for pin in scene.pins:
                 if name in (pin.first, pin.second) and {pin.first, pin.second} & earlier:
-                    light = AMONG_ITS_OWN if scene.drive.body in group else RATIO
                     origin, mass, moment = body.points[pin.point], scale / RATIO, scale * light * size**2
             on = name
             while on in scene.slides and scene.slides[on].on != GROUND:
-                on, moment = scene.slides[on].on, RATIO * moment  # so that the gear hardly turns the carrier
+                on, moment = scene.slides[on].on, light * moment  # so that the gear hardly turns the carrier
             chosen[name] = Inertia(origin, mass, inf if GROUND in scene.aligned[name] else moment)
         scale *= RATIO**3
     return chosen
