@@ -14,7 +14,7 @@ from scenes.model.motion import Samples
 
 from .core.decomposition import Dyad, Linkage, members
 from .core.dyads import Vectors, dot
-from .core.group_equations import Group
+from .core.groups.group_equations import Group
 from .core.kinetostatics import Reactions
 from .core.placing import Kinematics
 from .way.nearest_length import to_lock

@@ -16,10 +16,10 @@ from scenes.model.motion import Samples, quantity
 from scenes.scene import ConstantSpeed, PressForce
 
 from .channels import FromBoth, all_channels, asked
-from .core.continuation import Track, misfit
 from .core.decomposition import Dyad, Linkage, decompose, guides_cross
 from .core.elements import Given, stroke_end_input
-from .core.group_equations import Group
+from .core.groups.continuation import Track, misfit
+from .core.groups.group_equations import Group
 from .core.kinematics import followed, kinematics, placed
 from .core.kinetostatics import Balance, Reactions
 from .core.placing import Kinematics

@@ -17,10 +17,10 @@ from scenes import Failure, Scene, Status
 from scenes.arguments import scene_of
 from scenes.scene import GROUND
 
-from .continuation import Track
 from .dyads import cross
 from .geometry import RigidBody, as_complex, longest_arm, rigid_body, sketched, sketched_attitude
-from .group_equations import DriveJoint, Group, PinJoint, SlideJoint
+from .groups.continuation import Track
+from .groups.group_equations import DriveJoint, Group, PinJoint, SlideJoint
 from .numbers import Number, Vector, chosen
 
 FLAT = 1e-12  # sine; guides this near to parallel in the drawing are so by rounding

@@ -12,12 +12,12 @@ from scenes import Scene
 from scenes.drive import Driven, Samples
 from scenes.scene import GROUND
 
-from .continuation import Track, follow
 from .decomposition import Guided, InnerPin, InnerSlide, Leg, Linkage, Pinned, kind
 from .dyads import as_vectors, closing, cross, dot, rrr_position, rrr_reach, slide_reach
-from .group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
+from .groups.continuation import Track, follow
+from .groups.group_equations import FramePoses, Group, Placed, coordinates, in_plane, stacked
+from .groups.newton_group import rates
 from .moving_legs import MovingLegs
-from .newton_group import rates
 from .numbers import samples
 from .placing import Closure, Kinematics, RRRPosition
 

@@ -17,8 +17,8 @@ from .decomposition import Guided, InnerPin, InnerSlide, Leg, Pinned
 from .dyads import Vectors, cross, dot, inner_force
 from .elements import ActingForce, Instants
 from .geometry import as_complex
-from .group_equations import Group, coordinates, stacked
-from .newton_group import solved
+from .groups.group_equations import Group, coordinates, stacked
+from .groups.newton_group import solved
 from .numbers import samples
 
 

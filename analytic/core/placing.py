@@ -13,7 +13,7 @@ from scenes.scene import GROUND
 from .decomposition import Guided, Leg, Linkage
 from .dyads import Vectors, closing, dot, rrr_position, turned
 from .geometry import as_complex, guide_of
-from .group_equations import FramePoses, GroupEquations
+from .groups.group_equations import FramePoses, GroupEquations
 from .numbers import Vector, samples
 
 Plane: TypeAlias = tuple[Vectors, Vectors, Vectors]  # position, velocity, acceleration

@@ -1,6 +1,6 @@
 """The branches of larger groups of many machines, each beside that of the scene.
 
-At the positions of the scene's poses (`core.continuation.Track`) Newton's method leads from those to each machine's.
+At the positions of the scene's poses (`groups.continuation.Track`) Newton's method leads from those to each machine's.
 They are on one branch with what the machine's sketch shows where they are so at the sketch, and where from one pose to
 the next the way from the scene's to the machine's changes by little of the move. A machine of which that cannot be said
 is followed alone, by the core.
@@ -14,11 +14,11 @@ import numpy as np
 from scenes import Scene
 from scenes.drive import Driven, Samples
 
-from ..core.continuation import SAME, Track
 from ..core.decomposition import decompose
-from ..core.group_equations import Group, length_of, sketched_coordinates
+from ..core.groups.continuation import SAME, Track
+from ..core.groups.group_equations import Group, length_of, sketched_coordinates
+from ..core.groups.newton_group import ROUGHLY, assemble
 from ..core.kinematics import followed
-from ..core.newton_group import ROUGHLY, assemble
 from .arithmetics.in_numpy import NewtonsMethod, StraightLine
 from .expressions import Expression
 from .program import Program, inputs_at

@@ -16,10 +16,10 @@ from scenes.drive import Driven, Samples
 from scenes.file.changes import numbers_of, refused
 from scenes.scene import PressForce
 
-from ..core.continuation import Track
 from ..core.decomposition import decompose
 from ..core.elements import stroke_end_input
-from ..core.group_equations import Group, equations_of
+from ..core.groups.continuation import Track
+from ..core.groups.group_equations import Group, equations_of
 from ..core.kinematics import kinematics
 from ..solve import Solver, driven_at, not_reached, prepared, solver, where_open
 from ..way.motion_range import in_line

@@ -18,11 +18,11 @@ from scenes.drive import Driven, Samples
 from scenes.scene import GROUND, ConstantSpeed, PressForce
 
 from ..channels import all_channels, asked
-from ..core.continuation import Track
 from ..core.decomposition import Linkage, decompose
 from ..core.elements import stroke_end_input, wound
 from ..core.geometry import as_complex
-from ..core.group_equations import Group, size_of
+from ..core.groups.continuation import Track
+from ..core.groups.group_equations import Group, size_of
 from ..core.kinematics import Pass
 from ..core.kinetostatics import Balance, Reactions
 from ..core.numbers import chosen

@@ -13,8 +13,8 @@ from scenes.arguments import refuse
 from scenes.model.motion import Samples
 
 from ..core.decomposition import Dyad, Linkage, guides_cross
-from ..core.group_equations import Group
-from ..core.newton_group import ROUGHLY, least_singular_value
+from ..core.groups.group_equations import Group
+from ..core.groups.newton_group import ROUGHLY, least_singular_value
 from ..core.placing import Kinematics
 from ..solve import Solver, check_reach
 from .motion_range import in_line, motion_at

@@ -11,7 +11,7 @@ from scenes import Scene
 from scenes.drive import ConstantSpeed, Driven, Samples
 
 from ..core.decomposition import Dyad, Guided, InnerSlide, Linkage, guides_cross, kind
-from ..core.group_equations import Group
+from ..core.groups.group_equations import Group
 from ..core.kinematics import kinematics
 from ..core.placing import Kinematics
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 import analytic
 import scenes
-from analytic.core import continuation
 from analytic.core.dyads import cross
+from analytic.core.groups import continuation
 from analytic.solve import Solver, prepared
 from compare.mechanics.reference import uncertified
 from compare.mechanics.scales import relative_errors

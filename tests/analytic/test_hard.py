@@ -7,7 +7,7 @@ import pytest
 
 import analytic
 import scenes
-from analytic.core import continuation
+from analytic.core.groups import continuation
 from analytic.solve import prepared
 from compare.mechanics.reference import uncertified
 from scenes import Failure, Positions, Sampling, hard

@@ -9,7 +9,7 @@ from scipy.integrate import trapezoid
 
 import analytic
 import scenes
-from analytic.core import continuation
+from analytic.core.groups import continuation
 from scenes import Failure, InputError, Scene, Status
 from scenes.scene import ConstantSpeed, PressForce
 from tests import scene_files

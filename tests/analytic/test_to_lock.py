@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import analytic
 import scenes
 from analytic.core.decomposition import decompose
-from analytic.core.group_equations import Group
+from analytic.core.groups.group_equations import Group
 from scenes import Failure, Motion, Scene
 from tests import scene_files
 from tests.agreement import attitude, solve, where

@@ -35,7 +35,7 @@ from .table import SAMPLING, Record
 
 CORE = (
     *("core.dyads", "core.placing", "core.kinematics", "core.kinetostatics"),
-    *("core.group_equations", "core.newton_group", "channels"),
+    *("core.groups.group_equations", "core.groups.newton_group", "channels"),
 )
 SHARED = {
     "scenes.elements.loads": (),

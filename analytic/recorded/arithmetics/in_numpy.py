@@ -10,8 +10,8 @@ import numpy as np
 
 from scenes.model.motion import Samples
 
-from ...core.group_equations import length_of
-from ...core.newton_group import Correction, refine, solved
+from ...core.groups.group_equations import length_of
+from ...core.groups.newton_group import Correction, refine, solved
 from ..expressions import SIGNS, Closing, Expression, Inputs, needed, walk
 
 BLOCK = 8000  # positions: a few hundred arrays of them are at hand at a time
@@ -36,7 +36,7 @@ class StraightLine:
 
 
 class NewtonsMethod:
-    """A larger group's coordinates at many positions, each corrected as `core.newton_group` does."""
+    """A larger group's coordinates at many positions, each corrected as `core.groups.newton_group` does."""
 
     def __init__(self, closing: Closing) -> None:
         self.names = [one.of[0] for one in closing.coordinates]

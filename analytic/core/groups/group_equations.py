@@ -20,8 +20,8 @@ from scenes import Scene
 from scenes.model.motion import Samples
 from scenes.scene import GROUND
 
-from .geometry import RigidBody, as_complex, sketched, sketched_attitude
-from .numbers import Number, Vector, chosen, largest
+from ..geometry import RigidBody, as_complex, sketched, sketched_attitude
+from ..numbers import Number, Vector, chosen, largest
 
 Complex: TypeAlias = NDArray[np.complex128]
 

@@ -16,7 +16,7 @@ from scenes import Failure, Scene, Status
 from scenes.model.constraints import open_joint
 from scenes.model.motion import Samples
 
-from .geometry import RigidBody
+from ..geometry import RigidBody
 from .group_equations import FramePoses, Group, GroupEquations, Placed, coordinates, equations_of, sketched_coordinates
 from .newton_group import ROUGHLY, assemble, correction, own_jacobian, rates, refine
 

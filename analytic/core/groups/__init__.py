@@ -1,0 +1,1 @@
+"""Larger groups: their equations, the solution by Newton's method, and the branch followed over the drive's way."""
