@@ -10,6 +10,7 @@ import analytic
 from scenes import Scene
 from scenes.model.motion import Samples, force_channels
 from scenes.model.motion import channels as all_channels
+from scenes.scene import GROUND
 
 Texts = Mapping[str, list[str]]  # by column
 DEGREES = {"crank_angle": 'unit = "deg"'}  # what a mapping has besides the name of a column
@@ -42,7 +43,8 @@ class Writer:
         if kind[-1] in "xy":
             return self._component(motion, stem, kind[:-1], kind) / self.length
         if kind in ("angle", "crank_angle"):
-            return np.asarray(way * (motion[channel] - self.turn) / self.angle)
+            turn = 0.0 if kind == "crank_angle" and scene.drive_on != GROUND else self.turn  # of two bodies, which turn
+            return np.asarray(way * (motion[channel] - turn) / self.angle)
         if kind in ("omega", "alpha"):
             return way * motion[channel] / self.angle
         unit = self.force * (self.length if kind in ("guide_moment", "torque") else 1.0)

@@ -45,6 +45,7 @@ class Frame(NamedTuple):
     origin: complex = 0j  # what a place at zero reads
     mirrored: bool = False
     factor: float = 1.0
+    relative: bool = False  # whether the drive's angle is between two bodies, which turn alike
 
 
 def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
@@ -53,7 +54,7 @@ def seen(frame: Frame, samples: Mapping[str, Samples]) -> dict[str, Samples]:
     for channel, own in samples.items():
         kind = quantity(channel)
         if kind in ANGLES:
-            other[channel] = frame.angle + way * own
+            other[channel] = way * own + (0.0 if frame.relative and kind == "crank_angle" else frame.angle)
         elif kind in TURNING:
             other[channel] = way * own * (frame.factor if kind in MOMENTS else 1.0)
     for x, y in vectors(samples):

@@ -14,7 +14,7 @@ from scenes.errors import at_place, nearest, one_line
 from scenes.fields import NAME
 from scenes.file.units import factor
 from scenes.model.motion import UNITS, Samples, channels, force_channels, quantity
-from scenes.scene import ConstantSpeed
+from scenes.scene import GROUND, ConstantSpeed
 
 from ..engines import registry
 from ..engines.runner import Run
@@ -111,7 +111,7 @@ def _mapped(scene: Scene, name: str, file: Path, table: Table, mapping: MappingF
     if rows * len(mapping.columns) > limits.VALUES:
         raise InputError(f"expected {limits.VALUES} numbers at most, found {rows} rows of {len(mapping.columns)}")
     columns, halves = _in_si(table, mapping)
-    _to_frame(columns, halves, mapping)
+    _to_frame(columns, halves, mapping, relative=scene.drive_on != GROUND)
     _on_this_side(scene, columns, mapping.other_side)
     if mapping.backwards:
         columns = {c: -values[::-1] if quantity(c) in REVERSED else values[::-1] for c, values in columns.items()}
@@ -163,10 +163,10 @@ def _in_si(table: Table, mapping: MappingFile) -> tuple[Columns, Columns]:
     return columns, halves
 
 
-def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile) -> None:
+def _to_frame(columns: Columns, halves: Columns, mapping: MappingFile, *, relative: bool) -> None:
     """Turn places, vectors and angles into the scene's frame."""
     given, units = mapping.frame, factors(mapping.units)
-    frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored)
+    frame = Frame(units["rad"] * given.angle, units["m"] * complex(*given.origin), given.mirrored, relative=relative)
     c, s = abs(np.cos(frame.angle)), abs(np.sin(frame.angle))
     for x, y in vectors(columns):
         if x in columns and y in columns:

@@ -13,7 +13,7 @@ import numpy as np
 from scenes import Scene
 from scenes.fields import Number, put, walk
 from scenes.model.motion import Samples, quantity
-from scenes.scene import ConstantSpeed, Drive, HarmonicLaw
+from scenes.scene import GROUND, ConstantSpeed, Drive, HarmonicLaw
 
 from ...results.frame import KNOWN, LENGTHS, Frame, seen, unit_near, vectors
 from .cause import Cause, Kind, Part
@@ -43,8 +43,8 @@ def frame_causes(evidence: Evidence) -> Iterator[Hypothesis]:
         size = KNOWN["rad"][unit]
         rates = {c: (size / scene.drive.speed) ** order * true[c] for c, order in orders.items()}
         yield Hypothesis(Cause(Kind.unit, "all", BY_ANGLE, names=(name,)), rates)
-        there = evidence.reference.at(size / KNOWN["rad"][other] * true[scene.drive_channel], true["time"])
-        others = {c: there[c] for c in evidence.names if c != scene.drive_channel}
+        there = evidence.solved(scene, size / KNOWN["rad"][other] * true[scene.drive_channel])
+        others = {c: there[c] for c in evidence.names if c != scene.drive_channel and there}
         yield Hypothesis(Cause(Kind.unit, "drive", AXIS, names=(unit, other)), others)
 
 
@@ -74,7 +74,8 @@ def _frame(evidence: Evidence, *, mirrored: bool) -> Iterator[Hypothesis]:
         text = "all lengths are in {one} in place of {two}" if unit else "all lengths are {times}"
         causes.append(Cause(Kind.unit, "all", text, (factor,), (unit, "m"), all_lengths))
     if causes:
-        other = seen(Frame(angle, b, mirrored, factor), {c: evidence.true[c] for c in evidence.names})
+        relative = evidence.reference.scene.drive_on != GROUND
+        other = seen(Frame(angle, b, mirrored, factor, relative), {c: evidence.true[c] for c in evidence.names})
         drive = evidence.reference.scene.drive_channel
         predicted = {c: own for c, own in other.items() if c != drive or evidence.off[drive] > LEAST}
         freedom = bool(angle) + 2 * bool(b) + (not unit)

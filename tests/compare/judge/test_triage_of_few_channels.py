@@ -13,7 +13,7 @@ from compare.judge.causes.forces import force_causes
 from compare.judge.causes.numbers import number_causes
 from compare.judge.causes.whole import drive_causes
 from compare.judge.causes.words import words
-from compare.judge.triage import likeliest
+from compare.judge.triage import cause, likeliest
 from compare.mechanics.reference import Reference
 from scenes import Motion, Sampling, Scene
 from scenes.fields import put
@@ -112,3 +112,12 @@ def test_a_factor_is_never_shown_as_one(reference: Reference, by: float, wrong: 
     velocities = {c: by * v if quantity(c) in ("vx", "vy", "omega") else v for c, v in right.items()}
     whole = likeliest(seen(reference, velocities, velocities))
     assert wrong.removesuffix(" it") in words(reference.scene, whole)
+
+
+def test_causes_are_known_where_the_crank_turns_but_a_part(references: References) -> None:
+    """Positions in degrees in place of radians are beyond its dead points, and no reason to know nothing."""
+    reference, sampling = references("elbow"), Sampling(36)
+    motion = reference.at(sampling.commanded(reference.scene), sampling.times(reference.scene))
+    wrong = Motion({**motion.samples, "T.vx": -motion["T.vx"]})
+    named = cause(reference, sampling, wrong)
+    assert (named.kind, named.place) == (Kind.sign, "T")

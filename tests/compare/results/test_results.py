@@ -48,6 +48,13 @@ def test_it_agrees_as_well_as_it_is_written(
     assert {check.check for check in found.checks} >= {"closure", "Newton", "Euler", "power", "reaction"}
 
 
+def test_the_angle_between_two_bodies_does_not_turn_with_the_frame(tmp_path: Path, references: References) -> None:
+    scene = scene_files.load("elbow")
+    columns = ELSEWHERE.columns(scene, instants(scene), ["crank_angle", *channels(scene)])
+    found = judged(scene, ELSEWHERE.file(tmp_path, columns, f"promise = 1e-9\n{MAPPED}"), references)
+    assert found.run.status.name == "ok", found.run.reason
+
+
 @pytest.mark.parametrize("channel", ["P4.y", "P4.vx", "P5.ay", "rod.angle", "toggle.alpha", "P3.fx", "drive.torque"])
 def test_decimals_excuse_no_more_than_half_of_the_last(tmp_path: Path, references: References, channel: str) -> None:
     """A channel that is off by three of its last decimals, and a promise below these, is not ok; one is excused."""
