@@ -7,32 +7,21 @@ from poses. A table's value depends on where its slider or the drive is in the s
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import ceil, tau
+from math import ceil, pi, tau
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from scenes.elements.tables import Over, Table
-from scenes.scene import (
-    GROUND,
-    Force,
-    ForceTable,
-    GuideForce,
-    Load,
-    Moment,
-    PressForce,
-    TableForce,
-    TorsionSpring,
-)
+from scenes.scene import GROUND, Force, ForceTable, GuideForce, Load, Moment, PressForce, TableForce
 
 from .poses import Configuration, PoseSolver
 from .system import TURN, Array, ExudynSystem, exudyn, items
 
-ForceFunction: TypeAlias = Callable[[Any, float, Any], list[float]]  # of the system, its clock, and a force not used
+LoadValue: TypeAlias = Callable[[Any, float], float]  # of the system, as it is then, and its clock
 PressSwitches: TypeAlias = Mapping[PressForce, Sequence[float]]  # s within a cycle: on and off in turn
 
 GRID = 180  # instants of a cycle between which a slider reverses once at most
-SAME_ANGLE = 1e-9  # of a turn: half a turn is that, whichever way it was rounded
+HALF_TURN = pi + 1e-9  # rad: half a turn is that, whichever way it was rounded
 ACCURACY = 1e-13  # of a cycle, far within the next
 SAME_INSTANT = 1e-10  # of a cycle; so close before a switch counts as after it, whichever way the clock was rounded
 
@@ -47,9 +36,11 @@ def add_loads(system: ExudynSystem, switches: PressSwitches, start: Configuratio
         values = {"stiffness": spring.stiffness / unit, "damping": (spring.damping or 0.0) / unit}
         system.mbs.AddObject(items.SpringDamper(**ends, **values, referenceLength=spring.length))
     for twisted in scene.torsion_springs:
-        ends = {"markerNumbers": [system.coordinate(body, TURN) for body in (twisted.first, twisted.second)]}
+        bodies = twisted.first, twisted.second
+        ends = {"markerNumbers": [system.coordinate(body, TURN) for body in bodies]}
         values = {"stiffness": twisted.stiffness / unit, "damping": (twisted.damping or 0.0) / unit}
-        turns = 0 if twisted.drives(scene) else _turns(system, twisted, start)
+        first, second = (system.pose_of(body, start.q)[1] for body in bodies)
+        turns = 0 if twisted.drives(scene) else ceil((second - first - HALF_TURN) / tau)  # else within half a turn
         system.mbs.AddObject(items.CoordinateSpringDamper(**ends, **values, offset=twisted.angle + turns * tau))
     if scene.gravity is not None:
         for name, body in system.bodies.items():
@@ -61,93 +52,74 @@ def add_loads(system: ExudynSystem, switches: PressSwitches, start: Configuratio
 def _add_load(system: ExudynSystem, load: Load, switches: PressSwitches) -> None:
     """Add a load; one in its body's frame, or along a guide that turns, is fixed to the body that it acts on."""
     turns, at = load.body in system.scene.turning, system.bodies[load.body].points[load.at]
+    value = None if isinstance(load, Force) else _value(system, load, switches)
 
-    def force(given: Mapping[str, Any], body: str = load.body, place: complex = at, *, fixed: bool = False) -> None:
+    def given(*vector: float) -> dict[str, Any]:
+        parts = [part / system.force_unit for part in vector]
+        return {"loadVector": parts} if value is None else {"loadVectorUserFunction": _scaled(parts, value)}
+
+    def add(x: float, y: float, body: str = load.body, place: complex = at, *, fixed: bool = False) -> None:
         marker = system.marker(body, place, "Rigid" if fixed else "Position")
-        system.mbs.AddLoad(items.Force(markerNumber=marker, bodyFixed=fixed, **given))
+        system.mbs.AddLoad(items.Force(markerNumber=marker, bodyFixed=fixed, **given(x, y, 0.0)))
 
     match load:
-        case Force():
-            force(_given(system, (*load.force, 0.0)), fixed=turns and load.frame == "body")
-        case ForceTable():
-            force({"loadVectorUserFunction": _tabulated(system, load)})
         case PressForce():
-            force({"loadVectorUserFunction": _switched(system, load, switches[load])})
+            add(*load.force)
+        case Force():
+            add(*load.force, fixed=turns and load.frame == "body")
         case TableForce():
-            given = _given(system, (*load.direction, 0.0), load.table, load.body)
-            force(given, fixed=turns and load.frame == "body")
+            add(*load.direction, fixed=turns and load.frame == "body")
         case Moment():
-            given = _given(system, (0.0, 0.0, 1.0 if load.moment is None else load.moment), load.table, load.body)
-            system.mbs.AddLoad(items.Torque(markerNumber=system.marker(load.body, 0j, "Rigid"), **given))
+            marker = system.marker(load.body, 0j, "Rigid")
+            moment = given(0.0, 0.0, 1.0 if load.moment is None else load.moment)
+            system.mbs.AddLoad(items.Torque(markerNumber=marker, **moment))
+        case ForceTable():
+            add(*system.scene.slides[load.body].along)
         case GuideForce():
             slide, size = system.scene.slides[load.body], 1.0 if load.force is None else load.force
             x, y = (size * part for part in slide.along)
-            force(_given(system, (x, y, 0.0), load.table, load.body), fixed=turns)
+            add(x, y, fixed=turns)
             if slide.on != GROUND:  # on the carrier the line on which both act stays where it is
-                place = system.through(load.body) + at - system.lever(load.body)
-                force(_given(system, (-x, -y, 0.0), load.table, load.body), slide.on, place, fixed=turns)
+                add(-x, -y, slide.on, system.through(load.body) + at - system.lever(load.body), fixed=turns)
 
 
-def _given(
-    system: ExudynSystem, vector: tuple[float, float, float], table: Table | None = None, body: str = ""
-) -> dict[str, Any]:
-    """A vector in N or N m, or times the value of a table of a load on a body, as an argument of Exudyn's loads."""
-    parts = [part / system.force_unit for part in vector]
-    if table is None:
-        return {"loadVector": parts}
-    argument = _argument(system, table.over, body)
+def _scaled(parts: Sequence[float], value: LoadValue) -> Callable[[Any, float, Any], list[float]]:
+    def vector(mbs: Any, clock: float, _unused: Any) -> list[float]:
+        size = value(mbs, clock)
+        return [size * part for part in parts]
 
-    def scaled(mbs: Any, clock: float, _unused: Any) -> list[float]:
-        value = float(table.at(argument(mbs, clock)))
-        return [value * part for part in parts]
-
-    return {"loadVectorUserFunction": scaled}
+    return vector
 
 
-def _argument(system: ExudynSystem, over: Over, body: str) -> Callable[[Any, float], float]:
-    """What a table of a load on a body is over, as a function of the system, as it is then, and its clock."""
+def _value(
+    system: ExudynSystem, load: PressForce | ForceTable | GuideForce | TableForce | Moment, switches: PressSwitches
+) -> LoadValue | None:
+    """What a load's vector is to be multiplied by; None for a constant one."""
     scene, drive, coordinates = system.scene, system.driven_by, exudyn.OutputVariableType.Coordinates
-    if over == "time":
-        return lambda _mbs, clock: drive.zero + clock
-    if over == "displacement" or scene.driven_slide is not None:
-        gauge = system.gauge(body if over == "displacement" else scene.drive.body)
-        return lambda mbs, _clock: float(mbs.GetMarkerOutput(gauge, coordinates)[0])
-    base, crank = (system.coordinate(name, TURN) for name in (scene.drive_on, scene.drive.body))
-    return lambda mbs, _clock: float(
-        mbs.GetMarkerOutput(crank, coordinates)[0] - mbs.GetMarkerOutput(base, coordinates)[0]
-    )
+    if isinstance(load, PressForce):  # off until the first of the instants of a cycle, on until the second, and so on
+        instants, cycle, repeats = switches[load], scene.drive.cycle, scene.drive.repeats
 
+        def acts(_mbs: Any, clock: float) -> float:
+            time = drive.zero + clock + SAME_INSTANT * cycle
+            return float(bisect_right(instants, time % cycle if repeats else time) % 2)
 
-def _turns(system: ExudynSystem, twisted: TorsionSpring, start: Configuration) -> int:
-    """The whole turns by which the coordinates' angle exceeds the one that lies within half a turn of zero."""
-    first, second = (
-        0.0 if name == GROUND else system.pose_of(name, start.q)[1] for name in (twisted.first, twisted.second)
-    )
-    return ceil((second - first) / tau - 0.5 - SAME_ANGLE)
-
-
-def _tabulated(system: ExudynSystem, table: ForceTable) -> ForceFunction:
-    along, zero, node = system.along(table.body), system.displaced(table.body, 0j), system.nodes[table.body]
-    factors, unit = system.displacement_factors(table.body), system.force_unit
-    coordinates = exudyn.OutputVariableType.Coordinates
-
-    def force(mbs: Any, _clock: float, _unused: Any) -> list[float]:
-        f = 1 / unit * float(table.along(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
-        return [f * along.real, f * along.imag, 0]
-
-    return force
-
-
-def _switched(system: ExudynSystem, load: PressForce, switches: Sequence[float]) -> ForceFunction:
-    """The force that is off until the first of the instants of a cycle, on until the second, and so on."""
-    drive, cycle, repeats = system.driven_by, system.scene.drive.cycle, system.scene.drive.repeats
-    on, off = [*(f / system.force_unit for f in load.force), 0.0], [0.0, 0.0, 0.0]
-
-    def force(_mbs: Any, clock: float, _unused: Any) -> list[float]:
-        time = drive.zero + clock + SAME_INSTANT * cycle
-        return on if bisect_right(switches, time % cycle if repeats else time) % 2 else off
-
-    return force
+        return acts
+    if isinstance(load, ForceTable):
+        zero, factors = system.displaced(load.body, 0j), system.displacement_factors(load.body)
+        node = system.nodes[load.body]
+        return lambda mbs, _: float(load.along(zero + float(np.dot(factors, mbs.GetNodeOutput(node, coordinates)))))
+    table = load.table
+    if table is None:
+        return None
+    if table.over == "time":
+        return lambda _, clock: float(table.at(drive.zero + clock))
+    if table.over == "displacement" or scene.driven_slide is not None:
+        markers = [(system.gauge(load.body if table.over == "displacement" else scene.drive.body), 1)]
+    else:
+        markers = [
+            (system.coordinate(body, TURN), sign) for body, sign in ((scene.drive.body, 1), (scene.drive_on, -1))
+        ]
+    return lambda mbs, _: float(table.at(sum(sign * mbs.GetMarkerOutput(at, coordinates)[0] for at, sign in markers)))
 
 
 def press_switches(poses: PoseSolver, start: Configuration) -> PressSwitches:

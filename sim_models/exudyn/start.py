@@ -1,9 +1,10 @@
 """Where a system starts: assembled from the scene's sketch, on the branch that the sketch shows."""
 
 from cmath import phase
+from collections.abc import Mapping
 from functools import lru_cache
 from math import pi, remainder, sqrt, tau
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from .poses import Configuration, PoseSolver
 from .system import Array, ExudynSystem, exudyn
 
 SCENES = 4  # whose starts are kept; one that is run has up to two
+
+Sketched: TypeAlias = Mapping[str, tuple[Array, Array]]  # by body its sketched points: along its own axes, and as drawn
 
 
 @lru_cache(SCENES)
@@ -47,66 +50,59 @@ def _rough(system: ExudynSystem, position: float) -> Array:
 
     A body without a sketched point has only slides, on which Newton's method finds it from anywhere.
     """
-    drawing = _Drawing(system, position)
-    pose = []
-    for name, own in drawing.own.items():
-        angle = drawing.angle(name)
-        com = (drawing.drawn[name] - np.exp(1j * angle) * own).mean() if len(own) else 0j
+    places, sketched, pose = system.scene.drawn, {}, []
+    for name, body in system.bodies.items():
+        known = [point for point in body.points if point in places]
+        sketched[name] = np.array([body.points[p] for p in known]), np.array([places[p] for p in known])
+    angles = _angles(system, sketched, position)
+    for name, (own, drawn) in sketched.items():
+        angle = angles[system.scene.aligned[name]]
+        com = (drawn - np.exp(1j * angle) * own).mean() if len(own) else 0j
         pose += [com.real, com.imag, angle]
     return np.array(pose)
 
 
-class _Drawing:
-    """The sketched points of every body, along its own axes and as drawn, and how bodies are turned by them."""
+def _angles(system: ExudynSystem, sketched: Sketched, position: float) -> dict[frozenset[str], Any]:
+    """The angles of bodies that slides keep parallel; of two that the drive turns, one may follow from the other's."""
+    scene = system.scene
+    angles = {group: _shown(system, sketched, group, position) for group in scene.aligned.values()}
+    base, crank = scene.aligned[scene.drive_on], scene.aligned[scene.drive.body]
+    if scene.drive_on != GROUND and scene.driven_slide is None:
+        if angles[base] is None:
+            angles[base] = angles[crank] - position
+        turned = angles[base] + position
+        angles[crank] = turned if angles[crank] is None else turned + remainder(angles[crank] - turned, tau)
+    return angles
 
-    def __init__(self, system: ExudynSystem, position: float) -> None:
-        self.system, self.scene, self.position = system, system.scene, position
-        self.own, self.drawn = {}, {}
-        places = self.scene.drawn
-        for name, body in system.bodies.items():
-            known = [point for point in body.points if point in places]
-            self.own[name] = np.array([body.points[point] for point in known])
-            self.drawn[name] = np.array([places[point] for point in known])
 
-    def angle(self, name: str) -> Any:
-        """The angle of a body; of two that the drive turns against each other, one may follow from the other's."""
-        scene, shown = self.scene, self._shown(name)
-        base, crank = scene.drive_on, scene.drive.body
-        if base != GROUND and scene.driven_slide is None:
-            on = self._shown(base)
-            on = self._shown(crank) - self.position if on is None else on
-            if name in scene.aligned[base]:
-                return on
-            if name in scene.aligned[crank]:
-                turns = on + self.position
-                return turns if shown is None else turns + remainder(shown - turns, tau)
-        return shown
+def _shown(system: ExudynSystem, sketched: Sketched, group: frozenset[str], position: float) -> Any:
+    """The angle of parallel bodies as they are drawn; None where that does not show it."""
+    scene = system.scene
+    if GROUND in group:
+        return 0.0
+    if scene.drive_on == GROUND and scene.drive.body in group:
+        return position
+    # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
+    points = [sketched[name] for name in sorted(group)]
+    pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in points if len(own) > 1]
+    sliders = sorted(group & scene.slides.keys()) if not pairs else ()
+    guides = [(scene.slides[name].on, name) for name in sliders]
+    pairs += [
+        _along_guide(system, sketched, *ends, position) for ends in guides if all(len(sketched[n][0]) for n in ends)
+    ]
+    return phase(sum(np.vdot(*pair) for pair in pairs)) if pairs else None
 
-    def _shown(self, name: str) -> Any:
-        """The angle of a body as it and those parallel to it are drawn; None where they do not show it."""
-        scene, group = self.scene, sorted(self.scene.aligned[name])
-        if GROUND in group:
-            return 0.0
-        if scene.drive_on == GROUND and scene.drive.body in group:
-            return self.position
-        # argmin over the angle of sum |drawn - mean - e^{i angle} (own - mean)|^2, over all bodies of this angle
-        pairs = [(own - own.mean(), drawn - drawn.mean()) for own, drawn in map(self._of, group) if len(own) > 1]
-        on_guides = [n for n in group if n in scene.slides and len(self.own[n]) and len(self.own[scene.slides[n].on])]
-        pairs = pairs or [self._along_guide(slider) for slider in on_guides]
-        return phase(sum(np.vdot(*pair) for pair in pairs)) if pairs else None
 
-    def _of(self, name: str) -> tuple[Array, Array]:
-        return self.own[name], self.drawn[name]
-
-    def _along_guide(self, slider: str) -> tuple[complex, complex]:
-        """The way from a point of what has a guide to one of its slider, m: in their frame, and as drawn."""
-        system, on, along = self.system, self.scene.slides[slider].on, self.system.along(slider)
-        drawn = self.drawn[slider][0] - self.drawn[on][0]
-        own = system.through(slider) + self.own[slider][0] - system.lever(slider) - self.own[on][0]
-        if slider == self.scene.drive.body:
-            return own + along * self.position, drawn
-        off = (along.conjugate() * own).imag
-        return along * complex(sqrt(max(abs(drawn) ** 2 - off**2, 0.0)), off), drawn  # the slider is pushed out
+def _along_guide(
+    system: ExudynSystem, sketched: Sketched, on: str, slider: str, position: float
+) -> tuple[complex, complex]:
+    """The way from a point of what has a guide to one of its slider, m: in their frame, and as drawn."""
+    (first, begin), (last, end) = sketched[on], sketched[slider]
+    along, own = system.along(slider), system.through(slider) + last[0] - system.lever(slider) - first[0]
+    drawn, off = end[0] - begin[0], (along.conjugate() * own).imag
+    if slider == system.scene.drive.body:
+        return own + along * position, drawn
+    return along * complex(sqrt(max(abs(drawn) ** 2 - off**2, 0.0)), off), drawn  # the slider is pushed out
 
 
 def _check_freedoms(system: ExudynSystem, q: Array) -> None:

@@ -24,7 +24,6 @@ TURN = 2  # of x, y and the angle
 Array: TypeAlias = NDArray[np.float64]
 Chosen: TypeAlias = slice | NDArray[np.intp]
 
-
 exudyn: Any = import_module("exudyn")  # whose own types refuse much that it takes
 exudyn.config.printToConsole = False
 items = exudyn.itemInterface
@@ -80,6 +79,8 @@ class ExudynSystem:
 
     def pose_of(self, body: str, q: Array) -> tuple[Any, Any]:
         """A body's centre of mass and angle, or their rates, from coordinates or their rates, shape (..., 3 bodies)."""
+        if body == GROUND:
+            return 0j, 0.0
         first = 3 * list(self.bodies).index(body)
         return q[..., first] + 1j * q[..., first + 1], q[..., first + 2]
 
@@ -107,11 +108,10 @@ class ExudynSystem:
 
     def driven(self, q: Array) -> Any:
         """The position of the drive, rad or m, from coordinates, shape (..., 3 bodies)."""
-        scene = self.scene
-        if scene.driven_slide is not None:
-            return self.displacement(scene.drive.body, q)
-        angle = self.pose_of(scene.drive.body, q)[1]
-        return angle if scene.drive_on == GROUND else angle - self.pose_of(scene.drive_on, q)[1]
+        name = self.scene.drive.body
+        if self.scene.driven_slide is not None:
+            return self.displacement(name, q)
+        return self.pose_of(name, q)[1] - self.pose_of(self.scene.drive_on, q)[1]
 
     def displacement_factors(self, body: str) -> Any:
         """The factors of a slider's own coordinates whose sum is its displacement, but for a constant."""
